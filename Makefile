@@ -8,10 +8,10 @@ SCENES ?= ../shared/scenes
 PYTHON ?= python3
 B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
-# Libraries of one major number take each other's place.
+# Libraries of the same major version are interchangeable.
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
-# What programs include as <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
+# Public headers <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
 CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h kernels.h)
 HEADERS := $(wildcard src/include/fixsplat/*.h)
 
@@ -36,14 +36,14 @@ DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ 
                  zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
-# Where "make setup web" puts the sources of libraries (tools/web_sources.sh), for every clone; WEB_SOURCES= : none.
+# Folder for library sources of `make setup web` (tools/web_sources.sh), shared by all clones; WEB_SOURCES= disables it.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Where "make setup windows" builds the libraries that are linked in (tools/libraries.sh), for every clone.
+# Folder for the Windows libraries of `make setup windows` (tools/libraries.sh), shared by all clones.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check
 
-# As many jobs as processors, unless told by -j.
+# As many jobs as processors, unless -j is given.
 PROCESSORS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(PROCESSORS)
@@ -65,7 +65,7 @@ setup: ## install the Debian packages that are missing (and what goals behind it
 	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; \
 	    sh tools/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/arm_libraries.sh $(B)/aarch64)
 
-# What else is asked for, by a make that finds what was installed.
+# Other goals run in a new make, which finds the installed packages.
 REST := $(filter-out setup,$(GOALS))
 $(REST): rest ;
 rest: setup

@@ -1,7 +1,7 @@
-# The command and the libraries: what is here to build with, what is built from what, and how.
+# Builds the command and the libraries: finds compilers and libraries, lists the sources, and has the rules.
 
-# Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
-# library, its feature answers with a clear message.
+# tools/probe.sh finds the compiler, the kernels for its processors and the optional libraries. It runs again when one
+# of them changes. Without its library, a feature reports a clear message.
 quoted = '$(subst ','\'',$(1))'
 ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
@@ -15,15 +15,15 @@ ifeq ($(origin AR),default)
 AR := $(or $(AR_OF_CC),ar)
 endif
 
-# No contraction of a * b + c: procedural scenes and imports are the same everywhere.
+# -ffp-contract=off: without contraction of a * b + c, procedural scenes and imports are identical everywhere.
 INCLUDES := -Isrc/include -I.
 FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off $(INCLUDES) \
         -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FLAGS_$(SYSTEM)) $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
-# gcc takes the stack of Windows for aligned to more than 16 bytes, which it is not (bug 54412), so that wider vectors
-# are to be moved as if they were not; and its isfinite warns.
+# gcc assumes that the Windows stack is aligned to more than 16 bytes, which is wrong (gcc bug 54412), so vectors
+# are moved as unaligned. Its isfinite gives a warning.
 FOR_TESTS_win32 := -include tests/on_windows.h
 FLAGS_win32 := -Wa,-muse-unaligned-vector-move -Wno-float-conversion
-# One set of objects for the static and the shared libraries. The shared one shows what is declared FXS_API.
+# Static and shared libraries use the same objects. The shared library exports only FXS_API declarations.
 PIC_posix := -fPIC -fno-semantic-interposition -fvisibility=hidden
 PIC_win32 := '-DFXS_API=__declspec(dllexport)'
 PIC := $(if $(SHARED),$(PIC_$(SYSTEM)))
@@ -33,13 +33,14 @@ NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute
 LIBS := $(foreach name,CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL CUDA,$(LIBS_$(name))) \
         -lm -lpthread
 
-# Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
-# AVX-512 masks.
+# Faster versions of the stages have their instruction set in their file name. clang 14 crashes on the debug information
+# of AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
-# Lanes that are not wanted may overflow, as do the bits of a .jpg in stb_image_write: -fwrapv says that this is no
-# fault. -O3: project takes 9 % less, an import 10 %. -falign-functions: by where it began in a line of the cache,
-# project took up to a quarter more, and any change before it moved it. Nobody reads errno or traps of src/pack/coarsen
-# and the stages of packing, and without them their loops become vectors, with the same bytes.
+# -fwrapv: unused lanes may overflow, and so may the bits of a .jpg in stb_image_write; this makes overflow defined.
+# -O3: project takes 9 % less time, an import 10 %. -falign-functions: without it, project took up to 25 % longer,
+# depending on its alignment in the cache line, which any earlier change shifts. -fno-math-errno, -fno-trapping-math:
+# src/pack/coarsen and the packing stages do not read errno or traps, so their loops can be vectorised, with the same
+# bytes.
 isa = $(if $(filter src/image/image_encode,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv) $(if $(filter kernels/simd/x86/%,$(1)),-falign-functions=64) $(if $(filter kernels/% src/pack/%,$(1)),$(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
       $(if $(filter src/pack/coarsen src/pack/pack_c kernels/pack/%,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
@@ -50,7 +51,7 @@ FIT_KERNELS_arm := neon
 PACK_KERNELS_x86 := avx2
 KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/simd/$(KERNEL_FOLDER)/*.c))
 CORE := $(wildcard src/core/*.c kernels/*.c) $(KERNELS)
-# These take threads of POSIX, which mingw-w64 has, and nothing else of it.
+# These files use POSIX threads, which mingw-w64 provides, and no other POSIX functions.
 ON_WINDOWS_TOO := open.c pager.c pager_url.c pool.c
 DEVICES := $(call with,GLES,kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu)
 LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scene/write scene/edit pack camera image fit) \
@@ -79,7 +80,7 @@ SHARED_LIBRARY := $(if $(SHARED),$(SHARED_$(SYSTEM)))
 
 # ---- Rules ---------------------------------------------------------------------------------------------------------
 
-# One line a file; V=1: the whole command.
+# Prints one line per file; V=1 prints whole commands.
 ifeq ($(V),)
 say = @$(if $(findstring s,$(firstword -$(MAKEFLAGS))),,printf '  %-4s %s\n' $(1) $(2) &&)
 endif
@@ -110,7 +111,7 @@ $(B)/fixsplat-web$(EXE): $(call objects,$(wildcard tools/serve*.c) $(SERVER) $(f
                    $(B)/commands/link
 	$(call link,$(LIBS_MICROHTTPD) $(LIBS_QRENCODE) $(LIBS_SOCKETS_$(SYSTEM)))
 
-# What commands are made of: what was built by another is built again.
+# Records the commands and their options: a change rebuilds the files made by them.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
 $(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_TTF) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(LIBS_QRENCODE) $(AR) \
@@ -119,7 +120,7 @@ $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
-# An object depends on the optional libraries that its source and headers ask for: those are added to its .d.
+# An object depends on the optional libraries named in its source and headers; these dependencies are added to its .d.
 features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
            sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
 
@@ -128,22 +129,22 @@ $(B)/%.o: %.c $(B)/commands/compile
 	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(if $(filter tests/%,$*),$(FOR_TESTS_$(SYSTEM))) $(call isa,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
-# Names have a hash of the source's path: of the one that is here, not of the folder's, so that any folder gives the same
-# bytes.
+# nvcc puts a hash of the source's path into names. The relative path is used, so that the bytes do not depend on the
+# folder.
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
 	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
 	    $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
 
-# These are there only with their library, and do not ask.
+# These files are built only with their library and do not test FXS_WITH_*.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/gl/egl.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/gl/osmesa.c)): $(B)/with/OSMESA
 
-# The shaders' texts, and src/include/fixsplat/pixel.h that those of gles are built around, as arrays of characters,
-# without comments and spaces about a line.
+# Shader sources as character arrays, without comments and indentation. The gles shaders are built around
+# src/include/fixsplat/pixel.h.
 GLES_SHADERS := src/include/fixsplat/pixel.h $(wildcard $(patsubst %,kernels/%/*.vert,gl gles) $(patsubst %,kernels/%/*.frag,gl gles))
 COMPUTE_SHADERS := $(wildcard $(addprefix kernels/compute/*.,comp frag glsl) kernels/gl/*.vert kernels/gl/*.frag)
 $(B)/kernels/gles/shaders.h: $(GLES_SHADERS)
@@ -157,7 +158,7 @@ WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
 $(WITH_SHADERS): INCLUDES += -I$(@D)
 
-# What the headers declare, as a text that the library carries.
+# The declarations of the headers, as a text inside the library.
 $(B)/declarations.c: $(HEADERS) tools/declarations.sh make/build.mk $(B)/commands/compile
 	@text=$$(CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/declarations.sh $(HEADERS)) && \
 	    { echo '#include <fixsplat/declarations.h>'; echo 'static const char text[] = {'; \

@@ -1,28 +1,27 @@
 # Tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-# Programs for Windows are without those that fork, limit themselves or their memory, make links and FIFOs, or ask a shell.
+# Windows programs exclude tests that fork, limit resources or memory, create links or FIFOs, or use a shell.
 NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
 TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
 
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# These take long, and start first, the longest before the others; `make check` leaves them and the other scripts to
-# `make test`.
+# Long tests: they start first, longest first. `make check` leaves them and the other scripts to `make test`.
 LONG := dist.sh windows.sh web.sh python.sh test_quality page.sh fit_same.sh fuzz.sh boards.sh processors.sh webgl.sh \
         webgpu.sh convert.sh threads_and_cpus.sh cli.sh build.sh bundlers.sh test_gles test_pack bench.sh xr.sh \
         test_fit_steps matrix.sh instructions.sh test_bands
-# These wait for a window, or measure: one at a time, at the end.
+# These need a window or measure time, so they run one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
 
-# T=name: what is called so, with test_ before or .sh behind or not; else what has that in its name.
+# T=name: the test of that name, with or without test_ or .sh; else all tests with names that contain it.
 EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# One more than there are processors, as those in a browser wait for much of their time.
+# One job more than processors, because browser tests mostly wait.
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
@@ -32,7 +31,7 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
                    $(B)/commands/link
 	$(call link)
 
-# It has a function in the place of one of SDL's, which in Windows is linked in.
+# The test replaces a function of SDL, which is linked statically on Windows.
 FOR_WINDOW_win32 := -Wl,--allow-multiple-definition
 $(B)/tests/test_window$(EXE): $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
                         port/window/words.c $(WINDOW) \
@@ -50,13 +49,13 @@ test-all: ## the same, with every compiler, processor, board and sanitizer at ha
 
 test-programs: $(patsubst %,$(B)/tests/%$(EXE),$(TESTS_HERE)) ## build the test programs
 
-# Need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
+# These need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
 $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
 $(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
 $(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-# Needs none: the kernels are compiled as C++, with tests/gpu/emulated in the place of CUDA.
+# Needs no GPU: compiles the kernels as C++, with tests/gpu/emulated instead of CUDA.
 EMULATED := tests/gpu/emulated
 $(B)/tests/gpu/emulated_cuda: $(B)/tests/gpu/test_cuda.o $(B)/tests/gpu/emulated_peek.o $(B)/tests/gpu/emulated_runtime.o \
                               $(B)/libfixsplat.a $(B)/commands/link

@@ -1,4 +1,4 @@
-/* The functions of a back end that was built without its library. ABSENT: the message that says so. */
+/* Stubs of a back end that was built without its library. ABSENT: their message. */
 #ifndef FXS_ABSENT_H
 #define FXS_ABSENT_H
 

@@ -1,4 +1,4 @@
-/* Fills in the table of backend.h for whole frames in compute shaders of OpenGL ES (kernels/compute), by EGL. */
+/* Back end that renders whole frames in compute shaders of OpenGL ES (kernels/compute), with a context by EGL. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,9 +16,9 @@
 typedef struct compute_backend {
     void *port;
     fxs_compute *compute;
-    fxs_compute_scene *scenes;     /* those that are on the device */
+    fxs_compute_scene *scenes;     /* scenes uploaded to the device */
     uint32_t scene_count, scene_room;
-    const fxs_compute_scene **copies;          /* of the objects of a request */
+    const fxs_compute_scene **copies;          /* for each object of a request, its scene's copy */
     uint32_t copy_room;
     void *memory;
     size_t memory_bytes;
@@ -99,7 +99,6 @@ static void forget(void *self, const fxs_scene *scene)
         }
 }
 
-/* Room for one more scene. */
 static int grow_scenes(compute_backend *b, fxs_message *why)
 {
     if (b->scene_count < b->scene_room)
@@ -113,7 +112,7 @@ static int grow_scenes(compute_backend *b, fxs_message *why)
     return 0;
 }
 
-/* The place of the copy of a scene, which is made where there is none or it has changed. */
+/* Finds the device copy of a scene and sets *place to its index. Uploads the scene if it is new or changed. */
 static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *place, fxs_message *why)
 {
     for (*place = 0; *place < b->scene_count; ++*place)
@@ -133,7 +132,8 @@ static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *plac
     return 0;
 }
 
-/* The copies of the objects' scenes, by number first, as more of them may move those there are. */
+/* Finds the copies of all objects' scenes. The first loop uploads, which may move the array; the second takes
+   addresses. */
 static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     uint32_t place = 0;
@@ -158,7 +158,6 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
     return 0;
 }
 
-/* Memory of the host. */
 static int make_room(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     const size_t bytes = fxs_compute_memory(r);

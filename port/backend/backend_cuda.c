@@ -1,4 +1,4 @@
-/* Fills in the table of backend.h for the CUDA back end (kernels/cuda). */
+/* The CUDA back end (kernels/cuda). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,11 +11,11 @@
 
 #ifdef FXS_WITH_CUDA
 
-#define EYES 2u                    /* slots: both eyes are under way at once */
+#define EYES 2u                    /* slots: both eyes are rendered concurrently */
 
 typedef struct cuda_backend {
     fxs_cuda *cuda;
-    uint64_t nanoseconds;          /* of the last frame, on the device */
+    uint64_t nanoseconds;          /* device time of the last frame */
 } cuda_backend;
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
@@ -39,8 +39,8 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-/* Shares out the device's time by the times of the stages: those of two eyes are under way at once. shade is part of
-   project, resolve is part of blend. */
+/* Divides the device time of the frame in proportion to the stages' times, because the stages of two eyes overlap.
+   shade is part of project, resolve part of blend. */
 static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
     static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};

@@ -1,5 +1,5 @@
-/* The OpenGL back ends, which draw in place of blend and resolve: by EGL, exact (with lists or framebuffer fetch) or as
- * quads, and by OSMesa. */
+/* The OpenGL back ends. The processor runs the stages up to the tile lists; OpenGL replaces blend and resolve. Contexts
+ * come from EGL or OSMesa. Drawing is exact, by lists or framebuffer fetch, or approximate, by quads. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,10 +28,9 @@ typedef int fxs_gl_load_fn;
 #define OSMESA 0, 0, 0, 0
 #endif
 
-/* The ways of drawing: FASTER chooses LISTS or FETCH, which are both exact. */
+/* LISTS and FETCH give the same bytes; FASTER chooses one of them. QUADS is not exact. */
 enum way { LISTS, FETCH, QUADS, FASTER };
 
-/* The source of the context, and the way of drawing in it. */
 typedef struct kind {
     const char *name, *without;                /* without: the message of a build that cannot open it */
     enum way way;
@@ -46,7 +45,7 @@ static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgle
 static const kind quads = {"gles-quads", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), QUADS, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
-/* Frames by which FASTER chooses: by lists and by fetch, to warm up, and then once more, measured. */
+/* Frames that FASTER measures: two to warm up (lists, fetch), then one timed frame of each. */
 enum { MEASURED = 4 };
 
 typedef struct gl_backend {
@@ -55,9 +54,9 @@ typedef struct gl_backend {
     struct fxs_gles *gles;
     fxs_processor processor;
     int processor_open;
-    unsigned frames;               /* frames that FASTER has drawn so far, up to MEASURED */
+    unsigned frames;               /* frames drawn by FASTER, up to MEASURED */
     uint64_t times[2];             /* nanoseconds of a frame: LISTS, FETCH */
-    char lost[512];                /* why fetch is not used: missing or failed; else empty */
+    char lost[512];                /* why fetch is unavailable or failed; empty: it works */
 } gl_backend;
 
 #ifdef FXS_WITH_GLES
@@ -144,7 +143,6 @@ static void close_gl(void *self)
     free(b);
 }
 
-/* Opens only the context. */
 static int open_context(gl_backend **out, const kind *k, int device, fxs_message *why)
 {
     *out = 0;
@@ -165,7 +163,6 @@ static int open_context(gl_backend **out, const kind *k, int device, fxs_message
     return error;
 }
 
-/* The way in which the next frame is drawn. */
 static enum way way_of(const gl_backend *b)
 {
     if (b->kind->way != FASTER)
@@ -205,7 +202,7 @@ static int is_of_device(int error)
     return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
 }
 
-/* FASTER: where fetch fails on the device, lists draw this frame and all later ones. */
+/* With FASTER, if fetch fails on the device, draws this frame and all later ones by lists. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     gl_backend *b = self;
@@ -229,11 +226,11 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     return error;
 }
 
-/* ---- What `gles` takes here -------------------------------------------------------------------------------------- */
+/* ---- Trial: the way that `gles` chooses -------------------------------------------------------------------------- */
 
 enum { TRIAL = 4096, TRIAL_WIDTH = 640, TRIAL_HEIGHT = 360 };
 
-/* Makes Gaussians in a box, spread by an irrational step. */
+/* Makes Gaussians spread over a box by a linear congruence. */
 static long read_trial(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
 {
     (void)argument;
@@ -262,7 +259,7 @@ static int pack_trial(fxs_packed_scene *packed, fxs_message *why)
     return error;
 }
 
-/* Draws the frames of the trial, after which way_of knows the faster way. */
+/* Draws MEASURED frames, so that way_of knows the faster way. */
 static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *why)
 {
     static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
@@ -284,7 +281,7 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     return error;
 }
 
-/* Says which way FASTER chooses, and why; nothing where it cannot be tried. */
+/* Appends the way that FASTER chooses, and why, to `name`. Appends nothing if the trial cannot run. */
 static void say_way(const kind *k, char *name, size_t size)
 {
     static const fxs_backend_options options = {0};
@@ -328,7 +325,7 @@ static int pick(void *self, const fxs_request *request, int32_t x, int32_t y, fx
 
 static void forget(void *self, const fxs_scene *scene)
 {
-    (void)self, (void)scene;       /* a frame's splats are uploaded, not its scenes */
+    (void)self, (void)scene;       /* splats are uploaded for each frame, scenes are not */
 }
 
 static const char *version(const void *self, enum fxs_stage stage)

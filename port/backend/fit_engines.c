@@ -1,4 +1,4 @@
-/* Chooses the engine of a fit: the stages for this processor's instruction sets, or GPUs. */
+/* Chooses the engine of a fit: the stages for this processor's instruction sets, or CUDA. */
 #include <fixsplat/backends.h>
 #include <fixsplat/message.h>
 

@@ -1,3 +1,5 @@
+/* Foveated rendering: renders up to three rings (full, half and quarter resolution) as windows with hidden parts, then
+   enlarges the coarser ones bilinearly and blends the finer ones over them, in integers. */
 #include <fixsplat/foveate.h>
 
 #include <stdlib.h>
@@ -6,27 +8,26 @@
 #include <fixsplat/message.h>
 #include <fixsplat/clock.h>
 
-enum { TILE = 16, ROWS = 16 /* in a job */, OPAQUE = 256 };
+enum { TILE = 16, ROWS = 16 /* rows of a job */, OPAQUE = 256 };
 
-/* A principal point below this could lie below INT32_MIN in a window. */
+/* A smaller principal point could fall below INT32_MIN in a window. */
 #define FAR_Q12 (INT32_MIN + (FXS_MAX_SIZE << 12))
 
-/* Four channels of 8 bits in lanes of 16. */
 #define LANES UINT64_C(0x0001000100010001)
 
-/* A rectangle of the whole picture, in x and y. */
+/* A rectangle of the picture, pixels; index 0 is x, 1 is y. */
 typedef struct rectangle {
     int32_t first[2], end[2];
 } rectangle;
 
-/* A ring's picture for an eye, and its place in the whole picture. */
+/* The picture of a ring for one eye, and its place in the whole picture. */
 typedef struct layer {
-    const uint8_t *pixels;         /* RGBA without gaps */
+    const uint8_t *pixels;         /* RGBA, rows without padding */
     int32_t width, height, rate;
     int32_t x, y, end_x, end_y;    /* in pixels of the whole picture */
-    int32_t slope_q15;             /* OPAQUE / width of the band */
-    int32_t fade[4];               /* width of the fading at its left, top, right and lower edge */
-    rectangle inside;              /* the part without fading, which hides coarser layers */
+    int32_t slope_q15;             /* OPAQUE / width of the band, Q15 */
+    int32_t fade[4];               /* width of the fade at the left, top, right and lower edge, pixels */
+    rectangle inside;              /* the opaque part, which hides coarser layers */
 } layer;
 
 typedef struct composition {
@@ -63,13 +64,13 @@ static int32_t rounded_up(int32_t x, int32_t step)
     return (x + step - 1) / step * step;
 }
 
-/* The length of a picture's side in pixels of a rate. */
+/* Returns the length of a picture's side in pixels of a ring. */
 static int32_t side_at(int32_t side, int32_t rate)
 {
     return (side + rate - 1) / rate;
 }
 
-/* The length of a window along a side of the picture, and its start, in its own pixels. */
+/* The length of a window along a side, and its start, in pixels of the ring. */
 static int32_t window_length(int32_t side, int32_t rate, int32_t radius)
 {
     return least(rounded_up(2 * radius / rate, TILE), side_at(side, rate));
@@ -81,7 +82,7 @@ static int32_t window_start(int32_t side, int32_t rate, int32_t length, int32_t 
     return (int32_t)(start < 0 ? 0 : start < most ? start : most);
 }
 
-/* Finds the places of the rings. Returns their number; the last ring covers the picture. */
+/* Returns the number of rings. The last ring covers the whole picture. */
 static uint32_t find_rings(fxs_ring rings[FXS_RINGS], const fxs_foveation *f, const fxs_camera *cameras, uint32_t eyes)
 {
     const int32_t width = cameras->width, height = cameras->height;
@@ -122,8 +123,8 @@ static size_t pixels_of(const fxs_ring *r)
 
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
-/* The camera of a ring: a window of the picture at its rate. The centre of its pixel (X, Y) is the centre of the block
-   of rate x rate pixels of the picture from rate * (X, Y) on. */
+/* Returns the camera of a ring: a window at its rate. The centre of its pixel (X, Y) is the centre of the block of rate
+   x rate pixels of the picture that starts at rate * (X, Y). */
 static fxs_camera camera_of(const fxs_camera *camera, const fxs_ring *r, int eye)
 {
     const int32_t rate = r->rate, half = rate / 2, x = r->x[eye] / rate, y = r->y[eye] / rate;
@@ -143,8 +144,8 @@ static fxs_camera camera_of(const fxs_camera *camera, const fxs_ring *r, int eye
     return c;
 }
 
-/* Sets the hidden part of a ring's camera: the part under the finer ring, without pixels needed for enlarging beside
-   it. */
+/* Hides the part of a ring's camera that the finer ring covers, except the border pixels that bilinear enlarging
+   needs. */
 static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *covered, const fxs_camera *whole)
 {
     const int32_t start[2] = {r->x[eye], r->y[eye]}, size[2] = {c->width, c->height};
@@ -165,8 +166,8 @@ static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *cov
     c->hidden_height = length[1];
 }
 
-/* A ring's part of the budget, by its pixels: what the eye sees less sharply is also drawn of fewer Gaussians. 0 where
-   the budget is for all Gaussians. */
+/* Returns the ring's share of the budget, in proportion to its pixels, so that blurred parts get fewer Gaussians. 0 if
+   the budget covers all Gaussians. */
 static uint32_t budget_of(const fxs_foveated *all, const fxs_ring *r, const fxs_request *request)
 {
     const uint32_t budget = request->options.budget;
@@ -179,7 +180,7 @@ static uint32_t budget_of(const fxs_foveated *all, const fxs_ring *r, const fxs_
     return !budget || budget >= gaussians ? 0 : part ? (uint32_t)part : 1;
 }
 
-/* `finer`: the next finer ring, null for the first. */
+/* `finer`: the next finer ring, or null for the finest. */
 static int render_ring(const fxs_backend *backend, void *self, const fxs_request *request, fxs_ring *r,
                        const fxs_ring *finer, int32_t band, uint32_t budget, uint8_t *pixels, fxs_message *why)
 {
@@ -215,9 +216,9 @@ static void add_stats(fxs_foveated *all, const fxs_ring *r)
         sum->nanoseconds[i] += r->stats.nanoseconds[i];
 }
 
-/* ---- Putting them together --------------------------------------------------------------------------------------- */
+/* ---- Composition ------------------------------------------------------------------------------------------------- */
 
-/* Loads a pixel to lanes, in the order of channels 0, 2, 1, 3, or reversed. */
+/* Loads a pixel into lanes, in the order of channels 0, 2, 1, 3, or reversed on big-endian machines. */
 static inline uint64_t load(const uint8_t *pixel)
 {
     uint32_t rgba;
@@ -231,13 +232,13 @@ static inline void store(uint8_t *pixel, uint64_t lanes)
     memcpy(pixel, &rgba, 4);
 }
 
-/* Divides lanes of 16 bits by 2^shift, rounded down. */
+/* Divides 16-bit lanes by 2^shift, rounding down. */
 static inline uint64_t over(uint64_t lanes, int shift)
 {
     return lanes >> shift & LANES * 255;
 }
 
-/* A row interpolated between two rows of a layer, whose weights add up to twice its rate. */
+/* A row interpolated between two rows of a layer. The two weights add up to 2 rate. */
 typedef struct blended_row {
     const uint8_t *above, *below;
     uint64_t weight;               /* weight of the lower row */
@@ -248,12 +249,12 @@ static inline int32_t clamped(int32_t x, int32_t end)
     return x < 0 ? 0 : x < end ? x : end - 1;
 }
 
-/* The centre of the picture's pixel i, counted from the layer's edge, lies n / (2 rate) pixels of the layer after the
-   centre of its first pixel, n = 2 i + 1 - rate. Returns the floor of that, and the remainder of n in *rest. */
+/* Pixel i of the picture, counted from the layer's edge, lies n / (2 rate) layer pixels after the centre of the layer's
+   first pixel, n = 2 i + 1 - rate. Returns floor(n / (2 rate)); *rest: n modulo 2 rate. */
 static int32_t place_of(int32_t i, int32_t rate, int32_t *rest)
 {
     const int32_t n = 2 * i + 1 - rate, steps = 2 * rate;
-    const int32_t place = (n + steps) / steps - 1;         /* n is above -steps */
+    const int32_t place = (n + steps) / steps - 1;         /* n > -steps */
     *rest = n - place * steps;
     return place;
 }
@@ -267,25 +268,25 @@ static blended_row row_at(const layer *l, int32_t y)
                          l->pixels + stride * clamped(place + 1, l->height), (uint64_t)rest};
 }
 
-/* Lanes of at most 255 * 2 rate. */
+/* Returns lanes up to 255 * 2 rate. */
 static inline uint64_t column_at(const layer *l, const blended_row *row, int32_t column)
 {
     const ptrdiff_t at = 4 * (ptrdiff_t)clamped(column, l->width);
     return load(row->above + at) * (2 * (uint64_t)l->rate - row->weight) + load(row->below + at) * row->weight;
 }
 
-/* The opacity of a layer, of OPAQUE, at a distance inside an edge: (inside + 1/2) / fade. */
+/* Returns the opacity of a layer, 0 to OPAQUE, at a distance inside an edge: (inside + 1/2) / fade. */
 static inline int32_t ramp(const layer *l, int32_t inside, int edge)
 {
     return inside < l->fade[edge] ? ((2 * inside + 1) * l->slope_q15) >> 16 : OPAQUE;
 }
 
-/* Blends the pixels first to end - 1 of a row of a layer over the picture; with `fading` 0 it replaces them. Sums of
-   lanes and their increments from pixel to pixel are correct modulo 2^64. */
+/* Blends pixels first to end - 1 of a layer's row over the picture, or replaces them if `fading` is 0. The lane sums
+   and their increments per pixel wrap modulo 2^64. */
 static inline void draw_pixels(const layer *l, const blended_row *row, int32_t rate, int fading, int32_t opacity,
                                int32_t first, int32_t end, uint8_t *to)
 {
-    const int shift = rate == 1 ? 2 : rate == 2 ? 4 : 6;         /* of (2 rate)^2 */
+    const int shift = rate == 1 ? 2 : rate == 2 ? 4 : 6;         /* log2((2 rate)^2) */
     const int32_t steps = 2 * rate;
     const uint64_t half = LANES << (shift - 1);
     int32_t rest, column = place_of(first - l->x, rate, &rest);
@@ -315,14 +316,14 @@ static void draw_span(const layer *l, const blended_row *row, int32_t opacity, i
     draw_pixels(l, row, l->rate, 1, opacity, first, from, to);
     if (l->rate == 1)
         memcpy(to + 4 * (ptrdiff_t)from, row->above + 4 * (ptrdiff_t)(from - l->x), 4 * (size_t)(till - from));
-    else if (l->rate == 2)                       /* a constant, so that the compiler unrolls */
+    else if (l->rate == 2)                       /* constant rate, so that the compiler unrolls */
         draw_pixels(l, row, 2, 0, opacity, from, till, to);
     else
         draw_pixels(l, row, 4, 0, opacity, from, till, to);
     draw_pixels(l, row, l->rate, 1, opacity, till, end, to);
 }
 
-/* Draws a row of a layer, except the part that the next finer layer hides; `finer` may be null. */
+/* Draws a row of a layer, except the part hidden by the next finer layer (null: none). */
 static void draw_row(const layer *l, const layer *finer, int32_t y, uint8_t *to)
 {
     if (y < l->y || y >= l->end_y)

@@ -1,4 +1,4 @@
-/* The first view of scenes without cameras: by all processors. */
+/* Chooses the first view of a scene without cameras, with threads on all processors. */
 #include <string.h>
 
 #include <fixsplat/renderer.h>
@@ -20,7 +20,6 @@ static int choose(const fxs_object *objects, uint32_t count, const double low[3]
     return error;
 }
 
-/* `known`: what is up, or null. */
 static int first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
                       const double known[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
                       double up[3], fxs_message *message)

@@ -1,3 +1,5 @@
+/* The functions of fxs_renderer call the chosen back end. A back end without pick gets the processor's, opened at the
+   first pick. */
 #include <fixsplat/renderer.h>
 
 #include <stdio.h>
@@ -9,7 +11,7 @@
 struct fxs_renderer {
     const fxs_backend *backend;
     void *self;                    /* the back end's own data */
-    fxs_backend_options picking;   /* of the processor's back end, if the other cannot pick */
+    fxs_backend_options picking;   /* options of the processor's back end, which picks if `backend` cannot */
     void *picker;                  /* null until the first pick */
 };
 

@@ -1,4 +1,4 @@
-/* What a back end says that was built without the headers of these packages of Debian's. */
+/* The message of a back end that was built without the headers of these Debian packages. */
 #ifndef FXS_WITHOUT_H
 #define FXS_WITHOUT_H
 

@@ -1,4 +1,5 @@
-/* Files of a page by gzip, each compressed when it is first asked for, and kept as an answer. */
+/* Caches gzip answers for files of a page. Each file is compressed at its first request and again when its ETag
+   changes. */
 #ifndef FXS_HTTP_GZIP_H
 #define FXS_HTTP_GZIP_H
 
@@ -15,8 +16,8 @@ enum { FXS_HTTP_HAS_GZIP = 1 };
 enum { FXS_HTTP_HAS_GZIP = 0 };
 #endif
 
-/* The answer to a file's name and ETag, without headers where *is_new; the list owns it. Returns null where memory ran
-   out or the file cannot be read. */
+/* Returns the answer for a file's name and ETag; the list owns it. *is_new: 1 if the answer has no headers yet. Returns
+   null if memory ran out or the file cannot be read. */
 struct MHD_Response *fxs_http_gzip(fxs_http_gzipped **list, const char *name, const char *tag, int descriptor,
                                    size_t size, int *is_new);
 void fxs_http_gzip_free(fxs_http_gzipped *list);

@@ -1,3 +1,5 @@
+/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew and sends it from the
+   descriptor, or from the list of gzip answers. */
 #include "server.h"
 
 #include "gzip.h"
@@ -14,26 +16,28 @@
 
 #include "src/base/system.h"
 
-/* Of a connection that waits for a request, and of one that is sent to. */
+/* timeouts of a connection without a request, and during an answer */
 enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };
-enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* a connection and its file are two descriptors of 1024 */
+enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* connections in all, and per client address; each needs
+                                                                two descriptors (socket, file) of the usual 1024 */
 enum { GZIP_LEAST = 1 << 10, GZIP_MOST = 1 << 23, PEM_BYTES_MOST = 1 << 20 };
 
 struct fxs_http_server {
     const fxs_http_site *site;
     struct MHD_Daemon *daemon;
     fxs_http_address bound;
-    char *certificate, *key;                /* texts, or null */
-    const char *host;                       /* a name of this machine beside its own, or null */
+    char *certificate, *key;                /* texts of the .pem files, or null */
+    const char *host;                       /* another name that requests may use, or null */
     char own_name[256];
     fxs_http_waiting waiting;
     fxs_http_gzipped *gzipped;
-    char said[256];                         /* the last message of the library */
+    char said[256];                         /* last log message of libmicrohttpd */
 };
 
-/* ---- What is asked for ------------------------------------------------------------------------------------------- */
+/* ---- Names ------------------------------------------------------------------------------------------------------- */
 
-/* Checks that a name has letters, digits and . _ - in parts that begin with no point: it cannot leave the folder. */
+/* Returns 1 if all parts of a name consist of letters, digits, . _ and -, and none begins with a dot. Such a name
+   cannot leave the folder. */
 static int is_inside(const char *name)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
@@ -65,7 +69,7 @@ static int open_file(const fxs_http_file *file)
          : file->path ? fxs_descriptor_open(file->path) : fxs_descriptor_again(file->descriptor);
 }
 
-/* Opens the regular file of that name; the caller closes the descriptor. Returns -1 where there is none. */
+/* Opens a regular file by its name. Returns a descriptor for the caller to close, or -1. */
 static int open_named(const fxs_http_site *site, const char *name, fxs_file_facts *facts)
 {
     int descriptor = -2;
@@ -81,7 +85,7 @@ static int open_named(const fxs_http_site *site, const char *name, fxs_file_fact
     return descriptor;
 }
 
-/* The target of a short address: "/" leads to the first, "/1" to the next; or null. */
+/* Returns the target of a short address ("/" the first, "/1" the second, ...), or null. */
 static const char *start_of(const fxs_http_site *site, const char *name)
 {
     char shorter[16] = "/";
@@ -93,7 +97,7 @@ static const char *start_of(const fxs_http_site *site, const char *name)
 
 typedef struct kind {
     const char *ending, *type;
-    int shrinks;                            /* by gzip */
+    int shrinks;                            /* worth compressing by gzip */
 } kind;
 
 static const kind *kind_of(const char *name)
@@ -112,7 +116,7 @@ static const kind *kind_of(const char *name)
     return k;
 }
 
-/* An address with a 0 in it stays as it is, or its rest would be cut off. */
+/* Leaves an address with an escaped 0 unchanged, because unescaping would cut off its rest. */
 static size_t unescape(void *self, struct MHD_Connection *connection, char *text)
 {
     (void)self;
@@ -122,7 +126,6 @@ static size_t unescape(void *self, struct MHD_Connection *connection, char *text
 
 /* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
-/* Adds the headers of every answer. */
 static enum MHD_Result complete(struct MHD_Response *response)
 {
     static const char *const headers[][2] = {
@@ -136,7 +139,7 @@ static enum MHD_Result complete(struct MHD_Response *response)
     return done;
 }
 
-/* Sends an answer, complete then, and frees it. */
+/* Also frees the response. */
 static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
 {
     enum MHD_Result done = complete(response);
@@ -161,7 +164,7 @@ static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned st
     return send_answer(connection, status, response);
 }
 
-/* Reads a decimal number and returns the text after it, or null where there are no digits. */
+/* Reads a decimal number. Returns the text after it, or null without digits. */
 static const char *take_digits(const char *text, uint64_t *value)
 {
     char *end;
@@ -170,8 +173,8 @@ static const char *take_digits(const char *text, uint64_t *value)
     return *text >= '0' && *text <= '9' && !errno ? end : 0;
 }
 
-/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the part; 0 for the whole
-   file, also for headers that are not understood, such as several ranges; -1 where the file has no such bytes. */
+/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the range; 0 for the whole
+   file, also if the header is not understood, for example with several ranges; -1 if the file has no such bytes. */
 static int take_range(const char *range, uint64_t size, uint64_t *first, uint64_t *length)
 {
     uint64_t from = 0, last = UINT64_MAX;
@@ -201,7 +204,7 @@ static const char *header_of(struct MHD_Connection *connection, const char *name
     return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
 }
 
-/* Whether the client takes gzip; a weight that is given with it and begins with 0 counts as no. */
+/* Returns 1 if the client accepts gzip. A weight that begins with 0 counts as no. */
 static int takes_gzip(struct MHD_Connection *connection)
 {
     const char *taken = header_of(connection, "Accept-Encoding"), *gzip = taken ? strstr(taken, "gzip") : 0;
@@ -225,7 +228,7 @@ static enum MHD_Result send_gzipped(fxs_http_server *server, struct MHD_Connecti
     return MHD_queue_response(connection, MHD_HTTP_OK, response);
 }
 
-/* Answers with a file; the answer then owns the descriptor. */
+/* Takes ownership of the descriptor. */
 static enum MHD_Result send_file(fxs_http_server *server, struct MHD_Connection *connection, const char *name,
                                  int descriptor, const fxs_file_facts *facts)
 {
@@ -276,8 +279,8 @@ static int is_name(const char *host, size_t length, const char *name, const char
            !strncasecmp(host + first, behind, length - first);
 }
 
-/* Only numeric addresses, localhost and, served to others, this machine's names: a page elsewhere may have made any
-   other name point to this machine, to read from it. */
+/* Accepts numeric addresses, localhost, options.host and, if the server is not local, this machine's names. This
+   prevents DNS rebinding: a foreign page may point any other name at this machine to read from it. */
 static int is_own_host(const fxs_http_server *server, const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;
@@ -298,12 +301,12 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
     (void)body;
     if (strcmp(method, "GET") && strcmp(method, "HEAD"))
         return send_words(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET and HEAD\n", "Allow", "GET, HEAD");
-    if (!*state) {   /* an answer to the first of the two calls of a request would end the connection */
+    if (!*state) {   /* libmicrohttpd calls twice; an answer in the first call would end the connection */
         *state = server;
         return MHD_YES;
     }
     if (*body_bytes) {
-        *body_bytes = 0;   /* read and ignored */
+        *body_bytes = 0;   /* the body is read and ignored */
         return MHD_YES;
     }
     fxs_http_note_request(&server->waiting, connection);
@@ -342,7 +345,7 @@ static socklen_t size_of(const fxs_http_address *a)
     return a->any.sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4;
 }
 
-/* Makes a listening socket, and writes its port to `address`. */
+/* Returns a listening socket; writes its port to `address`. */
 static MHD_socket listen_at(fxs_http_address *address, const fxs_http_options *o, fxs_message *message)
 {
     const int off = 0;
@@ -364,7 +367,6 @@ static MHD_socket listen_at(fxs_http_address *address, const fxs_http_options *o
     return MHD_INVALID_SOCKET;
 }
 
-/* Reads a small text file, with a final 0. */
 static int read_text(char **out, const char *path, fxs_message *message)
 {
     FILE *file = fxs_stream_open(path, "r");
@@ -501,7 +503,8 @@ typedef struct telling {
     void *self;
 } telling;
 
-/* The address of an interface, if the server has it and a URL can name it: no link-local IPv6 address. */
+/* Reports the address of an interface if the server listens on it and a URL can name it; excludes link-local IPv6
+   addresses. */
 static void tell_interface(void *self, const fxs_http_address *a)
 {
     const telling *t = self;

@@ -1,55 +1,57 @@
-/* A small static server (libmicrohttpd) for the files of one folder and for others under names of their own; the rest
- * of the file system is not served. It has GET, HEAD, ranges and ETags. Every answer has the headers that isolate a
- * page (Cross-Origin-Opener-Policy and -Embedder-Policy), which threads in a browser need. Files are sent from the
- * disk as they are at the time of the request, and are never loaded completely; but files of a page, of 8 MiB at
- * most, are compressed once where the client takes gzip. Requests by another name than an address in digits,
- * localhost, `host` or, on an address that other machines reach, this machine's name are refused. */
+/* A small static server (libmicrohttpd) for the files of one folder and for other files under given names; it serves
+ * nothing else. It supports GET, HEAD, single ranges, ETags, and https if libmicrohttpd has TLS. Every answer has the
+ * headers Cross-Origin-Opener-Policy and Cross-Origin-Embedder-Policy, because browsers allow threads only in isolated
+ * pages. Each request sends the current contents of the file from the disk. Page files of 1 KiB to 8 MiB are compressed
+ * once and kept, for clients that accept gzip. The Host header of a request must be a numeric address, localhost,
+ * options.host or, if other machines can reach the server, this machine's name; other requests are refused. */
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
 #include <fixsplat/message.h>
 
 typedef struct fxs_http_file {
-    const char *name;                       /* "/scenes/0/room.ply" */
-    const char *path;                       /* not a link, where it is asked for; or null for: */
-    int descriptor;                         /* a file that stays open, sent from its beginning */
-    int (*open)(void *self);                /* or, where this is not null, for a file that changes: called for each
-                                               request, on the server's thread. Returns a descriptor that the answer
-                                               closes, or -1 where there is no such file */
-    void *self;                             /* of open */
+    const char *name;                       /* name in the URL: "/scenes/0/room.ply" */
+    const char *path;                       /* used if open is null; must not be a symbolic link. Null: use
+                                               descriptor */
+    int descriptor;                         /* used if open and path are null: an open file, sent from its beginning */
+    int (*open)(void *self);                /* for a file that changes; or null. Called for each request, on the
+                                               server's thread. Returns a descriptor that the answer closes, or -1 if no
+                                               such file exists */
+    void *self;                             /* argument of open */
 } fxs_http_file;
 
-/* The files that are served; must not move in memory until the server is closed. */
+/* The files to serve; must not move until the server is closed. */
 typedef struct fxs_http_site {
-    const char *folder;                     /* parts of names: letters, digits and . _ -, not beginning with a point */
+    const char *folder;                     /* its files have names of letters, digits and . _ -, without a dot at the
+                                               start of a part */
     const fxs_http_file *files;
     int file_count;
-    const char *const *starts;              /* targets of the addresses "/" (the first), "/1", "/2" and so on */
+    const char *const *starts;              /* targets of the short addresses "/", "/1", "/2" and so on */
     int start_count;
 } fxs_http_site;
 
 typedef struct fxs_http_options {
-    const char *address;                    /* IPv4 or IPv6 in digits; 0.0.0.0 and ::, all of this machine's */
+    const char *address;                    /* numeric, IPv4 or IPv6; 0.0.0.0 or ::, all addresses of this machine */
     uint16_t port;                          /* 0: any free port */
-    const char *certificate, *key;          /* .pem files: https; or null */
-    const char *host;                       /* a name of this machine that requests may have; or null */
+    const char *certificate, *key;          /* .pem files, for https; or null */
+    const char *host;                       /* additional name that requests may use; or null */
 } fxs_http_options;
 
 typedef struct fxs_http_server fxs_http_server;
 
-/* Whether there can be a certificate: 1 where libmicrohttpd has TLS, else 0. */
+/* Returns 1 if libmicrohttpd has TLS, so that certificates can be used, else 0. */
 int fxs_http_has_tls(void);
 
-/* Serves from a thread of its own, which gets no signals. Returns 0, or an error and a message. */
+/* Starts a server on its own thread, which receives no signals. Returns 0, or an error and a message. */
 int fxs_http_open(fxs_http_server **server, const fxs_http_site *site, const fxs_http_options *options,
                   fxs_message *message);
 
-/* Calls `each` with "http://HOST:PORT" for each address of the server; where it has all of this machine's addresses,
-   for each interface. `is_local`: only this machine reaches it. */
+/* Calls `each` with "http://HOST:PORT" (or https) for each address of the server. If it listens on all addresses, that
+   is one call per interface that is up. `is_local`: only this machine can reach the address. */
 void fxs_http_each_address(const fxs_http_server *server, void (*each)(void *self, const char *address, int is_local),
                            void *self);
 
-/* Ends the server at once, even while it sends. */
+/* Stops the server at once, also during answers. */
 void fxs_http_close(fxs_http_server *server);
 
 #endif

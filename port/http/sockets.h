@@ -1,5 +1,6 @@
-/* The network as the server asks for it, beside libmicrohttpd: port/posix/http and port/win32/http. This header alone
-   names the system's own, and the functions that it has everywhere are called as they are. */
+/* Network functions that differ between systems, in addition to libmicrohttpd: port/posix/http and port/win32/http. The
+   socket functions that all systems share are called directly. Only this header includes the system's socket
+   headers. */
 #ifndef FXS_HTTP_SOCKETS_H
 #define FXS_HTTP_SOCKETS_H
 
@@ -24,24 +25,24 @@ typedef union fxs_http_address {
     struct sockaddr_in6 v6;
 } fxs_http_address;
 
-/* Before all else. Returns 0, or -1 where there is no network. */
+/* Call first. Returns 0, or -1 without a network. */
 int fxs_http_sockets_begin(void);
 
-/* A socket that is to listen: no program that is run from here has it, its port may be one that was served before, and
-   is nobody else's at the same time. */
+/* Prepares a socket for listening: child processes do not inherit it, a recently used port can be used again, and no
+   other server can share the port. */
 void fxs_http_socket_claim(MHD_socket s);
 
 void fxs_http_socket_close(MHD_socket s);
 
-/* What was wrong with the last call. */
+/* Error of the last call. */
 typedef struct fxs_http_fault {
-    int is_in_use;                          /* the address */
+    int is_in_use;                          /* the address is in use */
     char words[128];
 } fxs_http_fault;
 
 void fxs_http_socket_fault(fxs_http_fault *fault);
 
-/* Calls a function with each address, IPv4 or IPv6, of the interfaces that are up. */
+/* Calls a function with each IPv4 and IPv6 address of the interfaces that are up. */
 void fxs_http_each_interface(void (*each)(void *self, const fxs_http_address *address), void *self);
 
 #endif

@@ -22,7 +22,8 @@ static void remove_guest(fxs_http_waiting *w, guest *g)
     w->count--;
 }
 
-/* The server finds the connection closed; on Windows it does not, and waits until it has been still for a second. */
+/* Shuts the socket down, so that the server finds the connection closed. Windows does not report that; there the
+   timeout of 1 second closes it. */
 static void end_guest(const guest *g)
 {
     shutdown(MHD_get_connection_info(g->connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd, FXS_HTTP_BOTH_WAYS);

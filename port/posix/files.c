@@ -1,3 +1,4 @@
+/* Files, folders, links, descriptors and terminals on POSIX systems. */
 #define _XOPEN_SOURCE 700   /* realpath */
 
 #include "src/base/files_internal.h"
@@ -95,7 +96,7 @@ void fxs_file_unlink(const char *name)
         unlink(name);
 }
 
-/* Programs that are run do not inherit the descriptor, which stays open. */
+/* The descriptor stays open, so the lock lasts until the process ends. Programs started from here do not inherit it. */
 int fxs_file_lock(const char *path)
 {
     const int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
@@ -196,7 +197,7 @@ void fxs_descriptor_close(int descriptor)
     close(descriptor);
 }
 
-/* `path` is for messages. */
+/* Opens `name`; `path` is its name in messages. */
 static int open_name(const char *name, int flags, const char *path, FILE **file, fxs_file_facts *facts,
                      fxs_message *message)
 {
@@ -204,9 +205,10 @@ static int open_name(const char *name, int flags, const char *path, FILE **file,
     *file = NULL;
     if (stat(name, &status) != 0)
         return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))   /* checked before: opening a device may have effects */
+    if (!S_ISREG(status.st_mode))   /* checked before open, because opening a device may have effects */
         return fxs_fail(message, "%s: not a regular file", path);
-    int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* does not wait for a pipe's writer */
+    int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* O_NONBLOCK: does not wait for the
+                                                                                 writer of a pipe */
     FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
     if (!stream) {
         const int error = fxs_fail_errno(message, path, errno);
@@ -229,7 +231,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
     return open_name(path, 0, path, file, facts, message);
 }
 
-/* The realpath of the folder of a path; the caller frees it. NULL: an error. */
+/* Returns the real path of the folder that contains `path`, for free(), or null. */
 static char *real_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -251,7 +253,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Sets *real to the realpath of `path`, for free(), where that lies within the folder of `first`. */
+/* Sets *real to the real path of `path`, for free(). An error if that lies outside the folder of `first`. */
 static int follow_within(const char *first, const char *path, char **real, fxs_message *message)
 {
     char *folder = real_folder(first);

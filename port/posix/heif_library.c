@@ -1,3 +1,4 @@
+/* Loads libheif with dlopen at the first use. */
 #ifdef FXS_WITH_HEIF
 
 #include "src/image/heif_library.h"

@@ -1,3 +1,5 @@
+/* Maps files read-only. A file that is cut short while mapped gives zeros instead of SIGBUS, and fxs_map_check reports
+   it. */
 #define _DEFAULT_SOURCE            /* MAP_ANONYMOUS */
 #include <fixsplat/map.h>
 
@@ -11,24 +13,23 @@
 
 #include "src/base/opened.h"
 
-/* The mapped ranges, which the handler for SIGBUS searches. A signal may come at any time, so there is no lock: all
-   fields are read and written atomically. */
+/* The mapped ranges, searched by the SIGBUS handler: reading a page of a file that was cut short raises SIGBUS. A
+   signal may come at any time, so all fields are accessed atomically and without a lock. */
 enum { RANGES = 64 };
 static struct range {
-    uintptr_t start, end;          /* end 0: nothing is mapped; set last, cleared first */
-    int lost;                      /* the handler put zeros there */
+    uintptr_t start, end;          /* end 0: nothing mapped; set last, cleared first */
+    int lost;                      /* the handler replaced pages by zeros */
     int taken;
 } ranges[RANGES];
 
 static int guarded;
-static struct sigaction before;    /* written once, before the handler is there */
+static struct sigaction before;    /* written once, before the handler is installed */
 
 static uintptr_t load(const uintptr_t *number)
 {
     return __atomic_load_n(number, __ATOMIC_ACQUIRE);
 }
 
-/* Returns a free slot, or RANGES. */
 static int take_range(void)
 {
     int slot = 0;
@@ -50,7 +51,7 @@ static void note_range(const fxs_mapping *mapping)
     __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
 }
 
-/* Maps zeros from the page of the fault to the end of its range. */
+/* Maps zeros from the page of the fault to the end of the range. Returns 0 if the address lies in no range. */
 static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {
@@ -64,7 +65,6 @@ static int fill_with_zeros(uintptr_t address)
     return 0;
 }
 
-/* Handles a signal that does not concern a mapping. */
 static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 {
     if (before.sa_flags & SA_SIGINFO)
@@ -78,7 +78,7 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, fault = info->si_code > 0;   /* else a process sent it */
+    const int error = errno, fault = info->si_code > 0;   /* 0: sent by a process */
     if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
         handle_as_before(signal_number, info, context);
     errno = error;
@@ -98,7 +98,7 @@ void fxs_map_guard(void)
 static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     struct stat status;
-    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* a FIFO does not block */
+    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* does not block on a FIFO */
     if (mapping->descriptor < 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     if (fstat(mapping->descriptor, &status) || !S_ISREG(status.st_mode) || status.st_size < 1 ||

@@ -1,4 +1,4 @@
-/* Opens scene files for rendering: maps .fxs files, or reads them in part, and packs all others. */
+/* Opens scenes for rendering: maps .fxs files, or opens them with a pager, and packs all other formats. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ typedef struct open_scene {
     fxs_scene scene;
     fxs_scene_file_info info;
     fxs_pack_report report;
-    fxs_packed_scene packed;       /* all 0 where the bytes are the caller's or mapped */
+    fxs_packed_scene packed;       /* all 0 if the bytes are mapped or the caller's */
     fxs_mapping mapping;
     char name[];
 } open_scene;
@@ -31,7 +31,6 @@ static int is_fxs(const void *bytes)
     return fxs_little_32(magic) == FXS_PACKED_MAGIC;
 }
 
-/* Returns 1, 0, or an error and a message. */
 static int is_fxs_file(const char *path, fxs_message *message)
 {
     unsigned char bytes[4] = {0};
@@ -59,7 +58,7 @@ static int create(const char *name, open_scene **made, fxs_opened **opened, fxs_
     return 0;
 }
 
-/* Fills in the fields for the caller, or frees the scene after an error. */
+/* After an error, frees the scene. */
 static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_opened **opened, fxs_message *message)
 {
     if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
@@ -73,7 +72,6 @@ static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_
 
 /* ---- Packed scenes ----------------------------------------------------------------------------------------------- */
 
-/* Fills in info and report from the header of a packed scene. */
 static void describe(open_scene *s, const void *data)
 {
     fxs_packed_header h;
@@ -120,7 +118,6 @@ static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opene
                  : take_packed(s, s->mapping.data, s->mapping.bytes, o, opened, message);
 }
 
-/* A file of which a pager reads a part. */
 static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **opened, fxs_message *message)
 {
     fxs_pager *pager;
@@ -137,7 +134,7 @@ static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **open
     return error;
 }
 
-/* Copies the bytes only where they are not aligned. */
+/* Copies the bytes only if they are not aligned to 64. */
 static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                       fxs_message *message)
 {
@@ -152,7 +149,7 @@ static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_o
     return take_packed(s, s->packed.data, bytes, o, opened, message);
 }
 
-/* ---- Scenes that are packed -------------------------------------------------------------------------------------- */
+/* ---- Other formats ----------------------------------------------------------------------------------------------- */
 
 static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, fxs_message *message)
 {

@@ -1,3 +1,5 @@
+/* Writes output files: into a locked temporary file in the target's folder, which is synced and renamed to the target
+   when it is complete. A signal handler removes unfinished files. */
 #include "src/base/output_internal.h"
 
 #include <errno.h>
@@ -15,16 +17,16 @@
 #include <fixsplat/output.h>
 #include "src/base/opened.h"
 
-enum { LINKS_MOST = 40,        /* the same limit as in Linux */
-       NAME_ROOM = 64,         /* for the name of a temporary file in its folder */
-       WRITERS_MOST = 100 };   /* of one file at a time */
+enum { LINKS_MOST = 40,        /* the limit of Linux */
+       NAME_ROOM = 64,         /* bytes for the name of a temporary file, without its folder */
+       WRITERS_MOST = 100 };   /* simultaneous writers of one file */
 
-/* ---- Outputs under way ----------------------------------------------------------------------------------------- */
+/* ---- Unfinished outputs ---------------------------------------------------------------------------------------- */
 
-static fxs_output *under_way;   /* read by the signal handler; only changed between enter and leave */
+static fxs_output *under_way;   /* list; read by the signal handler, changed only between enter and leave */
 static char taken;
 
-/* Signals are blocked from enter to leave, so the handler may wait for a thread in between. */
+/* Takes a spin lock. Signals are blocked from enter to leave, so the handler can wait for another thread. */
 static void enter(sigset_t *before)
 {
     sigset_t all;
@@ -52,8 +54,8 @@ static void forget(fxs_output *output)
     leave(&before);
 }
 
-/* Keeps `taken`: other threads, and handlers of further signals, wait until the process ends. The raised signal is
-   delivered when this handler returns. */
+/* Signal handler: removes the temporary files and ends the process. It keeps `taken`, so that other threads and further
+   handlers wait until the process ends. The raised signal is delivered when this handler returns. */
 static void remove_and_end(int signal_number)
 {
     while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
@@ -84,7 +86,6 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash + 1 - path) : 0;
 }
 
-/* The target of the symbolic link `name`, or null and errno. */
 static char *read_link(const char *name)
 {
     char text[PATH_MAX];
@@ -119,7 +120,7 @@ char *fxs_output_target(const char *path)
 
 /* ---- Open ------------------------------------------------------------------------------------------------------ */
 
-static char standard_output[] = "standard output";   /* the path "-", for messages */
+static char standard_output[] = "standard output";   /* stands for the path "-" in messages */
 
 static void release(fxs_output *output)
 {
@@ -131,7 +132,6 @@ static void release(fxs_output *output)
     free(output->temporary);
 }
 
-/* output->temporary becomes the name for writer i of output->target. */
 static void name_temporary(fxs_output *output, int i)
 {
     const size_t folder = folder_length(output->target);
@@ -142,13 +142,13 @@ static void name_temporary(fxs_output *output, int i)
              hash, i);
 }
 
-/* A writer holds a lock on its temporary file until that is renamed: one that another can lock was left by a process
-   that is gone, and is removed. Returns whether there is, or was, such a file. */
+/* Removes a temporary file that an ended process left. A writer holds a lock on its temporary file until the rename; if
+   the lock is free, the writer has ended. Returns 0 if no such file exists. */
 static int remove_left(const char *name)
 {
     struct stat own, there;
     const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY;
-    int descriptor = open(name, O_WRONLY | flags);             /* a lock over NFS asks for that */
+    int descriptor = open(name, O_WRONLY | flags);             /* flock over NFS requires write access */
     if (descriptor < 0 && errno == EACCES)
         descriptor = open(name, O_RDONLY | flags);
     if (descriptor < 0)
@@ -160,8 +160,8 @@ static int remove_left(const char *name)
     return 1;
 }
 
-/* The file that `old` describes keeps its permissions; null: there is none. Returns a descriptor, or -1 and errno:
-   EEXIST where the name is taken, or another process was about to remove the file as one that was left. */
+/* Creates and locks a file, with the permissions of `old` if it is not null. Returns a descriptor, or -1 and errno.
+   EEXIST: the name is taken, or another process was about to remove the new file as abandoned. */
 static int create(const char *name, const struct stat *old)
 {
     struct stat own;
@@ -175,12 +175,12 @@ static int create(const char *name, const struct stat *old)
         return -1;
     }
     if (old)
-        fchmod(descriptor, mode);   /* where that fails, umask may leave fewer permissions */
+        fchmod(descriptor, mode);   /* if this fails, umask may leave fewer permissions */
     return descriptor;
 }
 
-/* Creates a file in the folder of output->target, so that it can be renamed to it, and removes what earlier writers of
-   the same target left there. Returns a descriptor, or -1 and errno. */
+/* Creates a temporary file in the folder of output->target, so that a rename can replace the target. Also removes files
+   abandoned by earlier writers of the same target. Returns a descriptor, or -1 and errno. */
 static int create_beside(fxs_output *output, const struct stat *old)
 {
     int descriptor = -1, own = 0;
@@ -210,7 +210,7 @@ static int create_beside(fxs_output *output, const struct stat *old)
     return descriptor;
 }
 
-/* 1 where a symbolic link such as /dev/stdout names standard output: opening it would truncate the file. */
+/* Returns 1 if a symbolic link such as /dev/stdout names standard output. Opening it again would truncate the file. */
 static int is_standard_output(const char *path, const struct stat *status)
 {
     struct stat own, out;
@@ -236,7 +236,6 @@ static int open_descriptor(fxs_output *output)
     return output->target ? create_beside(output, exists ? &status : NULL) : -1;
 }
 
-/* Removes the temporary file, where there is one. */
 static void drop(fxs_output *output)
 {
     if (!output->temporary)
@@ -256,7 +255,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* open, but for reading only */
+    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* the descriptor is read-only */
     const int error = fxs_output_fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
@@ -268,13 +267,13 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 
 /* ---- Write and close ------------------------------------------------------------------------------------------- */
 
-/* Some file systems cannot do this (EINVAL), which is no error here. */
+/* Some file systems do not support fsync (EINVAL, EROFS). That is not an error here. */
 static int sync_file(FILE *file)
 {
     return !fsync(fileno(file)) || errno == EINVAL || errno == EROFS ? 0 : -1;
 }
 
-/* Puts the new name on the disk too; a failure is ignored, as the file is complete. */
+/* Writes the new name to the disk. A failure is ignored, because the file itself is complete. */
 static void sync_folder(fxs_output *output)
 {
     const size_t folder = folder_length(output->target);

@@ -1,7 +1,7 @@
-/* A packed scene of which a pool holds a part. Two threads: the caller's, whose frames read `places` and the pool, and
- * the reader, which fills places of the pool that no chunk has. Under the lock is what they hand each other: the queue
- * of chunks to read, free places, and what has been read. Only fxs_pager_turn, between frames, gives a place to a chunk
- * or takes it away. */
+/* Renders a packed scene from a pool that holds some of its chunks. Two threads: the caller's thread draws from
+ * `places` and the pool; the reader thread fills free places of the pool. The lock guards the data that both use: the
+ * queue of chunks to read, the free places and the chunks that arrived. Only fxs_pager_turn, called between frames,
+ * assigns a place to a chunk or takes it away. */
 #include <fixsplat/pager.h>
 
 #include <pthread.h>
@@ -22,22 +22,24 @@
 
 enum {
     PLACES_LEAST = 16,
-    KEPT_SHARE = 8, KEPT_MOST = 256,   /* of the pool, inverse, and chunks: the coarsest, which stay */
-    HEAD_PIECE = 1 << 20,              /* bytes of the heads that are asked for at once */
-    READ_MOST = 1 << 20,               /* and of rows, but for one chunk at least */
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes at a time, */
-    BATCH_APART = 64,                  /* and at least where it is better to read in vain than to ask twice */
+    KEPT_SHARE = 8, KEPT_MOST = 256,   /* share of the pool (1/8) and number of chunks that always stay: the coarsest */
+    HEAD_PIECE = 1 << 20,              /* bytes of one read of header, palette and tree */
+    READ_MOST = 1 << 20,               /* bytes of one read of rows; one chunk at least */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes at a time */
+    BATCH_APART = 64,                  /* minimum and start value for a source with a gap, such as a server */
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
-    ROOM_LEAST = 256,                  /* places that a turn makes free at most, or an eighth of the pool */
-    TRIES = 3,                         /* of a chunk until it is lost, and failed reads in a row until they are told */
-    PAUSE_MS = 100, PAUSE_MOST = 20    /* after failed reads in a row, times their number */
+    ROOM_LEAST = 256,                  /* places that one turn frees at most; or an eighth of the pool if that is
+                                          more */
+    TRIES = 3,                         /* failures until a chunk is lost; failed reads in a row until an error is
+                                          reported */
+    PAUSE_MS = 100, PAUSE_MOST = 20    /* pause after a failed read: PAUSE_MS times the failures in a row, 20 at most */
 };
 
-/* A place of the pool. Those of chunks that may go are in a ring, by when they were last drawn. */
+/* A place of the pool. Places of chunks that may be evicted form a ring, ordered by last use. */
 typedef struct place {
-    uint32_t chunk;                    /* FXS_NOTHING: it is free, or being filled */
-    uint32_t drawn;                    /* in which turn, the last time */
-    uint32_t newer, older;             /* FXS_NOTHING: the first, the last */
+    uint32_t chunk;                    /* FXS_NOTHING: free, or being filled */
+    uint32_t drawn;                    /* number of the turn that last drew it */
+    uint32_t newer, older;             /* neighbours in the ring; FXS_NOTHING at its ends */
 } place;
 
 typedef struct arrival {
@@ -53,34 +55,35 @@ struct fxs_pager {
     char *name;
     unsigned char *head, *tree, *pool, *stage;
     size_t memory, stage_bytes;
-    uint32_t chunks, room, kept;       /* nodes 0 to kept - 1 stay */
+    uint32_t chunks, room, kept;       /* tree nodes 0 to kept - 1 are never evicted */
 
-    /* The caller's. */
-    uint32_t *places;                  /* of each chunk */
-    uint32_t *asked;                   /* the turn in which a chunk was last wanted and not there */
+    /* Used by the caller's thread only. */
+    uint32_t *places;                  /* place of each chunk, or FXS_NOTHING */
+    uint32_t *asked;                   /* for each chunk: the last turn that wanted it while it was missing */
     place *in_pool;
     uint32_t newest, oldest, there;
-    uint32_t turn;                     /* of the last frames: those since one turn, or between two, have one number */
-    int has_asked;                     /* they did, since the last turn */
-    uint32_t *wanted, wanted_count;    /* by them, what is needed most first; room for as many as the pool has */
+    uint32_t turn;                     /* number of the current turn; all frames between two calls of fxs_pager_turn
+                                          share it */
+    int has_asked;                     /* fxs_pager_want was called since the last call of fxs_pager_turn */
+    uint32_t *wanted, wanted_count;    /* chunks wanted in this turn, most needed first; capacity: room */
 
-    pthread_mutex_t lock;              /* of the rest */
+    pthread_mutex_t lock;              /* guards the fields below */
     pthread_cond_t work, done;
     pthread_t reader;
     int has_reader, stop, reading;
-    uint8_t *tries;                    /* of each chunk: attempts that failed, */
-    uint8_t *taken;                    /* and whether it is being read, or has been */
+    uint8_t *tries;                    /* for each chunk: failed reads */
+    uint8_t *taken;                    /* for each chunk: being read, or read and not yet settled */
     uint32_t *queue, queue_count, queue_next;
     uint32_t *spare, spare_count;      /* free places */
     arrival *arrived;
     uint32_t arrived_count, batch_least, batch_most, lost;
     uint64_t bytes_read;
-    int error;                         /* the last one, */
+    int error;                         /* the last error and its message */
     fxs_message why;
-    uint32_t failures;                 /* reads in a row that the source could not do */
+    uint32_t failures;                 /* reads in a row that failed in the source */
 };
 
-/* ---- The ring of what was drawn ---------------------------------------------------------------------------------- */
+/* ---- Ring of places by last use ---------------------------------------------------------------------------------- */
 
 static void leave_ring(fxs_pager *p, uint32_t number)
 {
@@ -112,7 +115,7 @@ static void note_drawn(fxs_pager *p, uint32_t number)
     enter_ring(p, number);
 }
 
-/* Under the lock. */
+/* Assigns its place to a chunk that arrived. The caller holds the lock, or the reader has not started. */
 static void settle(fxs_pager *p, arrival a)
 {
     p->in_pool[a.place] = (place){a.chunk, p->turn, FXS_NOTHING, FXS_NOTHING};
@@ -123,7 +126,8 @@ static void settle(fxs_pager *p, arrival a)
         enter_ring(p, a.place);
 }
 
-/* Under the lock: frees the place that was drawn longest ago, unless the last frames did. Returns whether it did. */
+/* Evicts the least recently drawn chunk, unless the current turn drew it. Returns 1 if it freed a place. The caller
+   holds the lock. */
 static int free_place(fxs_pager *p)
 {
     const uint32_t number = p->oldest;
@@ -152,7 +156,7 @@ static int by_chunk(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* How many of the chunks, in their order in the file, are read at once. */
+/* Returns how many chunks of the list, sorted by chunk, one read covers. */
 static uint32_t run_of(const fxs_pager *p, const arrival *list, uint32_t count)
 {
     const uint64_t start = offset_of(p, list[0].chunk), size = p->scene.chunk_bytes;
@@ -168,7 +172,7 @@ static unsigned char *place_at(const fxs_pager *p, uint32_t number)
     return p->pool + (size_t)number * p->scene.chunk_bytes;
 }
 
-/* Whatever the source's function does with numbers and messages, an error is below 0 and has words. */
+/* Calls source.read. Makes sure that an error is negative and has a message. */
 static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t size, fxs_message *why)
 {
     why->text[0] = 0;
@@ -178,8 +182,8 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Copies a run to its places. Returns the last error; `good` says of each chunk whether it is what it should be,
-   `*unread` whether the source failed. */
+/* Reads a run of chunks and copies the valid ones to their places. Returns the last error. good[i]: chunk i passed its
+   checks. *unread: the source failed. */
 static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
@@ -199,7 +203,8 @@ static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *
     return result;
 }
 
-/* Under the lock: a source that failed again and again and is back again is asked anew for what was lost. */
+/* Resets the failure count. After TRIES failures in a row, also gives lost chunks new attempts. The caller holds the
+   lock. */
 static void note_success(fxs_pager *p)
 {
     if (p->failures >= TRIES) {
@@ -209,7 +214,7 @@ static void note_success(fxs_pager *p)
     p->failures = 0;
 }
 
-/* Under the lock: what became of a run. */
+/* The caller holds the lock. */
 static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const uint8_t *good, int unread)
 {
     if (!unread)
@@ -228,7 +233,7 @@ static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const u
     }
 }
 
-/* Under the lock: the next chunks of the queue, with a free place each. */
+/* The caller holds the lock. */
 static uint32_t take_batch(fxs_pager *p, arrival *list)
 {
     uint32_t count = 0;
@@ -242,7 +247,6 @@ static uint32_t take_batch(fxs_pager *p, arrival *list)
     return count;
 }
 
-/* Not under the lock: the function is the caller's. */
 static void tell_arrived(fxs_pager *p)
 {
     if (!p->options.arrived || !p->arrived_count)
@@ -252,7 +256,7 @@ static void tell_arrived(fxs_pager *p)
     pthread_mutex_lock(&p->lock);
 }
 
-/* Holds the lock but while it reads. */
+/* Called with the lock, which it releases during each read. Adapts batch_most to the time that the batch took. */
 static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
 {
     const uint64_t start = fxs_clock(0);
@@ -281,7 +285,6 @@ static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
         p->batch_most /= 2;
 }
 
-/* After a failure: not again at once. */
 static void hold_off(fxs_pager *p)
 {
     const uint64_t end = fxs_clock(0) + (uint64_t)PAUSE_MS * 1000000 * p->failures;
@@ -322,8 +325,8 @@ static void *allocate(fxs_pager *p, uint64_t count, size_t size)
     return block;
 }
 
-/* Piece by piece, so that a source that claims more than it has gets no memory for it: pages are taken as they are
-   written. */
+/* Reads in pieces, so that a source that claims too large a size costs no physical memory: the system allocates pages
+   only as they are written. */
 static int read_head(fxs_pager *p, uint64_t offset, unsigned char *out, uint64_t size, fxs_message *message)
 {
     for (uint64_t done = 0; done < size;) {
@@ -406,11 +409,11 @@ static int make_room(fxs_pager *p, fxs_message *message)
         p->spare[p->spare_count] = p->room - 1 - p->spare_count;
     p->scene.rows = p->pool;
     p->scene.places = p->places;
-    p->turn = 1;                       /* beyond that of `asked` */
+    p->turn = 1;                       /* above every entry of `asked` */
     return 0;
 }
 
-/* Something is there from the first frame on. */
+/* Reads the root of the tree, so that the first frame can draw the scene. */
 static int read_root(fxs_pager *p, fxs_message *message)
 {
     const arrival root = {p->scene.chunk_count, p->spare[--p->spare_count]};
@@ -551,8 +554,8 @@ void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int the
     }
 }
 
-/* Under the lock: what is to be read, in that order. The coarsest come last: they are for a view that nobody has
-   asked for yet. */
+/* Fills the queue: wanted chunks first, then the coarsest chunks, which later views will need. The caller holds the
+   lock. */
 static void fill_queue(fxs_pager *p)
 {
     const uint32_t leaves = p->scene.chunk_count;
@@ -573,8 +576,8 @@ static uint32_t left_in_queue(const fxs_pager *p)
     return p->queue_count - p->queue_next;
 }
 
-/* Under the lock: free places for what is to be read next. Not for all of it at once, as what is there may be wanted
-   again before that has come. */
+/* Frees places for the next chunks of the queue. The number is limited, because a chunk evicted too early may be wanted
+   again before its replacement arrives. The caller holds the lock. */
 static void free_places(fxs_pager *p)
 {
     const uint32_t share = p->room / KEPT_SHARE > ROOM_LEAST ? p->room / KEPT_SHARE : ROOM_LEAST;
@@ -605,7 +608,7 @@ int fxs_pager_turn(fxs_pager *p, fxs_pager_state *state, fxs_message *message)
     const int error = p->lost || p->failures >= TRIES ? p->error : 0;
     if (error && message)
         *message = p->why;
-    p->reading |= left > 0 && p->spare_count > 0;       /* until the reader has looked */
+    p->reading |= left > 0 && p->spare_count > 0;       /* assumed until the reader has looked at the queue */
     pthread_cond_signal(&p->work);
     pthread_mutex_unlock(&p->lock);
     return error;

@@ -1,4 +1,4 @@
-/* A file as the source of a pager. */
+/* A pager source that reads a file with pread. Each read also checks that size and modification time did not change. */
 #include <fixsplat/pager.h>
 
 #include <errno.h>
@@ -14,7 +14,7 @@
 
 typedef struct paged_file {
     int descriptor;
-    struct stat opened;                /* as it was then */
+    struct stat opened;                /* its state when it was opened */
     char path[];
 } paged_file;
 

@@ -1,5 +1,5 @@
-/* What a server has as the source of a pager, by requests for ranges of bytes. libcurl brings some thirty libraries, so
-   it is loaded when it is first needed. */
+/* A pager source that reads a file on a server by HTTP range requests (RFC 9110, section 14). libcurl brings about
+   thirty libraries, so dlopen loads it at the first use. */
 #include <fixsplat/pager.h>
 
 #include <string.h>
@@ -32,7 +32,7 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 
 #include "src/base/try_internal.h"
 
-/* A request ends where for SLOW_SECONDS the server sends less than SLOW_RATE bytes a second. */
+/* A request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. GAP, VALIDATOR, HEADERS_MOST: bytes. */
 enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144,
        VALIDATOR = 200 };
 
@@ -51,7 +51,7 @@ static struct {
     int is_here;
 } lib;
 
-/* dlsym returns a pointer to data, which POSIX allows to be a pointer to a function. */
+/* Looks up a function. POSIX allows the conversion of dlsym's result to a function pointer. */
 static int find(void *library, const char *name, void *function)
 {
     void *address = dlsym(library, name);
@@ -76,7 +76,7 @@ static void load_library(void)
 
 /* ---- A request --------------------------------------------------------------------------------------------------- */
 
-/* What the server says of the file: of the first answer, or of another. */
+/* Validators and size of the file, from the headers of an answer. */
 typedef struct validators {
     char tag[VALIDATOR], modified[VALIDATOR];      /* ETag and Last-Modified; empty: none */
     uint64_t size;
@@ -85,17 +85,16 @@ typedef struct validators {
 typedef struct paged_url {
     CURL *handle;
     char *url;
-    int cancelled;                     /* read and written atomically */
-    int is_open;                       /* `file` is known */
+    int cancelled;                     /* accessed atomically */
+    int is_open;                       /* `file` holds the validators of the first answer */
     validators file;
 
-    /* Of the request under way. */
     unsigned char *out;
-    uint64_t first;                    /* byte of the file */
+    uint64_t first;                    /* offset in the file */
     size_t size, got, headers;         /* bytes */
-    long status;                       /* of the answer whose headers come */
+    long status;                       /* HTTP status of the answer being received */
     int has_range, too_long;
-    uint64_t from, to;                 /* the range that it has */
+    uint64_t from, to;                 /* first and last byte, from Content-Range */
     validators said;
 } paged_url;
 
@@ -106,7 +105,7 @@ static int is_cancelled(void *argument, curl_off_t a, curl_off_t b, curl_off_t c
     return __atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE);
 }
 
-/* Only the bytes of a range are taken: what else a server sends ends the request. */
+/* Accepts only the bytes of status 206. Any other content, or too much of it, ends the request. */
 static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -122,7 +121,7 @@ static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
     return length;
 }
 
-/* The value of a header of that name, without spaces about it; what is longer than the room is as if not there. */
+/* Copies the value of a header without surrounding spaces. Ignores a value that does not fit. */
 static void take_value(const char *line, const char *name, char value[VALIDATOR])
 {
     const size_t length = strlen(name);
@@ -134,7 +133,7 @@ static void take_value(const char *line, const char *name, char value[VALIDATOR]
         snprintf(value, VALIDATOR, "%.*s", (int)end, line);
 }
 
-/* A redirected request has several answers: the last one counts. */
+/* After redirects, only the last answer counts. */
 static size_t take_header(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -158,7 +157,7 @@ static size_t take_header(char *bytes, size_t size, size_t count, void *argument
     return length;
 }
 
-/* A weak ETag may stay when bytes change: If-Range is not for those. */
+/* Returns the validator for If-Range. Weak ETags are excluded, because they may stay the same when bytes change. */
 static const char *validator_of(const paged_url *u)
 {
     return *u->file.tag == '"' ? u->file.tag : *u->file.tag ? "" : u->file.modified;
@@ -169,14 +168,14 @@ static int differ(const char *a, const char *b)
     return *a && *b && strcmp(a, b) != 0;
 }
 
-/* An answer to If-Range may leave out what is known (RFC 9110, 15.3.7). */
+/* Compares only headers that are present: an answer to If-Range may omit some (RFC 9110, 15.3.7). */
 static int has_changed(const paged_url *u)
 {
     return u->said.size != u->file.size || differ(u->said.tag, u->file.tag) ||
            differ(u->said.modified, u->file.modified);
 }
 
-/* What is wrong with an answer, or 0. */
+/* Returns 0 for a valid answer, else an error and a message. */
 static int judge(const paged_url *u, CURLcode code, fxs_message *message)
 {
     const uint64_t last = u->first + u->size - 1;
@@ -246,7 +245,7 @@ static void close_url(void *argument)
     free(u);
 }
 
-/* An address of https is not redirected to http. */
+/* Sets all options. An https address is never redirected to http. */
 static int prepare(paged_url *u)
 {
     CURL *h = u->handle;
@@ -263,7 +262,7 @@ static int prepare(paged_url *u)
            lib.setopt(h, CURLOPT_XFERINFODATA, u);
 }
 
-/* The first request is for the header of the scene, and tells the size of the whole. */
+/* The first request reads the scene's header; its answer tells the file's size. */
 static int open_url(paged_url *u, fxs_message *message)
 {
     unsigned char header[192];

@@ -17,7 +17,7 @@ void fxs_aligned_free(void *block)
     free(block);
 }
 
-/* glibc notes no error where the last growth of such a stream fails. */
+/* glibc reports no error if the last growth of such a stream fails, so fxs_print_end also checks text and size. */
 int fxs_print_begin(fxs_printed *printed)
 {
     *printed = (fxs_printed){.text = NULL};
@@ -35,7 +35,7 @@ int fxs_print_end(fxs_printed *printed)
     return -1;
 }
 
-/* Only whole large pages, so that no other block has a part in one. */
+/* Covers only complete large pages (2 MiB), so that no other block shares them. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
 #ifdef MADV_HUGEPAGE

@@ -1,4 +1,4 @@
-/* Where a user's files and the fonts of the system lie. */
+/* Finds the user's state folder and a font of the system. */
 #include "src/base/system.h"
 
 #include <stdlib.h>
@@ -8,7 +8,6 @@
 
 #include <fixsplat/message.h>
 
-/* Makes the folders of a file that will be written. */
 static void make_folders(char *path)
 {
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
@@ -18,7 +17,8 @@ static void make_folders(char *path)
     }
 }
 
-/* Relative paths are ignored, as https://specifications.freedesktop.org/basedir-spec says. */
+/* Relative paths are ignored, as the XDG Base Directory Specification demands:
+   https://specifications.freedesktop.org/basedir-spec */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
@@ -36,7 +36,7 @@ int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 
 int fxs_font_find(char *path, size_t room, fxs_message *message)
 {
-    /* In Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
+    /* Debian, Fedora, Arch, openSUSE, Alpine, macOS. */
     static const char *const fonts[] = {
         "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
         "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/DejaVuSans.ttf",

@@ -1,3 +1,4 @@
+/* Starts programs with posix_spawnp, opens a browser, and handles requests to end (signals). */
 #include "src/base/system.h"
 
 #include <dlfcn.h>
@@ -15,11 +16,12 @@ extern char **environ;
 
 /* ---- This program ------------------------------------------------------------------------------------------------ */
 
-/* One that is closed is opened the wrong way round: no file becomes standard output by chance, and to use it fails. */
+/* Opens a closed standard file in the wrong direction: no other file then gets its descriptor by chance, and every use
+   of it fails. */
 void fxs_program_begin(int *argc, char ***argv)
 {
     (void)argc, (void)argv;
-    signal(SIGXFSZ, SIG_IGN);          /* beyond the limit of a file's size a write fails, which is told */
+    signal(SIGXFSZ, SIG_IGN);          /* a write beyond the file size limit then fails, and the error is reported */
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
         if (fcntl(i, F_GETFD) < 0)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -62,7 +64,7 @@ void fxs_program_become(const char *path, char **argv)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* In a process group of its own. */
+/* The program gets its own process group. */
 static int start(const char *const *arguments, int output, int log, pid_t *child)
 {
     posix_spawn_file_actions_t actions;
@@ -79,7 +81,7 @@ static int start(const char *const *arguments, int output, int log, pid_t *child
     error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
-    /* posix_spawnp does not change the arguments, though its type does not say so */
+    /* posix_spawnp does not change the arguments, although its type lacks const */
     if (!error)
         error = posix_spawnp(child, arguments[0], &actions, &attributes, (char *const *)(uintptr_t)arguments, environ);
     posix_spawnattr_destroy(&attributes);
@@ -87,8 +89,8 @@ static int start(const char *const *arguments, int output, int log, pid_t *child
     return error;
 }
 
-/* A process that ends the group of a program where the other end of `life` is closed without a byte: this process has
-   ended then, by whatever signal. It is in a group of its own, and is ended by no signal but SIGKILL. */
+/* Starts a process that kills the program's group if the write end of `life` closes before a byte arrives, which
+   happens when this process ends, even by SIGKILL. The guard blocks all signals and has its own process group. */
 static pid_t start_guard(const int life[2], pid_t group)
 {
     sigset_t all, before;
@@ -111,9 +113,9 @@ static pid_t start_guard(const int life[2], pid_t group)
     _exit(0);
 }
 
-static volatile sig_atomic_t running;  /* the group of a program */
+static volatile sig_atomic_t running;  /* process group of the program that runs */
 
-/* Ctrl-Z stops this process and its program. */
+/* Handles Ctrl-Z: stops the program and this process, then continues the program. */
 static void stop_both(int number)
 {
     const int error = errno;
@@ -157,7 +159,7 @@ static int wait_for(pid_t child)
     return WIFEXITED(status) ? WEXITSTATUS(status) : FXS_PROGRAM_SIGNAL + WTERMSIG(status);
 }
 
-/* A pipe that programs do not inherit. */
+/* Makes a pipe that other programs do not inherit. */
 static int make_pipe(int ends[2])
 {
     if (pipe(ends))
@@ -173,7 +175,7 @@ static void close_pipe(const int ends[2])
     close(ends[1]);
 }
 
-/* Until the program ends. Returns its status. */
+/* Passes the program's output on until it ends. Returns its exit status. */
 static int attend(pid_t child, const int life[2], int from, fxs_program_said_fn *said, void *argument)
 {
     struct sigaction before;
@@ -210,7 +212,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
 
-/* In a session of its own, which Ctrl-C here does not end, and without words in the terminal. */
+/* Starts the browser in its own session, so that Ctrl-C does not end it, with no output in the terminal. */
 static void run_browser(const char *address)
 {
     sigset_t none;
@@ -223,7 +225,7 @@ static void run_browser(const char *address)
     _exit(127);
 }
 
-/* Of two children the first ends at once, so that nobody has to wait for the second. */
+/* Forks twice. The first child ends at once, so this process never has to wait for the browser. */
 int fxs_browse(const char *address)
 {
     if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY"))

@@ -1,5 +1,5 @@
-/* Condition variables that are waited for until a time of fxs_clock. Those of Windows know no clock but that of the
-   day, which may be set meanwhile: the wait is then as much longer or shorter. */
+/* Waits for a condition variable with a deadline on fxs_clock. On Windows the deadline is converted to the time of day,
+   so setting that clock during a wait lengthens or shortens the wait. */
 #ifndef TIMED_WAIT_H
 #define TIMED_WAIT_H
 
@@ -23,7 +23,7 @@ static inline void timed_condition_init(pthread_cond_t *condition)
 #endif
 }
 
-/* As pthread_cond_timedwait, but returns 1 where it became late, else 0. */
+/* Like pthread_cond_timedwait. Returns 1 after a timeout, else 0. */
 static inline int timed_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until)
 {
     uint64_t end = until;

@@ -1,4 +1,4 @@
-/* What the files of port/win32 share. */
+/* Shared by the files of port/win32. */
 #ifndef WIN32_H
 #define WIN32_H
 
@@ -9,31 +9,33 @@
 
 #include "src/base/system.h"
 
-/* A path in UTF-8 as the functions of Windows take it, with the prefix that longer ones than 260 characters need; for
-   free(). Null, and errno. */
+/* Converts a UTF-8 path to UTF-16 for Windows, for free(). Paths of more than about 240 characters become absolute and
+   get the prefix \\?\. Returns null and errno on failure. */
 wchar_t *win32_path(const char *path);
 
-/* The same from the root, always with the prefix. */
+/* The same, but always absolute and with the prefix. */
 wchar_t *win32_whole_path(const char *path);
 
-/* A text in UTF-16 as UTF-8, for free(), and the other way round. Null, and errno. */
+/* Convert between UTF-16 and UTF-8, for free(). Return null and errno on failure. */
 char *win32_narrow(const wchar_t *text);
 wchar_t *win32_wide(const char *text);
 
-/* The arguments of the command line in UTF-8, as the command takes them. Where there is no memory they stay. */
+/* Replaces the arguments by the command line in UTF-8, with wildcards expanded. Out of memory: leaves them
+   unchanged. */
 void win32_arguments(int *argc, char ***argv);
 
-/* Sets errno to what the last error of Windows means. Returns -1. */
+/* Sets errno from GetLastError. Returns -1. */
 int win32_failed(void);
 
-/* What is known of an open file. */
+/* Returns the kind and facts of an open file. */
 enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts);
 
-/* Opens a file that others may read, write and replace. Returns INVALID_HANDLE_VALUE and errno. */
+/* Opens an existing file and lets other programs read, write and replace it. Returns INVALID_HANDLE_VALUE and errno on
+   failure. */
 HANDLE win32_open(const char *path, DWORD access, DWORD flags);
 
-/* A stream of a handle, which is closed with it, or at once where there is no memory: null and errno. `mode` is "rb",
-   "wb", "w+b" or "ab". */
+/* Makes a stream from a handle; closing the stream closes the handle. Out of memory: closes the handle and returns null
+   and errno. `mode`: "rb", "wb", "w+b" or "ab". */
 FILE *win32_stream(HANDLE handle, const char *mode);
 
 #endif

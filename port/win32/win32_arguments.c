@@ -1,4 +1,4 @@
-/* The arguments of the command line. Neither cmd nor PowerShell makes a list of files out of *.ply, so this does. */
+/* Splits the command line into arguments. Expands wildcards such as *.ply, because cmd and PowerShell do not. */
 #include "win32.h"
 
 #include <shellapi.h>
@@ -6,12 +6,12 @@
 #include <string.h>
 #include <wctype.h>
 
-/* For * and ? in quotes, which are no wildcards, until the arguments are apart: no text has these. */
+/* Stand for a quoted * and ?, which are not wildcards, until the line is split. Both are Unicode noncharacters. */
 enum { QUOTED_STAR = 0xfdd0, QUOTED_QUESTION = 0xfdd1 };
 
-/* Copies a command line with those characters; `to` has room for twice its length. A \ before a quote makes it a part of
-   an argument; but with `closes`, the quote ends one whose last character is \, as that of the folder "C:\a folder\".
-   Returns whether a quote is left open. */
+/* Copies a command line and replaces quoted * and ?. `to` has room for twice its length. Normally \" is a quote inside
+   an argument. With `closes`, such a quote ends the argument instead, as in "C:\a folder\". Returns 1 if a quote stays
+   open. */
 static int mark_quoted(wchar_t *to, const wchar_t *line, int closes)
 {
     int is_quoted = 0;
@@ -32,10 +32,10 @@ static int mark_quoted(wchar_t *to, const wchar_t *line, int closes)
 typedef struct word_list {
     wchar_t **words;
     size_t count, room;
-    int incomplete;                /* no memory for one */
+    int incomplete;                /* memory ran out for a word */
 } word_list;
 
-/* Takes the word, which may be null for want of memory. */
+/* Takes ownership of the word, which is null if memory ran out. */
 static void add_word(word_list *list, wchar_t *word)
 {
     if (word && list->count == list->room) {
@@ -61,10 +61,10 @@ static void free_words(word_list *list)
 
 /* ---- Wildcards --------------------------------------------------------------------------------------------------- */
 
-/* * stands for any characters, ? for one; capital letters are as small ones. */
+/* Matches * with any characters and ? with one. Ignores case. */
 static int matches(const wchar_t *name, const wchar_t *pattern)
 {
-    const wchar_t *star = NULL, *from = NULL;      /* behind the last *, and where it goes on in the name */
+    const wchar_t *star = NULL, *from = NULL;      /* pattern after the last *, and the name position it is tried at */
     while (*name)
         if (*pattern == L'*') {
             star = ++pattern;
@@ -82,7 +82,6 @@ static int matches(const wchar_t *name, const wchar_t *pattern)
     return !*pattern;
 }
 
-/* The last name of a path. */
 static const wchar_t *name_of(const wchar_t *path)
 {
     const wchar_t *name = path;
@@ -92,11 +91,11 @@ static const wchar_t *name_of(const wchar_t *path)
 }
 
 typedef struct search {
-    const wchar_t *path;           /* with a pattern as its last name */
+    const wchar_t *path;           /* its last component is a pattern */
     word_list found;
 } search;
 
-/* The name of a file must not be taken for an option, whatever it begins with. */
+/* Adds a matching file. A name that begins with - gets ./ before it, so that it is not read as an option. */
 static void take_name(void *search_, const char *text)
 {
     search *s = search_;
@@ -123,7 +122,6 @@ static int compare(const void *a, const void *b)
     return order ? order : wcscmp(first, second);
 }
 
-/* The files that a path with a pattern stands for, sorted. */
 static void find(search *s)
 {
     const wchar_t *pattern = name_of(s->path);
@@ -150,7 +148,7 @@ static wchar_t *unmarked(const wchar_t *word)
     return copy;
 }
 
-/* A word that is no option, and has a wildcard, is the files that it stands for; without any, itself. */
+/* Replaces a word with wildcards, unless it begins with -, by the matching files; without a match, keeps the word. */
 static void take_word(word_list *list, const wchar_t *word)
 {
     search s = {.path = word};

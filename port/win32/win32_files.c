@@ -1,3 +1,4 @@
+/* Files, folders, links, streams and descriptors on Windows. */
 #include "win32.h"
 
 #include <errno.h>
@@ -11,7 +12,7 @@
 #include "src/base/files_internal.h"
 #include "src/base/try_internal.h"
 
-/* ---- What a name is of ------------------------------------------------------------------------------------------- */
+/* ---- Kinds of files ---------------------------------------------------------------------------------------------- */
 
 HANDLE win32_open(const char *path, DWORD access, DWORD flags)
 {
@@ -32,14 +33,14 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
     *facts = (fxs_file_facts){0};
     if (GetFileType(handle) != FILE_TYPE_DISK || !GetFileInformationByHandle(handle, &about))
         return GetFileType(handle) == FILE_TYPE_UNKNOWN ? FXS_FILE_NONE : FXS_FILE_OTHER;
-    const FILETIME modified = about.ftLastWriteTime;       /* in units of 100 nanoseconds */
+    const FILETIME modified = about.ftLastWriteTime;       /* in units of 100 ns */
     *facts = (fxs_file_facts){(uint64_t)about.nFileSizeHigh << 32 | about.nFileSizeLow, about.dwVolumeSerialNumber,
                               (uint64_t)about.nFileIndexHigh << 32 | about.nFileIndexLow,
                               100 * ((uint64_t)modified.dwHighDateTime << 32 | modified.dwLowDateTime)};
     return about.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY ? FXS_FILE_FOLDER : FXS_FILE_REGULAR;
 }
 
-/* Closes the handle. */
+/* Also closes the handle. */
 static enum fxs_file_kind look_at(HANDLE handle, fxs_file_facts *facts)
 {
     if (handle == INVALID_HANDLE_VALUE)
@@ -54,7 +55,8 @@ enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
     return look_at(win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS), facts);
 }
 
-/* Opens no link; but of a file that lies elsewhere, as in a cloud, what reading it fetches. */
+/* Opens a file, but no link (ELOOP). Other reparse points, such as cloud files, are opened normally, which fetches
+   their contents. */
 static HANDLE open_itself(const char *path, DWORD access, DWORD flags)
 {
     FILE_ATTRIBUTE_TAG_INFO about = {0};
@@ -88,7 +90,7 @@ enum fxs_file_kind fxs_file_kind(const char *path)
     return fxs_file_look(path, &unused);
 }
 
-/* Those of the name itself, also of a link. */
+/* Returns the attributes of the name itself; links are not followed. */
 static DWORD attributes_of(const char *path)
 {
     wchar_t *wide = win32_path(path);
@@ -111,7 +113,7 @@ char *fxs_path_whole(const char *path)
     wchar_t *wide = malloc(room * sizeof *wide);
     char *whole = NULL;
     if (wide && GetFinalPathNameByHandleW(handle, wide, room, 0)) {
-        const int is_shared = !wcsncmp(wide, L"\\\\?\\UNC\\", 8);        /* \\?\UNC\computer\... is \\computer\... */
+        const int is_shared = !wcsncmp(wide, L"\\\\?\\UNC\\", 8);        /* \\?\UNC\computer\... means \\computer\... */
         if (is_shared)
             wide[6] = L'\\';
         whole = win32_narrow(wide + (is_shared ? 6 : wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4));
@@ -153,7 +155,7 @@ int fxs_file_rename(const char *from, const char *to)
     return result;
 }
 
-/* Whether files can be made in a folder only shows when one is: it is deleted as it is closed. */
+/* Tests if files can be created in a folder by creating one, which is deleted when it is closed. */
 static int may_have_files(const char *folder)
 {
     char name[64];
@@ -185,7 +187,7 @@ int fxs_file_may_be_written(const char *path)
     return -1;
 }
 
-/* Symbolic links are for administrators: a file gets a second name, on the same drive. */
+/* Makes a hard link, or copies the file to another drive: symbolic links need administrator rights. */
 int fxs_file_link(const char *target, const char *name)
 {
     wchar_t *old = win32_path(target), *wide = win32_path(name);
@@ -197,7 +199,7 @@ int fxs_file_link(const char *target, const char *name)
     return result;
 }
 
-/* The handle, which nobody shares, stays open. */
+/* The handle is not shared and stays open, so the lock lasts until the process ends. */
 int fxs_file_lock(const char *path)
 {
     wchar_t *wide = win32_path(path);
@@ -238,7 +240,6 @@ int fxs_folder_make(const char *path, fxs_message *message)
     return error == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER ? 0 : fxs_fail_errno(message, path, error);
 }
 
-/* The pattern of all names in a folder, for free(). Null, and errno. */
 static wchar_t *all_in(const char *folder)
 {
     wchar_t *wide = win32_path(folder);
@@ -295,7 +296,7 @@ static int open_checked(HANDLE handle, const char *path, FILE **file, fxs_file_f
     return *file ? 0 : fxs_fail_errno(message, path, errno);
 }
 
-/* A folder is opened too, so that the message says what it is. */
+/* Opens folders too, so that the message can say that it is one. */
 int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
     const char *fault = fxs_path_fault(path);
@@ -307,7 +308,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
                                           : open_checked(handle, path, file, facts, message);
 }
 
-/* The whole path of the folder of a path, for free(). NULL, and errno. */
+/* Returns the absolute path of the folder that contains a path, for free(), or null and errno. */
 static char *whole_folder(const char *path)
 {
     const size_t length = strlen(path) - strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
@@ -321,7 +322,7 @@ static char *whole_folder(const char *path)
     return whole;
 }
 
-/* Names do not tell capital letters from small ones. */
+/* Ignores case, like Windows. */
 static int is_within(const char *folder, const char *path)
 {
     const size_t length = strlen(folder);
@@ -329,7 +330,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Sets *whole to the whole path, for free(), where that lies within the folder of `first`. */
+/* Sets *whole to the absolute path, for free(). An error if it lies outside the folder of `first`. */
 static int follow_within(const char *first, const char *path, char **whole, fxs_message *message)
 {
     char *folder = whole_folder(first);
@@ -377,8 +378,8 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* tmpfile of Windows wants to write to the root of the drive. It is deleted by Windows when it is closed, however that
-   comes. */
+/* tmpfile of Windows writes to the root of the drive, so this creates its own file in the temporary folder. Windows
+   deletes it when it is closed, even after a crash. */
 FILE *fxs_stream_temporary(void)
 {
     static volatile LONG count;
@@ -386,7 +387,7 @@ FILE *fxs_stream_temporary(void)
     const DWORD shared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
     wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 64];
     HANDLE handle = INVALID_HANDLE_VALUE;
-    const DWORD length = GetTempPathW(MAX_PATH + 1, folder);       /* more: what a longer one takes */
+    const DWORD length = GetTempPathW(MAX_PATH + 1, folder);       /* larger than MAX_PATH: the size needed */
     if (length && length <= MAX_PATH)
         do {
             _snwprintf(name, sizeof name / sizeof *name, L"%lsfixsplat-%lx-%lx.tmp", folder, GetCurrentProcessId(),
@@ -400,7 +401,7 @@ FILE *fxs_stream_temporary(void)
     return NULL;
 }
 
-/* Where only a part had room, the C library does not know why, or calls it EINVAL. One byte more tells. */
+/* After a partial write, the C library reports no reason or EINVAL. Writing one more byte gives the real error. */
 int fxs_stream_fault(FILE *file)
 {
     const int number = errno && errno != EINVAL ? errno : EIO;
@@ -418,11 +419,11 @@ int fxs_stream_empty(FILE *file)
     return _chsize(_fileno(file), 0);
 }
 
-/* Older consoles know no codes: 79 spaces. */
+/* Older consoles do not support escape codes, so 79 spaces erase the line. */
 #define TEN "          "
 const char fxs_erase_line[] = "\r" TEN TEN TEN TEN TEN TEN TEN "         \r";
 
-/* _isatty says so of NUL too. */
+/* _isatty is also true for NUL. */
 int fxs_is_terminal(FILE *file)
 {
     DWORD mode;
@@ -444,7 +445,7 @@ int fxs_terminal_takes_codes(FILE *file)
 
 /* ---- Descriptors ------------------------------------------------------------------------------------------------- */
 
-/* The handle is the descriptor's from now on, or closed. */
+/* The descriptor takes ownership of the handle. On failure, the handle is closed. */
 static int descriptor_of(HANDLE handle)
 {
     const int descriptor = _open_osfhandle((intptr_t)handle, _O_RDONLY);

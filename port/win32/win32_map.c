@@ -8,12 +8,12 @@
 
 #include "src/base/opened.h"
 
-/* Windows cuts no file short that is mapped. */
+/* Windows never truncates a mapped file, so a guard is not needed. */
 void fxs_map_guard(void)
 {
 }
 
-/* Handles have 32 bits that matter. */
+/* A handle fits into 32 bits. */
 static HANDLE handle_of(const fxs_mapping *mapping)
 {
     return (HANDLE)(intptr_t)mapping->descriptor;
@@ -39,7 +39,7 @@ static int map_opened(fxs_mapping *mapping, HANDLE handle, const char *path, fxs
             CloseHandle(section);
         return fxs_fail(message, "%s: cannot be mapped into memory: %s", path, strerror(errno));
     }
-    CloseHandle(section);              /* the view keeps it */
+    CloseHandle(section);              /* the view keeps the section open */
     mapping->bytes = (size_t)facts.size;
     mapping->descriptor = (int)(intptr_t)handle;
     mapping->modified[0] = modified(handle);

@@ -10,7 +10,7 @@
 
 /* ---- Clock and processors ---------------------------------------------------------------------------------------- */
 
-/* ticks 10^9 / rate, in two parts, so that the product fits. */
+/* ticks * 10^9 / rate, in two parts to avoid overflow */
 uint64_t fxs_clock(void *unused)
 {
     LARGE_INTEGER ticks, rate;
@@ -33,7 +33,7 @@ uint32_t fxs_processors(void)
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Large pages are for programs with a right of their own. */
+/* Large pages need a special privilege, so this does nothing. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
     (void)block, (void)bytes;
@@ -49,7 +49,7 @@ void fxs_aligned_free(void *block)
     _aligned_free(block);
 }
 
-/* There are no streams into memory. */
+/* Windows has no memory streams, so a temporary file serves. */
 int fxs_print_begin(fxs_printed *printed)
 {
     *printed = (fxs_printed){.file = fxs_stream_temporary()};

@@ -1,5 +1,5 @@
-/* Outputs. A file that is not complete is one that Windows deletes when it is closed, however this process ends, so
-   nothing is to be done at signals. */
+/* Writes output files. Windows deletes an incomplete file when it is closed, however this process ends, so signals need
+   no handling. */
 #include "win32.h"
 
 #include <errno.h>
@@ -13,8 +13,8 @@
 #include "src/base/opened.h"
 #include "src/base/output_internal.h"
 
-enum { NAME_ROOM = 64,         /* for the name of a temporary file in its folder */
-       WRITERS_MOST = 100 };   /* of one file at a time */
+enum { NAME_ROOM = 64,         /* bytes for the name of a temporary file, without its folder */
+       WRITERS_MOST = 100 };   /* simultaneous writers of one file */
 
 void fxs_output_remove_at_signals(void)
 {
@@ -22,13 +22,13 @@ void fxs_output_remove_at_signals(void)
 
 char *fxs_output_target(const char *path)
 {
-    char *whole = fxs_path_whole(path);        /* of one that is there, the end of its links */
+    char *whole = fxs_path_whole(path);        /* of an existing file: with links resolved */
     return whole ? whole : _strdup(path);
 }
 
 /* ---- Open -------------------------------------------------------------------------------------------------------- */
 
-static char standard_output[] = "standard output";   /* the path "-", for messages */
+static char standard_output[] = "standard output";   /* stands for the path "-" in messages */
 
 static void release(fxs_output *output)
 {
@@ -38,7 +38,6 @@ static void release(fxs_output *output)
     free(output->temporary);
 }
 
-/* output->temporary becomes the name for writer i of output->target. */
 static void name_temporary(fxs_output *output, int i)
 {
     const char *slash = strrchr(output->target, '/'), *name = slash ? slash + 1 : output->target;
@@ -56,7 +55,8 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* A file that no other process can open; one that a machine left as it went down is taken. */
+/* Creates a file that no other process can open, marked for deletion. Overwrites a file left by a crash of the
+   machine. */
 static HANDLE create_named(const char *name)
 {
     wchar_t *wide = win32_path(name);
@@ -79,7 +79,7 @@ static HANDLE create_beside(fxs_output *output)
     for (int i = 0; output->temporary && i < WRITERS_MOST && handle == INVALID_HANDLE_VALUE; i++) {
         name_temporary(output, i);
         handle = create_named(output->temporary);
-        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* which another writer's gives */
+        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* given if another writer has it */
             break;
     }
     return handle;
@@ -134,7 +134,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 
 enum { TRIES_MOST = 40, PAUSE_MILLISECONDS = 50 };
 
-/* Puts the file on the disk and gives it its name, as one that stays. Returns 0, or an errno. */
+/* Flushes the file, unmarks its deletion and renames it. Returns 0, or an errno. */
 static int put_in_place(fxs_output *output)
 {
     const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(output->file));
@@ -159,8 +159,8 @@ static int put_in_place(fxs_output *output)
     return error;
 }
 
-/* A file that another program has open is not to be replaced, and Windows calls that forbidden: EBUSY, also where it is
-   no longer open. */
+/* Windows reports EACCES for a target that another program has open. Returns EBUSY in that case, also if the program
+   has closed it meanwhile. */
 static int why_not_replaced(const fxs_output *output, int error)
 {
     const DWORD access = GENERIC_WRITE | DELETE;
@@ -174,7 +174,7 @@ static int why_not_replaced(const fxs_output *output, int error)
     return error;
 }
 
-/* Some look at a file for a moment only: a server, what searches for viruses. Returns 0, or an errno. */
+/* Retries while a server or virus scanner has the target open for a moment. Returns 0, or an errno. */
 static int put_when_free(fxs_output *output)
 {
     int error, tries = 0;

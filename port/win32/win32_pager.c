@@ -1,4 +1,4 @@
-/* A file as the source of a pager. */
+/* A pager source that reads a file. */
 #include "win32.h"
 
 #include <errno.h>

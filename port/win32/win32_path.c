@@ -1,11 +1,11 @@
-/* Names of files: UTF-8 here, UTF-16 there. */
+/* Converts paths between UTF-8 (here) and UTF-16 (Windows) and checks names. */
 #include "win32.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHORT_MOST = 240 };             /* characters of a path that needs no prefix, also that of a folder */
+enum { SHORT_MOST = 240 };             /* characters of a path without prefix; also valid for folders */
 
 char *win32_narrow(const wchar_t *text)
 {
@@ -29,7 +29,7 @@ wchar_t *win32_wide(const char *text)
     return wide;
 }
 
-/* Also with an ending, and where spaces are before it. */
+/* Returns 1 for device names, also with an extension or with spaces before it. */
 static int is_device(const char *name, size_t length)
 {
     static const char *const names[] = {"con", "prn", "aux", "nul", "conin$", "conout$"};
@@ -49,7 +49,7 @@ static int is_nul(const char *path)
     return !_stricmp(path, "nul");
 }
 
-/* The characters of \\?\ or \\.\ before a path, as with both kinds of strokes, and of the drive. */
+/* Returns the length of the prefix \\?\ or \\.\, with either kind of slash, and of the drive. */
 static size_t root_of(const char *path)
 {
     static const char strokes[] = "/\\";
@@ -80,7 +80,7 @@ const char *fxs_path_fault(const char *path)
     return NULL;
 }
 
-/* The whole path behind the prefix with which Windows takes any length. */
+/* Returns the absolute path with the prefix \\?\, which allows any length. */
 static wchar_t *prefixed(const wchar_t *wide)
 {
     const DWORD room = GetFullPathNameW(wide, 0, NULL, NULL);

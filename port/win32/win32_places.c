@@ -1,4 +1,4 @@
-/* Where a user's files and the fonts of the system lie. */
+/* Finds the user's state folder and a font of the system. */
 #include "win32.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 
 enum { PATH_MOST = 4096 };
 
-/* For free(); null where `size` says that there is none, or that it is longer. */
+/* Converts a folder, for free(). `size`: its length, 0 if unknown. Returns null if it is unknown or too long. */
 static char *folder_of(const wchar_t *wide, DWORD size)
 {
     char *folder = size && size < PATH_MOST ? win32_narrow(wide) : NULL;
@@ -19,7 +19,7 @@ static char *folder_of(const wchar_t *wide, DWORD size)
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     wchar_t wide[PATH_MOST];
-    fxs_message unused;                    /* what cannot be written there says so */
+    fxs_message unused;                    /* the later write to the folder reports the error */
     char *folder = folder_of(wide, GetEnvironmentVariableW(L"APPDATA", wide, PATH_MOST));
     int length = folder ? snprintf(path, room, "%s/fixsplat", folder) : -1;
     if (length >= 0 && (size_t)length < room) {

@@ -1,3 +1,4 @@
+/* Starts programs in a job object, opens a browser, and handles requests to end (console control events). */
 #include "win32.h"
 
 #include <errno.h>
@@ -11,7 +12,7 @@
 
 /* ---- This program ------------------------------------------------------------------------------------------------ */
 
-static UINT code_page;                 /* of the console, before */
+static UINT code_page;                 /* code page of the console before the start */
 
 static void restore_console(void)
 {
@@ -66,7 +67,7 @@ void fxs_program_set(const char *variable, const char *value)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* Adds a word of a command line as CommandLineToArgvW and the C library read it. Returns the end. */
+/* Quotes a word for CommandLineToArgvW and the C library. Returns the end. */
 static wchar_t *add_word(wchar_t *to, const wchar_t *word)
 {
     *to++ = L'"';
@@ -84,7 +85,6 @@ static wchar_t *add_word(wchar_t *to, const wchar_t *word)
     return to;
 }
 
-/* For free(). */
 static wchar_t *command_line(const char *const *arguments)
 {
     size_t room = 1;
@@ -121,11 +121,11 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
     return result;
 }
 
-/* The program ends where this one is ended, and with it those that it starts, unless they `break_away`. */
+/* Ends the program and its children when this process ends, except children if they may `break_away`. */
 static void bind_to_this(HANDLE process, int break_away)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
-    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed by the end of this process */
+    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed when this process ends */
     limits.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE |
                                               (break_away ? JOB_OBJECT_LIMIT_SILENT_BREAKAWAY_OK : 0);
     if (job && SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
@@ -141,7 +141,7 @@ static DWORD wait_for(HANDLE process)
     return code;
 }
 
-/* As a signal's number is told: a program that crashed has the code of its exception. */
+/* A crashed program has the code of its exception, which is reported like a signal. */
 static int status_of(DWORD code)
 {
     return code < FXS_PROGRAM_SIGNAL ? (int)code : FXS_PROGRAM_SIGNAL + SIGSEGV;
@@ -184,11 +184,11 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 static BOOL WINAPI leave_it(DWORD kind)
 {
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
-        Sleep(INFINITE);                   /* until the other program has ended, and this one with it */
+        Sleep(INFINITE);                   /* until the program has ended; then this process ends too */
     return TRUE;
 }
 
-/* Windows starts programs beside this one only: this one waits, and ends as the other does. */
+/* Windows cannot replace a process. This one starts the program, waits, and ends with the program's exit code. */
 void fxs_program_become(const char *path, char **argv)
 {
     HANDLE process;
@@ -204,13 +204,13 @@ void fxs_program_become(const char *path, char **argv)
     arguments[0] = program;
     for (size_t i = 1; i < count; i++)
         arguments[i] = argv[i];
-    SetConsoleCtrlHandler(leave_it, TRUE); /* Ctrl-C is for the other one, which would inherit that it is ignored */
+    SetConsoleCtrlHandler(leave_it, TRUE); /* Ctrl-C goes to the program; ignoring it would be inherited */
     const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
                             GetStdHandle(STD_OUTPUT_HANDLE), GetStdHandle(STD_ERROR_HANDLE), &process);
     free(arguments);
     free(program);
     if (!error) {
-        bind_to_this(process, 1);          /* a browser stays */
+        bind_to_this(process, 1);          /* a browser started by the program survives */
         exit((int)wait_for(process));
     }
 }
@@ -228,7 +228,7 @@ int fxs_browse(const char *address)
 static volatile LONG asked;
 static int is_held;
 
-/* On a thread of its own. The process ends when this returns, but for Ctrl-C and Ctrl-Break. */
+/* Runs on its own thread. After it returns, the process ends, except for Ctrl-C and Ctrl-Break. */
 static BOOL WINAPI note_request(DWORD kind)
 {
     if (InterlockedExchange(&asked, 1))

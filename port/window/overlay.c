@@ -1,3 +1,4 @@
+/* Draws panels, lines and bars into RGBA pictures, and paints depths and ids. */
 #include "overlay.h"
 
 #include <math.h>
@@ -35,13 +36,12 @@ void fxs_draw_line(const fxs_picture *picture, const double from[2], const doubl
 
 enum { BINS = 2048 };
 
-/* log2(depth + 1) / 32 BINS, a number below BINS */
+/* log2(depth + 1) / 32 * BINS, less than BINS */
 static int bin_of(uint32_t depth)
 {
     return (int)(log2((double)depth + 1) / 32 * BINS * (1 - 1e-9));
 }
 
-/* The bin below which this many depths lie. */
 static int quantile(const uint32_t counts[BINS], uint64_t below)
 {
     int bin = 0;
@@ -75,7 +75,8 @@ void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths)
     }
 }
 
-/* The bits of a product by an odd number near 2^64 / golden ratio, from the top: neighbours in number differ. */
+/* Takes colours from the high bits of the id times an odd number near 2^64 / golden ratio, so that neighbouring ids
+   differ. */
 void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
 {
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
@@ -89,7 +90,7 @@ void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
     }
 }
 
-/* The share of a corner pixel within the circle, by the distance of its centre. */
+/* Returns the coverage of a corner pixel by the rounded corner, from the distance of its centre. */
 static double corner_share(int x, int y, int radius)
 {
     return fmin(fmax(radius + 0.5 - hypot(radius - x - 0.5, radius - y - 0.5), 0), 1);
@@ -136,7 +137,7 @@ static double sum(const double stage[FXS_STAGES])
     return total;
 }
 
-/* The height of the graph in milliseconds: the first of 10, 20, 40, ... that every frame fits in. */
+/* Returns the height of the graph in milliseconds: the first of 10, 20, 40, ... that contains every frame. */
 static double graph_top(const fxs_frame_times *times)
 {
     double top = 10;

@@ -1,4 +1,4 @@
-/* Panels that are drawn over a picture: words, lines, times of the last frames; and pictures of depths and ids. */
+/* Panels drawn over a picture (words, lines, frame times), and pictures of depths and ids. */
 #ifndef FXS_OVERLAY_H
 #define FXS_OVERLAY_H
 
@@ -6,21 +6,21 @@
 
 #include <fixsplat/fixsplat.h>
 
-/* RGBA, not premultiplied; rows from the top, without padding. The bytes belong to the caller. */
+/* RGBA, not premultiplied; top row first, no padding. The caller owns the bytes. */
 typedef struct fxs_picture {
     uint8_t *rgba;
     int width, height;           /* pixels */
 } fxs_picture;
 
-/* A picture and the place of its top left corner in the window. */
+/* A picture and the position of its top left corner in the window, pixels. */
 typedef struct fxs_panel {
     fxs_picture picture;
     int x, y;
 } fxs_panel;
 
-/* Colours, 0xRRGGBBAA. A panel is nearly opaque, so that its words can be read over any picture. */
+/* Colours, 0xRRGGBBAA. Panels are nearly opaque, so that words are readable over any picture. */
 typedef struct fxs_theme {
-    uint32_t window;             /* the window without a picture */
+    uint32_t window;             /* background where no picture is shown */
     uint32_t panel, words, faint, mark;
 } fxs_theme;
 
@@ -28,39 +28,39 @@ extern const fxs_theme fxs_dark, fxs_light;
 
 typedef struct fxs_words fxs_words;
 
-/* Fills the part of a rectangle that lies in the picture. */
+/* Fills a rectangle, clipped to the picture. */
 void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int height, uint32_t colour);
 
-/* Draws the part of a line, `width` pixels wide, that lies in the picture. */
+/* Draws a line `wide` pixels wide, clipped to the picture. */
 void fxs_draw_line(const fxs_picture *picture, const double from[2], const double to[2], double wide, uint32_t colour);
 
-/* One line of words (words.h), the top left corner at (x, y). */
+/* Draws one line of words (words.h) with its top left corner at (x, y). */
 void fxs_draw_words(fxs_words *words, const fxs_picture *picture, int x, int y, const char *text, uint32_t colour);
 
-/* Makes a panel of one colour with round corners, which fxs_panel_free frees. Returns 0, or -1 where memory ran out,
-   with nothing to free. */
+/* Makes a panel of one colour with round corners; free it with fxs_panel_free. Returns 0, or -1 if memory ran out, with
+   nothing to free. */
 int fxs_panel_make(fxs_panel *panel, int x, int y, int width, int height, int radius, uint32_t colour);
 void fxs_panel_free(fxs_panel *panel);
 
-/* Makes a picture of depths of fxs_targets: by their logarithm, from red for the nearest fiftieth of the visible depths
-   to blue for the farthest. */
+/* Paints depths of fxs_targets on a logarithmic scale: red for the nearest 2 % of the visible depths to blue for the
+   farthest. */
 void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths);
 
-/* Makes a picture of ids with a colour for each Gaussian. */
+/* Paints ids, with a colour for each Gaussian. */
 void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids);
 
-enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* the last two in points */
+enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points */
 
-/* Milliseconds of the last frames, the newest first. All 0: no frames. */
+/* Milliseconds of the last frames, newest first. All 0: no frames. */
 typedef struct fxs_frame_times {
     double stage[FXS_GRAPH_FRAMES][FXS_STAGES];
-    double frame;                /* the whole newest frame */
+    double frame;                /* total of the newest frame */
 } fxs_frame_times;
 
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats);
 
-/* Draws a bar for each frame, with its stages in colours, and beside it the times of the newest frame and of each
-   stage. A point is `scale` pixels. */
+/* Draws a bar for each frame, with its stages in colours, and the times of the newest frame and its stages beside the
+   bars. A point is `scale` pixels. */
 void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words);
 

@@ -1,3 +1,4 @@
+/* An SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
 #include "window.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* the least distance in points since the left button went down */
+    int moved;                      /* motion since the button went down, points: sum of |dx| + |dy| */
 };
 
 static int fail(fxs_message *message)
@@ -23,9 +24,9 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Without a display, SDL would use drivers that show nothing or take the console from the shell. Wayland's library
-   prints lines of its own where it has no folder for its socket. A driver that SDL_VIDEODRIVER names is used without a
-   check. */
+/* Excludes drivers that show nothing or take over the console, which SDL would use without a display. Excludes Wayland
+   without a socket folder, because its library then prints messages. A driver named in SDL_VIDEODRIVER is used without
+   a check. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -45,10 +46,10 @@ static void choose_drivers(void)
 
 int fxs_window_open(fxs_window **window, fxs_message *message)
 {
-    /* Pictures are copied to the window without OpenGL, as a back end may need the context. */
+    /* Copies pictures to the window without OpenGL, because a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; without it Windows would enlarge the pixels */
+#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; otherwise Windows enlarges the pixels */
     SDL_SetHint(SDL_HINT_WINDOWS_DPI_AWARENESS, "permonitorv2");
 #endif
     *window = calloc(1, sizeof **window);
@@ -68,8 +69,8 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
-/* SDL wakes a window of X by an event on a separate connection. An event that arrives after the window was closed would
-   end the program with an error, so it gets time to arrive before. */
+/* On X11, SDL wakes a window by an event on a separate connection. An event that arrives after the window is closed
+   would end the program with an error, so this waits for it. */
 static void let_wakes_arrive(fxs_window *window)
 {
     SDL_HideWindow(window->window);
@@ -99,7 +100,7 @@ void fxs_window_size(const fxs_window *window, int *width, int *height)
 #endif
 }
 
-/* Pixels in a point of positions and sizes of SDL's, 1 or more. */
+/* Returns the pixels per point of SDL's positions and sizes, 1 or more. */
 static double pixels_in_point(const fxs_window *window)
 {
     int width, height, points;
@@ -108,7 +109,7 @@ static double pixels_in_point(const fxs_window *window)
     return points > 0 ? fmax(1, (double)width / points) : 1;
 }
 
-/* On Windows SDL's positions are pixels, however fine; 96 of them an inch have the size of points elsewhere. */
+/* On Windows, SDL's positions are pixels; a point is 1/96 inch there. */
 double fxs_window_scale(const fxs_window *window)
 {
     float across;
@@ -134,7 +135,7 @@ void fxs_window_title(fxs_window *window, const char *title)
     SDL_SetWindowTitle(window->window, title);
 }
 
-/* Up to three points of motion count as a click, as hands shake. */
+/* Motion of up to three points counts as a click, because hands shake. */
 static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in, fxs_window_event *out)
 {
     const double scale = pixels_in_point(window);
@@ -163,7 +164,7 @@ static void translate_motion(fxs_window *window, const SDL_MouseMotionEvent *in,
     window->moved += abs(in->xrel) + abs(in->yrel);
 }
 
-/* Returns 0 for events that the viewer does not use. */
+/* Returns 0 for events without a use in the viewer. */
 static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *out)
 {
     *out = (fxs_window_event){.type = FXS_EVENT_NONE};

@@ -1,3 +1,4 @@
+/* One thread that waits for a job. A mutex guards the state that it shares with other threads. */
 #include "worker.h"
 
 #include <pthread.h>

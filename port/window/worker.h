@@ -1,17 +1,17 @@
-/* A thread that does one job at a time while the window goes on. Any thread may call the last two functions, only the
-   window's thread the others. */
+/* A thread that runs one job at a time while the window stays responsive. Only the window's thread may call the
+   functions, except the last two, which any thread may call. */
 #ifndef FXS_WORKER_H
 #define FXS_WORKER_H
 
 typedef struct fxs_worker fxs_worker;
 
-/* Starts the thread, which calls `done` after each job. Null where there is no memory or thread. */
+/* Starts the thread. It calls `done` after each job. Returns null if memory or threads ran out. */
 fxs_worker *fxs_worker_start(void (*done)(void));
 
-/* Asks the job to stop, waits for its end and frees the worker; null is allowed. */
+/* Asks the job to stop, waits for it and frees the worker. Null is allowed. */
 void fxs_worker_end(fxs_worker *worker);
 
-/* Whether a job was given and is not done yet. */
+/* Returns 1 from fxs_worker_do until the job ends. */
 int fxs_worker_busy(fxs_worker *worker);
 
 /* Asks the job to stop. */
@@ -20,14 +20,14 @@ void fxs_worker_stop(fxs_worker *worker);
 /* Waits until the worker is not busy. */
 void fxs_worker_wait(fxs_worker *worker);
 
-/* Gives a job to the worker, which must not be busy. */
+/* Gives a job to the worker, which must be idle. */
 void fxs_worker_do(fxs_worker *worker, void (*job)(void *argument), void *argument);
 
-/* The part of the job that is done, 0 to 1, by its last report. */
+/* The progress that the job last reported, 0 to 1. */
 double fxs_worker_progress(fxs_worker *worker);
 
-/* For the job: an fxs_stop_fn, which says whether it must stop, and an fxs_progress_fn, which also notes its progress.
-   The argument is the worker. */
+/* For the job, with the worker as argument: an fxs_stop_fn, which returns 1 if the job must stop, and an
+   fxs_progress_fn, which also records the progress. */
 int fxs_worker_stopped(void *worker);
 int fxs_worker_tell(void *worker, double done);
 

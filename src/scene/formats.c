@@ -1,4 +1,4 @@
-/* The one list of scene formats. A new format needs a reader or writer, a row here, and a test. */
+/* The list of scene formats. A new format needs a reader or writer, a row here, and a test. */
 #include "formats_internal.h"
 
 #include <stdio.h>
@@ -8,8 +8,8 @@
 #include <fixsplat/message.h>
 #include "src/base/foreign.h"
 
-/* FXS_TO_PACK: a build that only packs what it reads has neither writers nor the reader of
-   packed scenes, and nobody to read words. */
+/* FXS_TO_PACK: a build that only packs what it reads. It has no writers, no reader of packed scenes and no
+   descriptions. */
 #ifdef FXS_TO_PACK
 #define WRITE(name) NULL
 #define READ_PACKED NULL
@@ -20,8 +20,8 @@
 #define SAYS(text) text
 #endif
 
-/* A file has the first format that its content or name fits, so formats without a magic number, and the shorter of two
-   endings, come later. */
+/* The first format that matches a file's content or name is chosen. So formats without a magic number, and the shorter
+   of two endings, come later. */
 static const fxs_format_row formats[] = {
     /* name, endings, about
        read, written, SH degree, anti-aliased, what writing it loses, far
@@ -83,7 +83,6 @@ const fxs_scene_format *fxs_scene_format_at(int index)
 
 /* ---- By name ----------------------------------------------------------------------------------------------------- */
 
-/* Ending number `i` of a format: its first character and its length, or NULL. */
 static const char *ending_of(const fxs_scene_format *format, int i, size_t *length)
 {
     const char *at = format->endings;
@@ -93,8 +92,8 @@ static const char *ending_of(const fxs_scene_format *format, int i, size_t *leng
     return at;
 }
 
-/* 1 where a path ends so: with other letters before a dot, with nothing or a folder before a whole name. Capitals are
-   small letters. */
+/* Returns 1 if a path has this ending. An ending with a dot needs a name before it; an ending without one is a complete
+   file name. Ignores case. */
 static int ends_so(const char *path, const char *ending, size_t length)
 {
     const size_t size = strlen(path);
@@ -118,7 +117,7 @@ const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write)
     return NULL;
 }
 
-/* Whether an earlier format has this name too. */
+/* Returns 1 if an earlier format has this name too. */
 static int is_listed(const fxs_scene_format *format, const char *name, size_t length, int to_write)
 {
     char path[32];
@@ -171,7 +170,6 @@ const char *fxs_format_index_name(int number)
 
 /* ---- By content -------------------------------------------------------------------------------------------------- */
 
-/* The first name in a JSON object, or NULL. */
 static const char *first_name(const char *bytes)
 {
     static const char blanks[] = " \t\r\n";
@@ -182,7 +180,7 @@ static const char *first_name(const char *bytes)
     return *bytes == '"' ? bytes + 1 : NULL;
 }
 
-/* Bytes of the mark of UTF-8 before a JSON object or a .ply, else 0. */
+/* Returns the length of a UTF-8 byte order mark before a JSON object or a .ply, else 0. */
 static size_t mark_of(const char *bytes)
 {
     const size_t length = strlen(FXS_UTF8_MARK);

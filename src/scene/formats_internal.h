@@ -1,4 +1,4 @@
-/* The readers and writers of scene formats, which formats.c lists. */
+/* Readers and writers of scene formats, which formats.c lists. */
 #ifndef FXS_FORMATS_INTERNAL_H
 #define FXS_FORMATS_INTERNAL_H
 
@@ -7,33 +7,32 @@
 
 #include "src/gaussian/stream_internal.h"
 
-/* A writer of a format. */
 typedef struct fxs_writer {
     size_t size;          /* bytes of the writer's own data */
-    /* Gets data that are all 0 and an SH degree of 0 to 3. Returns 0, or an error and a message, with nothing to
-       close. */
+    /* `data` is zeroed and the SH degree is 0 to 3. Returns 0, or an error and a message, with nothing to close. */
     int (*open)(void *data, const char *path, const fxs_scene_write_options *options, fxs_message *message);
     int (*put)(void *data, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
-    /* Completes the file, adds losses of this format alone to the report, and frees the writer's memory, also after an
-       error. */
+    /* Completes the file, adds the losses specific to this format to the report, and frees the writer's memory, also
+       after an error. */
     int (*close)(void *data, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
                  fxs_message *message);
 } fxs_writer;
 
 typedef struct fxs_format_row {
     fxs_scene_format about;
-    const fxs_reader *reader;   /* null: the format is only written */
-    const fxs_writer *writer;   /* null: the format is not written Gaussian by Gaussian */
+    const fxs_reader *reader;   /* null: the format cannot be read */
+    const fxs_writer *writer;   /* null: the format cannot be written through fxs_writer */
 } fxs_format_row;
 
 /* Finds the format of a file by its first bytes. Returns 0, or an error and a message. */
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message);
 
-/* The row of a format to write: by `name`, or where that is null by the ending of `path`. Null: there is none. */
+/* Returns the row of a format to write: by `name`, or if that is null by the ending of `path`. Returns null if none
+   matches. */
 const fxs_format_row *fxs_format_to_write(const char *name, const char *path);
 
-/* The name, by its number from 0 on, of a file that stands for the scene in its folder, such as tileset.json. The name
-   ends at a space or a 0. Null beyond the last. */
+/* Returns a file name that stands for the scene in its folder, such as tileset.json. `number`: from 0; null beyond the
+   last. The name ends at a space or a 0. */
 const char *fxs_format_index_name(int number);
 
 extern const fxs_reader fxs_read_fxs, fxs_read_compressed_ply, fxs_read_ply, fxs_read_ksplat, fxs_read_spz,

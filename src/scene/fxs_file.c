@@ -1,3 +1,5 @@
+/* Checks and writes .fxs files. Checksums are CRC-32: one each for the header, the palette, the tree, and every chunk
+   header with its rows. */
 #include <fixsplat/fxs_file.h>
 
 #include <stdint.h>
@@ -10,7 +12,7 @@
 #include "src/core/codes.h"
 #include "fxs_file_internal.h"
 
-/* The checksum of the header at `data`, with its field for the checksum 0. */
+/* CRC-32 of the header with its checksum field 0 */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
 {
     fxs_packed_header blank;
@@ -19,14 +21,13 @@ static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
     return fxs_crc32(table, 0, &blank, sizeof blank);
 }
 
-/* Where the header of a chunk lies, of a leaf or of a node. */
 static const unsigned char *header_of(const fxs_scene *scene, uint32_t i)
 {
     return i < scene->chunk_count ? scene->chunks + (size_t)i * sizeof(fxs_chunk)
                                   : scene->node_chunks + (size_t)(i - scene->chunk_count) * sizeof(fxs_chunk);
 }
 
-/* The header of a chunk in the byte order of the scene. */
+/* in the scene's byte order */
 static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk;
@@ -52,7 +53,7 @@ static uint32_t palette_checksum(const fxs_crc32_table *table, const fxs_scene *
     return fxs_crc32(table, 0, scene->palette, palette_bytes(scene));
 }
 
-/* The nodes with the zeros behind them. */
+/* bytes of the nodes with their padding */
 static size_t node_bytes(const fxs_scene *scene)
 {
     return (size_t)(scene->node_chunks - scene->nodes);
@@ -136,12 +137,12 @@ void fxs_file_seal_heads(const fxs_crc32_table *table, unsigned char *head, size
     h.checksum = fxs_little_32(header_checksum(table, &h));
     memcpy(head, &h, sizeof h);
     if (tree) {
-        const uint32_t checksum = fxs_little_32(fxs_crc32(table, 0, tree, tree_bytes));   /* with 0 in its place */
+        const uint32_t checksum = fxs_little_32(fxs_crc32(table, 0, tree, tree_bytes));   /* with the checksum field
+                                                                                             0 */
         memcpy(tree + offsetof(fxs_tree_header, checksum), &checksum, sizeof checksum);
     }
 }
 
-/* The headers of chunks first to end - 1. */
 static int write_chunks(fxs_output *output, const fxs_crc32_table *table, const fxs_scene *scene, uint32_t first,
                         uint32_t end, fxs_message *message)
 {
@@ -163,7 +164,7 @@ static int write_tree(fxs_output *output, const fxs_crc32_table *table, const fx
     return fxs_output_write(output, scene->node_rows, (size_t)(end - leaves) * scene->chunk_bytes, message);
 }
 
-/* Errors stay in the output. */
+/* Errors are also kept in the output. */
 static int write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
 {
     fxs_crc32_table table;

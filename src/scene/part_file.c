@@ -1,5 +1,5 @@
-/* Headers, palette and nodes of the whole are put together in memory, as an .fxs has them; rows go from the parts to
-   the output, a few at a time. */
+/* Headers, palette and nodes of the whole scene are assembled in memory in the layout of an .fxs file. Rows are copied
+   from the parts to the output, a few chunks at a time. */
 #include "part_file.h"
 
 #include <errno.h>
@@ -16,7 +16,7 @@
 #include "src/base/try_internal.h"
 #include "src/pack/part.h"
 
-enum { TOGETHER = 32 };                  /* chunks whose rows are read at once */
+enum { TOGETHER = 32 };                  /* chunks read at once */
 
 static uint32_t checksum_of_chunk(const fxs_crc32_table *table, const unsigned char *header, const unsigned char *rows,
                                   size_t bytes)
@@ -40,7 +40,7 @@ static uint32_t tree_checksum(const fxs_crc32_table *table, const fxs_part_layou
     return fxs_crc32(table, before, tops, (size_t)(l->bytes - l->tops));
 }
 
-/* `head` is in the file's byte order. */
+/* CRC-32 of a part's headers. `head` is in the file's byte order. */
 static uint32_t head_checksum(const fxs_crc32_table *table, const fxs_part_layout *l, const fxs_part_header *head,
                               const unsigned char *behind)
 {
@@ -102,26 +102,26 @@ typedef struct part {
     int is_open;
     fxs_part_header head;
     fxs_part_layout layout;
-    fxs_packed_header scene;             /* as in the file; the layout follows from it */
-    unsigned char *heads;                /* from the scene's header up to the rows; freed once they are put together */
+    fxs_packed_header scene;             /* as in the file; determines the layout */
+    unsigned char *heads;                /* from the scene's header to the rows; freed at the end of the merge */
 } part;
 
 typedef struct merger {
     const fxs_part_merge *how;
     fxs_message *message;
     fxs_crc32_table table;
-    part *parts;                         /* in the order of their numbers */
+    part *parts;                         /* ordered by number */
     uint32_t count;
-    fxs_packed_header header;            /* of the whole */
+    fxs_packed_header header;            /* of the whole scene */
     fxs_scene_parts layout;
-    unsigned char *head, *tree_bytes;    /* all before the rows, and the tree's before its rows */
+    unsigned char *head, *tree_bytes;    /* file contents before the rows, and the tree before its rows */
     void *head_block, *tree_block;
-    fxs_scene scene;                     /* open on these */
+    fxs_scene scene;                     /* refers to these */
     fxs_palette *palette;
     fxs_tree *tree;
-    uint32_t above;                      /* nodes above the parts: their headers and rows */
+    uint32_t above;                      /* nodes above the parts, with their headers and rows */
     unsigned char *above_chunks, *above_rows;
-    unsigned char *buffer;               /* rows of TOGETHER chunks, or a leaf's header and rows */
+    unsigned char *buffer;               /* rows of TOGETHER chunks, or one leaf's rows */
     uint64_t written;
 } merger;
 
@@ -141,7 +141,7 @@ static int progress(const merger *m, double done)
                ? fxs_fail_as(FXS_ERR_STOPPED, m->message, "merging stopped") : 0;
 }
 
-/* Its header and that of the scene; nothing is allocated before the file has the size that follows from them. */
+/* Reads the part's header and the scene's header. Allocates nothing until the file size agrees with them. */
 static int open_part(merger *m, part *p, const char *path)
 {
     fxs_packed_header scene;
@@ -176,14 +176,13 @@ static int load_heads(merger *m, part *p)
     if (!p->heads)
         return fxs_fail_memory(m->message, p->path, bytes);
     FXS_TRY(read_at(m, p, p->layout.scene, p->heads, bytes));
-    memcpy(p->heads, &p->scene, sizeof p->scene);      /* a file that changes keeps to its layout */
+    memcpy(p->heads, &p->scene, sizeof p->scene);      /* keeps the layout even if the file changes */
     fxs_part_header_turn(&head);
     if (head_checksum(&m->table, &p->layout, &head, p->heads) != p->head.head_checksum)
         return fail_damaged(m, p, "its headers are");
     return 0;
 }
 
-/* Opens the files and sorts them by number. */
 static int open_parts(merger *m, char *const *paths, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -214,7 +213,6 @@ static int open_parts(merger *m, char *const *paths, uint32_t count)
     return 0;
 }
 
-/* Whether a part is of the same scene as the first one, packed in the same way. */
 static int check_alike(const merger *m, const part *p)
 {
     const part *first = &m->parts[0];
@@ -245,7 +243,7 @@ static unsigned char *allocate_aligned(void **block, uint64_t bytes)
     return *block ? (unsigned char *)(((uintptr_t)*block + 63) / 64 * 64) : NULL;
 }
 
-/* The header, those of all leaves, and the palette, as they lie in the file of the whole. */
+/* Assembles the header, all leaf headers and the palette, as in the .fxs file. */
 static int put_together(merger *m)
 {
     const part *first = &m->parts[0];
@@ -275,7 +273,7 @@ static int put_together(merger *m)
                ? 0 : fxs_fail(m->message, "%s and the others are no parts of one scene", first->path);
 }
 
-/* The palette by which the parts were coded; the packed one lacks what their groups were learned by. */
+/* Restores the palette that coded the parts, without the data that its groups were learned from. */
 static int restore_palette(merger *m)
 {
     const part *first = &m->parts[0];
@@ -310,7 +308,7 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     merger *m = argument;
     const size_t bytes = m->header.chunk_bytes;
     uint32_t i = 0;
-    (void)message;                   /* the same */
+    (void)message;                   /* m->message is the same */
     while (leaf >= m->parts[i].head.first + m->parts[i].head.chunk_count)
         i++;
     const part *p = &m->parts[i];
@@ -320,7 +318,7 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     return 0;
 }
 
-/* Their number is small, so the one that is asked for is searched. */
+/* Searches the list linearly, because it is short. */
 static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians,
                     uint32_t *count, fxs_message *message)
 {
@@ -341,7 +339,7 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
         fxs_little_endian(gaussians, 0, *count * sizeof *gaussians / sizeof(float), sizeof(float));
         fxs_chunk_turn(header);
         int valid = fxs_chunk_valid(header);
-        for (uint32_t g = 0; g < *count; g++)      /* all other numbers may be any */
+        for (uint32_t g = 0; g < *count; g++)      /* other values need no check */
             for (int k = 0; k < 3; k++)
                 valid = valid && fabsf(gaussians[g].gaussian.position[k]) <= 0x1p28f;
         return valid ? 0 : fail_damaged(m, p, "its tree is");
@@ -349,7 +347,7 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
     return fail_damaged(m, p, "its tree is");
 }
 
-/* Compares the number of nodes and their checksum, and takes over what is known of them. */
+/* Checks the number of nodes and their checksum, then copies the part's nodes. */
 static int take_part_of_tree(merger *m, uint32_t number)
 {
     const part *p = &m->parts[number];
@@ -417,7 +415,7 @@ static int plan_tree(merger *m)
     return error;
 }
 
-/* The headers of all nodes, whoever made them: what is written can be opened. */
+/* Checks all node headers, so that the output can be opened. */
 static int check_nodes(const merger *m)
 {
     const unsigned char *headers = m->tree_bytes + (m->layout.node_chunks - m->layout.tree);
@@ -452,7 +450,6 @@ static int build_tree(merger *m)
 
 /* ---- Output ------------------------------------------------------------------------------------------------------ */
 
-/* Rows whose headers lie at `headers`, compared with the checksums there. */
 static int copy_rows(merger *m, fxs_output *output, const part *p, uint64_t offset, const unsigned char *headers,
                      uint32_t count)
 {
@@ -503,7 +500,7 @@ static int write_nodes(merger *m, fxs_output *output)
     return 0;
 }
 
-/* The sealed headers go out before the rows that they were compared with; an error leaves no file. */
+/* Writes the headers before their rows are checked; an error removes the output. */
 static int write_all(merger *m, fxs_output *output)
 {
     FXS_TRY(fxs_output_write(output, m->head, (size_t)m->layout.rows, m->message));
@@ -547,7 +544,7 @@ static int merge(merger *m, char *const *paths, uint32_t count, const char *out)
     fxs_message closing;
     const int error = write_all(m, &output);
     if (error && !output.error)
-        output.error = EIO;              /* so that it is given up */
+        output.error = EIO;              /* so that the output is discarded */
     const int closed = fxs_output_close(&output, &closing);
     if (!error && closed)
         *m->message = closing;

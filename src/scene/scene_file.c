@@ -1,3 +1,4 @@
+/* Opens scene files and memory: finds the format by the content and starts its reader. */
 #include <fixsplat/scene_file.h>
 
 #include <stdio.h>
@@ -8,7 +9,7 @@
 #include "formats_internal.h"
 #include "src/base/files_internal.h"
 
-/* The path, or for a folder the path of the index in it, for fxs_release. NULL: out of memory. */
+/* Returns the path, or for a folder the path of its index file, for fxs_release. Null: out of memory. */
 static char *path_of_file(const char *path, const fxs_allocator *allocator)
 {
     const size_t room = strlen(path) + 64;
@@ -45,7 +46,6 @@ static int begin(fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *m
     return fxs_stream_begin(file, format->about.name, format->reader, info, message);
 }
 
-/* Opens the input, or where that is null the file at the path. */
 static int open_any(const char *path, const fxs_scene_input *input, const fxs_scene_file_options *options,
                     fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {

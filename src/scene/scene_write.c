@@ -1,3 +1,4 @@
+/* Passes Gaussians to the writer of a format, chosen by its name or the path's ending. */
 #include <fixsplat/scene_write.h>
 
 #include <math.h>
@@ -12,7 +13,8 @@
 struct fxs_scene_writer {
     const fxs_writer *writer;
     void *data;
-    double origin[3];            /* to be added before the format's writer; 0 where that adds it */
+    double origin[3];            /* added to positions before the format's writer gets them; 0 if that writer adds it
+                                    itself */
     fxs_scene_write_report report;
 };
 
@@ -43,7 +45,6 @@ int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *o, fx
     return error;
 }
 
-/* Adds the origin to a position, which becomes the nearest float. */
 static void add_origin(fxs_scene_writer *w, fxs_gaussian *g)
 {
     for (int i = 0; i < 3; i++) {

@@ -1,3 +1,4 @@
+/* Placements of scenes in a world: checks them, and converts them to objects, matrices and boxes. */
 #include <fixsplat/world.h>
 
 #include <math.h>
@@ -9,7 +10,7 @@
 #define FARTHEST 0x1p28
 #define SCALE_LEAST 0x1p-16
 #define SCALE_MOST 0x1p16
-#define CROP_MOST 0x1p30           /* all centres lie nearer, so farther sides are moved to it */
+#define CROP_MOST 0x1p30           /* larger than any coordinate; crop sides beyond it are moved to it */
 
 void fxs_placement_init(fxs_placement *p, uint32_t file, uint32_t id)
 {
@@ -27,7 +28,7 @@ int fxs_placement_is_plain(const fxs_placement *p)
            p->opacity == 1 && p->tint[0] == 1 && p->tint[1] == 1 && p->tint[2] == 1;
 }
 
-/* The shortest turn from u to v = (0, -1, 0): (1 + u v, u x v); from (0, 1, 0), half a turn about x. */
+/* The shortest rotation from u to v = (0, -1, 0) is (1 + u v, u x v). From (0, 1, 0): half a turn about x. */
 void fxs_placement_turn_up(fxs_placement *p, const double up[3])
 {
     const double most = fmax(fmax(fabs(up[0]), fabs(up[1])), fabs(up[2]));
@@ -37,7 +38,7 @@ void fxs_placement_turn_up(fxs_placement *p, const double up[3])
     memcpy(p->rotation, turn[0] > 1e-12 ? turn : opposite, sizeof p->rotation);
 }
 
-/* q = r q, with r the turn about the axis */
+/* q = r q, r: the rotation about the axis */
 void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
 {
     const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
@@ -116,7 +117,7 @@ static int is_between(double x, double low, double high)
     return x >= low && x <= high;
 }
 
-/* 1 where q is finite and its squared length is large enough to divide by. */
+/* Returns 1 if q is finite and its squared length is safe to divide by. */
 static int is_quaternion(const double q[4])
 {
     double most = 0;
@@ -217,7 +218,7 @@ void fxs_placement_matrix(const fxs_placement *p, double rows[3][4])
     }
 }
 
-/* Cuts a box to the box around all crop boxes that keep their inside. */
+/* Intersects a box with the bounding box of all crops that keep their inside. Returns 0 if nothing is left. */
 static int crop_box(const fxs_placement *p, double low[3], double high[3])
 {
     double kept_low[3] = {INFINITY, INFINITY, INFINITY}, kept_high[3] = {-INFINITY, -INFINITY, -INFINITY};

@@ -11,10 +11,9 @@
 
 #include <cjson/cJSON.h>
 
-/* The file that is being read. */
 typedef struct reader {
     fxs_world *world;
-    const char *path;              /* of the JSON file */
+    const char *path;              /* path of the JSON file */
     fxs_message *message;
 } reader;
 
@@ -24,7 +23,6 @@ static int wrong(const reader *r, const char *what)
     return FXS_ERR_FILE;
 }
 
-/* Adds a scene file, whose path is relative to the folder of the JSON file and stays in it. */
 static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
 {
     const char *name = cJSON_GetStringValue(item), *slash = strrchr(r->path, '/');
@@ -104,7 +102,7 @@ static int take_crops(const reader *r, const cJSON *list, fxs_placement *p)
     return error;
 }
 
-/* Reads an array of numbers. Returns 0 where the item is not one. */
+/* Reads a number or an array of numbers. Returns 0 for an item of another name. */
 static int take_numbers(const cJSON *item, fxs_placement *p, const char **fault)
 {
     const struct {

@@ -1,5 +1,5 @@
-/* Counts neighbours in a grid for each cell width that some Gaussian needs. Cells are in a hash table; an entry has the
-   first Gaussian of its cell, whose cell is compared, so the count is exact. */
+/* Counts neighbours in grids, one for each cell width that occurs. Cells are in a hash table. An entry stores the first
+   Gaussian of its cell, whose cell is compared, so counts are exact. */
 #include "floaters_internal.h"
 
 #include <math.h>
@@ -13,8 +13,8 @@ enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1
 
 #define LOG2_E 1.4426950408889634
 
-/* Of each strength: by how many powers of two a cell may be wider than the median Gaussian's, for a faint Gaussian and
-   for an opaque one, and whether both ends need neighbours. */
+/* For each strength: how many powers of two a cell may be wider than that of the median Gaussian, for a faint and an
+   opaque Gaussian; and whether both ends need neighbours too. */
 static const struct {
     int wider[2], ends;
 } strengths[FXS_FLOATER_STRENGTHS + 1] = {
@@ -24,13 +24,13 @@ static const struct {
 #define OPAQUE 0.9
 
 typedef struct cell {
-    uint32_t first, count;        /* Gaussians; count 0: the place is free */
+    uint32_t first, count;        /* first Gaussian, number of Gaussians; count 0: free slot */
 } cell;
 
 typedef struct grid {
     const fxs_floater *items;
     cell *cells;
-    uint32_t mask;                /* number of places, a power of two, minus 1 */
+    uint32_t mask;                /* number of slots, a power of two, minus 1 */
     int level;
 } grid;
 
@@ -46,14 +46,14 @@ int fxs_floaters_init(fxs_floaters *f, int strength, uint64_t count, const fxs_a
     return f->items ? 0 : fxs_fail_memory(message, NULL, count * sizeof *f->items);
 }
 
-/* The least level with 2^level >= 4 sigma. */
+/* Returns the smallest level with 2^level >= 4 sigma. */
 static int level_of(const fxs_gaussian *g)
 {
     const double most = fmax(fmax(g->scale[0], g->scale[1]), g->scale[2]);
     return (int)fmin(fmax(ceil(most * LOG2_E + 2), LEAST_LEVEL), MOST_LEVEL);
 }
 
-/* sigma times the axis; 2^57 units is beyond any scene. */
+/* sigma times the longest axis; sigma is limited to e^40, beyond any scene */
 static void find_end(float end[3], const fxs_gaussian *g)
 {
     const float *q = g->rotation, *s = g->scale;
@@ -87,7 +87,8 @@ static int is_finite(const fxs_floater *item)
     return isfinite(item->position[0]) && isfinite(item->position[1]) && isfinite(item->position[2]);
 }
 
-/* Of position + part * end. Clamped to 2^62, far beyond any scene of 2^27 units at the least level. */
+/* The cell of position + part * end, clamped to +-2^62. Scenes have at most 2^27 units, 2^59 cells of the smallest
+   level. */
 static void cell_of(const fxs_floater *item, int part, int level, int64_t at[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -96,7 +97,6 @@ static void cell_of(const fxs_floater *item, int part, int level, int64_t at[3])
     }
 }
 
-/* The place of a cell in the table, or the free place for it. */
 static cell *find(const grid *g, const int64_t at[3])
 {
     uint64_t hash = 0;
@@ -129,7 +129,7 @@ static void fill(const grid *g, uint32_t count)
     }
 }
 
-/* Whether the 27 cells about its centre, or an end, have enough Gaussians beside this one. */
+/* Returns 1 if the 27 cells around the centre, or around an end, contain enough other Gaussians. */
 static int has_neighbours(const grid *g, const fxs_floater *item, int part)
 {
     int64_t middle[3];
@@ -144,7 +144,6 @@ static int has_neighbours(const grid *g, const fxs_floater *item, int part)
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* The level of the median Gaussian. */
 static int least_level(const fxs_floaters *f)
 {
     uint32_t counts[LEVELS] = {0}, below = 0;

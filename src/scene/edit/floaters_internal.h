@@ -1,4 +1,4 @@
-/* Finds floaters, Gaussians with few neighbours, as scene_filter.h defines them. */
+/* Finds floaters: Gaussians with few neighbours, as defined in scene_filter.h. */
 #ifndef FXS_FLOATERS_INTERNAL_H
 #define FXS_FLOATERS_INTERNAL_H
 
@@ -6,8 +6,8 @@
 
 typedef struct fxs_floater {
     float position[3];
-    float end[3];                 /* from there to one sigma along the longest axis */
-    int16_t level;                /* its neighbours are counted in cells 2^level wide */
+    float end[3];                 /* vector from the position to one sigma along the longest axis */
+    int16_t level;                /* neighbours are counted in cells 2^level units wide */
     uint8_t opaque, floats;
 } fxs_floater;
 
@@ -17,16 +17,14 @@ typedef struct fxs_floaters {
     int strength, found;
 } fxs_floaters;
 
-/* Makes room for `count` Gaussians; the strength is 1 to FXS_FLOATER_STRENGTHS. Returns 0, or an error and a message.
-   */
+/* Allocates room for `count` Gaussians. strength: 1 to FXS_FLOATER_STRENGTHS. Returns 0, or an error and a message. */
 int fxs_floaters_init(fxs_floaters *floaters, int strength, uint64_t count, const fxs_allocator *allocator,
                       fxs_message *message);
 
-/* Takes the next Gaussian. Returns 1 where floaters have been found and it is one, else 0. */
+/* Takes the next Gaussian. After fxs_floaters_find, returns 1 if it is a floater; else 0. */
 int fxs_floaters_take(fxs_floaters *floaters, const fxs_gaussian *gaussian);
 
-/* Finds the floaters; `next` must be set to 0 before the Gaussians are taken again. Returns 0, or an error and a
-   message. */
+/* Finds the floaters. Set `next` to 0 before the Gaussians are taken again. Returns 0, or an error and a message. */
 int fxs_floaters_find(fxs_floaters *floaters, const fxs_allocator *allocator, fxs_message *message);
 
 void fxs_floaters_free(fxs_floaters *floaters, const fxs_allocator *allocator);

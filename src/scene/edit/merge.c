@@ -1,3 +1,6 @@
+/* Merges the placed files of a world into one stream. Each object is a part: its file is read once more, cropped, and
+   every Gaussian is moved, rotated with its SH, scaled and tinted. Far from 0, positions are relative to a common
+   origin near the largest part. */
 #include <fixsplat/world.h>
 
 #include <math.h>
@@ -9,30 +12,30 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
-#define FARTHEST 0x1p28             /* of the centre of a start view, scene units */
+#define FARTHEST 0x1p28             /* limit for the centre of a start view, scene units */
 
-/* The changes that an object makes to the Gaussians of its file. */
+/* An object: the changes to the Gaussians of its file. */
 typedef struct part {
     fxs_placement placement;
     double rows[3][4];
-    fxs_transform turn;            /* for rotating SH */
+    fxs_transform turn;            /* rotates SH */
     double log_scale;
-    double inner[3];               /* origin of the file's stream while this part is read, */
-    int moves;                     /* which can be another one */
-    double middle[3];              /* about where it lies in the world */
-    double shift[3];               /* position = rows * that of the file + shift */
+    double inner[3];               /* origin of the file's stream while this part is read */
+    int moves;                     /* 1: that origin can be chosen */
+    double middle[3];              /* approximate centre in the world */
+    double shift[3];               /* position = rows * position in the file + shift */
     int is_moved, is_turned, is_tinted;
 } part;
 
 typedef struct merge_reader {
-    const fxs_reader *reader;   /* reader of file 0, whose handle is used for the merged file */
+    const fxs_reader *reader;   /* reader of file 0; the merged stream uses that file's handle */
     void *data;
     const fxs_allocator *allocator;
-    fxs_scene_file **files;           /* the files; null: file 0, or not needed */
+    fxs_scene_file **files;           /* null: file 0, and unused files */
     uint32_t file_count;
     part *parts;
-    fxs_import *import;               /* of file 0 */
-    uint32_t count, at;               /* number of parts, and the part being read */
+    fxs_import *import;               /* import of file 0 */
+    uint32_t count, at;               /* number of parts; the part being read */
     int sh_degree;
     double origin[3];
 } merge_reader;
@@ -64,7 +67,7 @@ static int is_kept(const part *whole, const float position[3])
     return kept || !keeping;
 }
 
-/* the product a b of quaternions w, x, y, z */
+/* out = a b, quaternions w, x, y, z */
 static void multiply(double out[4], const double a[4], const double b[4])
 {
     out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
@@ -73,7 +76,7 @@ static void multiply(double out[4], const double a[4], const double b[4])
     out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
 }
 
-/* world to camera: camera * rotation^-1, of unit quaternions */
+/* world to camera: camera * rotation^-1, unit quaternions */
 static void turn_camera(double camera[4], const double rotation[4])
 {
     const double back[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
@@ -104,7 +107,7 @@ static void move(const part *p, fxs_gaussian *g)
     }
 }
 
-/* colour = 1/2 + SH_0 dc + SH, times the tint */
+/* Multiplies by the tint: colour = 1/2 + SH_0 dc + SH */
 static void tint(const double factor[3], fxs_gaussian *g)
 {
     for (int c = 0; c < 3; c++) {
@@ -136,7 +139,6 @@ static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, s
                 : fxs_stream_read(r->reader, r->data, gaussians, capacity, message);
 }
 
-/* Goes to the first Gaussian of a part. */
 static int enter(merge_reader *r, fxs_message *message)
 {
     const part *p = &r->parts[r->at];
@@ -198,7 +200,7 @@ static void close_all(fxs_scene_file **files, uint32_t count)
 
 static void normalise(double to[4], const double q[4])
 {
-    int scale;                     /* exponent of the largest component, so that squares stay in range */
+    int scale;                     /* exponent of the largest component; keeps the squares in range */
     double square = 0, most = 0;
     for (int i = 0; i < 4; i++)
         most = fabs(q[i]) > most ? fabs(q[i]) : most;
@@ -246,7 +248,7 @@ static int is_known(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* What the object adds to what is known of the start of all. */
+/* Fills missing fields of the common start from an object's start. */
 static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_file_info *own)
 {
     fxs_start start = own->start;
@@ -257,7 +259,7 @@ static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_fi
         memcpy(&all->tangent, &start.tangent, sizeof start - offsetof(fxs_start, tangent));
 }
 
-/* Lists the visible objects and fills in *info for them together. Returns 0, or an error. */
+/* Lists the visible objects and fills in *info for all of them. Returns 0, or an error. */
 static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_file_info *infos,
                       fxs_scene_file_info *info, fxs_message *message)
 {
@@ -289,21 +291,20 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
 
 /* ---- Origins ----------------------------------------------------------------------------------------------------- */
 
-/* The place in the world of one in the axes of a part's file. */
 static void place_of(const part *p, const double from[3], double place[3])
 {
     for (int i = 0; i < 3; i++)
         place[i] = p->rows[i][0] * from[0] + p->rows[i][1] * from[1] + p->rows[i][2] * from[2] + p->rows[i][3];
 }
 
-/* The number of Gaussian `i` of a sample from all over a file. */
+/* Returns the number of Gaussian `i` of a sample spread over the whole file. */
 static uint64_t number_of(const fxs_scene_file_info *info, int i)
 {
     const uint64_t most = FXS_ORIGIN_SAMPLE, k = (uint64_t)i;
     return info->count / most * k + info->count % most * k / most;
 }
 
-/* Finds where a part lies: at the origin of its file, or where that has floats alone by a sample. */
+/* Finds a part's centre: the origin of its file, or the centre of a sample if the file's origin is fixed. */
 static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info, fxs_message *message)
 {
     enum { BATCH = 256 };
@@ -329,8 +330,8 @@ static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info
     return 0;
 }
 
-/* Has a file read about the place that comes to the origin, if it can and that is far, so that only the sum of both is
-   rounded. */
+/* Sets the origin of the part's stream to the point that maps to the common origin, if it can be chosen and the point
+   is far from 0. Positions are then rounded only once, after the addition. */
 static void set_inner(const merge_reader *r, part *p)
 {
     const double square = p->placement.scale * p->placement.scale;
@@ -348,7 +349,8 @@ static void set_inner(const merge_reader *r, part *p)
     }
 }
 
-/* Where a part is far out, the origin is near the part with most Gaussians. `moves`: of file 0. */
+/* If a part lies far from 0, places the common origin near the part with most Gaussians. `moves`: 1 if the origin of
+   file 0 can be chosen. */
 static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int moves, fxs_scene_file_info *info,
                          fxs_message *message)
 {
@@ -378,7 +380,6 @@ static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int 
     return 0;
 }
 
-/* Counts the Gaussians that the crops keep. */
 static int count_kept(fxs_scene_file *file, const merge_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
     enum { BATCH = 256 };

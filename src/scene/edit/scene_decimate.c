@@ -1,3 +1,6 @@
+/* Reduces the number of Gaussians by merging pairs. Each round orders them in space, finds for every Gaussian the
+   neighbour in its chunk with the least loss, and merges the best quarter of the pairs. Loss: change of the
+   covariances' log-determinants and of the colour, weighted by opacity times area. */
 #include <fixsplat/scene_decimate.h>
 
 #include <math.h>
@@ -11,16 +14,15 @@
 
 enum {
     CHUNK = 256,
-    NEAREST = 16,                   /* neighbours that are tried */
+    NEAREST = 16,                   /* candidates for a pair */
     COEFFICIENTS = 45
 };
 
-static const double colour_weight = 20;    /* weight of the loss of colour against the loss of shape */
-static const double thinnest = 0.1;        /* share of the largest sigma: thinner axes count as this thick */
+static const double colour_weight = 20;    /* weight of the colour loss relative to the shape loss */
+static const double thinnest = 0.1;        /* minimum sigma as a share of the largest sigma */
 
-/* The numbers of a Gaussian for the loss of merging it. */
 typedef struct shape {
-    double covariance[6];          /* xx, yy, zz, xy, xz, yz; no axis below `thinnest` */
+    double covariance[6];          /* xx, yy, zz, xy, xz, yz; sigmas limited by `thinnest` */
     double log_determinant;
     double weight;                 /* opacity times area */
 } shape;
@@ -30,28 +32,27 @@ typedef struct pair {
     uint32_t a, b;                 /* a < b */
 } pair;
 
-/* The reader of the decimated Gaussians. */
 typedef struct decimated {
     const fxs_reader *reader;
-    void *data;                  /* the earlier reader and its data */
+    void *data;                  /* the previous reader and its data */
     const fxs_allocator *allocator;
     fxs_gaussian *gaussians;
     uint32_t count, next;
-    /* Only while Gaussians are merged: */
+    /* Used during merging only. */
     shape *shapes;
     fxs_order_entry *entries;
     pair *pairs;
     uint8_t *merged;               /* 1: merged in this round; 2: removed */
 } decimated;
 
-/* ---- Two become one ---------------------------------------------------------------------------------------------- */
+/* ---- Merging two Gaussians --------------------------------------------------------------------------------------- */
 
 static double opacity_of(const fxs_gaussian *g)
 {
     return fxs_opacity_of_logit(g->opacity);
 }
 
-/* The covariance R S S R^T, R by a quaternion w, x, y, z of any length. */
+/* Covariance R S S R^T; R from a quaternion w, x, y, z of any length. */
 static void find_covariance(double covariance[6], const float q[4], const double sigma[3])
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
@@ -89,7 +90,7 @@ static void find_shape(shape *s, const fxs_gaussian *g)
     s->weight = fxs_weight(g);
 }
 
-/* The covariance of both, with weights v + w = 1: v A + w B + v w d d^T, d = b - a */
+/* Covariance of a merged pair with weights v + w = 1: v A + w B + v w d d^T, d = b - a */
 static void join(double out[6], const double a[6], const double b[6], double v, double w, const float from[3],
                  const float to[3])
 {
@@ -99,7 +100,7 @@ static void join(double out[6], const double a[6], const double b[6], double v, 
         out[k] = v * a[k] + w * b[k] + v * w * products[k];
 }
 
-/* The mean over all directions of the squared difference in colour. */
+/* Returns the squared difference in colour, averaged over all directions. */
 static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     double sum = 0;
@@ -122,14 +123,13 @@ static double loss_of(const decimated *d, uint32_t a, uint32_t b)
     return sum * (shapes / 2 + v * (1 - v) * colour_weight * colour_difference(g, h));
 }
 
-/* Sets the opacity that keeps opacity times area, at least a logit of -20. */
+/* Sets the opacity that preserves opacity times area; its logit is at least -20. */
 static void set_opacity(fxs_gaussian *g, double weight, double most)
 {
     const double opacity = fmin(weight / (fxs_weight(g) / opacity_of(g)), most > 0.99 ? most : 0.99);
     g->opacity = opacity > 2e-9 ? (float)fxs_log(opacity / (1 - opacity)) : -20;
 }
 
-/* Merges b into a. */
 static void merge(fxs_gaussian *a, const fxs_gaussian *b)
 {
     const double weight = fxs_weight(a) + fxs_weight(b), v = weight > 0 ? fxs_weight(a) / weight : 0.5, w = 1 - v;
@@ -160,7 +160,6 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
         job(argument, i);
 }
 
-/* Orders the Gaussians so that neighbours are in the same chunk. */
 static int find_order(decimated *d, fxs_message *message)
 {
     const fxs_pack_options options = {.run = run, .threads = 1, .allocator = d->allocator};
@@ -170,7 +169,8 @@ static int find_order(decimated *d, fxs_message *message)
     return fxs_order(d->entries, d->count, 0, &options) ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
-/* Finds the places in a chunk of the Gaussians nearest to one of them, nearest first. Returns their number. */
+/* Finds the Gaussians of a chunk nearest to one of its members, nearest first, as positions in the chunk. Returns their
+   number. */
 static uint32_t find_nearest(uint32_t nearest[NEAREST], const fxs_order_entry *chunk, uint32_t count, uint32_t of)
 {
     float distances[NEAREST];
@@ -194,7 +194,7 @@ static uint32_t find_nearest(uint32_t nearest[NEAREST], const fxs_order_entry *c
     return found;
 }
 
-/* Finds each Gaussian's best partner. Returns the number of pairs. */
+/* Finds the best partner of each Gaussian. Returns the number of pairs. */
 static uint32_t find_pairs(decimated *d)
 {
     uint32_t pairs = 0;
@@ -225,7 +225,7 @@ static int compare_pairs(const void *a, const void *b)
                               : (x->b > y->b) - (x->b < y->b);
 }
 
-/* Merges the pairs of the best quarter that share no Gaussian, and closes the gaps. */
+/* Merges disjoint pairs from the best quarter and closes the gaps. */
 static void merge_pairs(decimated *d, uint32_t pairs, uint32_t target)
 {
     uint32_t left = d->count, kept = 0;

@@ -1,3 +1,5 @@
+/* Filters the stream of a file. The filtering reader replaces the file's own reader and drops Gaussians while it reads.
+   A first pass counts, and a second one if floaters are removed. */
 #include <fixsplat/scene_filter.h>
 
 #include <math.h>
@@ -7,15 +9,14 @@
 #include "floaters_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* The reader of a filtered file. */
 typedef struct filter_reader {
     const fxs_reader *reader;   /* the file's own reader */
     void *data;
-    const fxs_allocator *allocator;   /* for both readers */
-    double origin[3];                 /* of the stream */
+    const fxs_allocator *allocator;   /* used by both readers */
+    double origin[3];                 /* origin of the stream */
     fxs_scene_filter filter;
-    fxs_scene_filter_report report;   /* since the first Gaussian */
-    fxs_floaters floaters;            /* among the Gaussians that the rest of the filter keeps */
+    fxs_scene_filter_report report;   /* counts since the last rewind */
+    fxs_floaters floaters;            /* finds floaters among the Gaussians that pass all other tests */
 } filter_reader;
 
 void fxs_scene_filter_default(fxs_scene_filter *filter)
@@ -24,7 +25,7 @@ void fxs_scene_filter_default(fxs_scene_filter *filter)
                                  .radius = INFINITY, .sh_degree = 3};
 }
 
-/* The distances are from a + t u, 0 <= t <= 1; of a sphere u is 0. With w = p - a: |w - t u|^2 <= r^2 becomes
+/* Distances are measured from a + t u, 0 <= t <= 1; a sphere has u = 0. With w = p - a, |w - t u|^2 <= r^2 becomes
    |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
 static int is_outside(const fxs_filter_shape *s, const double p[3])
 {
@@ -44,7 +45,7 @@ static int is_outside(const fxs_filter_shape *s, const double p[3])
     return s->kind == FXS_FILTER_BOX ? outside : wu < 0 || wu > uu || ww * uu - wu * wu > n[6] * n[6] * uu;
 }
 
-/* Of each kind that is there, one must have it. */
+/* Returns 1 if the point lies in at least one shape of each kind used. */
 static int is_in_shapes(const fxs_scene_filter *filter, const double position[3])
 {
     unsigned asked = 0, found = 0;
@@ -56,7 +57,7 @@ static int is_in_shapes(const fxs_scene_filter *filter, const double position[3]
     return asked == found;
 }
 
-/* NaN passes here and below; the last test is for it. */
+/* NaN passes the first tests and is left to the later ones. */
 static int is_inside(const fxs_scene_filter *filter, const double position[3])
 {
     for (int i = 0; i < 3; i++)
@@ -126,7 +127,7 @@ static const fxs_reader filtered = {
     NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
 };
 
-/* Reads all Gaussians, so that the report is for the whole file. */
+/* Reads all Gaussians, so that the report covers the whole file. */
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,
                  void *argument, fxs_message *message)
 {
@@ -141,7 +142,6 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, f
     return 0;
 }
 
-/* Counts again, with the floaters known. */
 static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, fxs_progress_fn *progress,
                        void *argument, fxs_message *message)
 {

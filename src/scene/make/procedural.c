@@ -1,3 +1,5 @@
+/* Each scene has several parts (terrain, trees, objects). A part maps the index of a Gaussian to evenly spread numbers
+   (u, v) and hashes, and computes the Gaussian from them. */
 #include "procedural.h"
 
 #include <math.h>
@@ -5,16 +7,15 @@
 #include "src/base/sine.h"
 #include "src/gaussian/attributes.h"
 
-/* gcc has no such pragma and does the same by -std=c99 or -ffp-contract=off. */
+/* gcc lacks this pragma; -std=c99 or -ffp-contract=off has the same effect. */
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF
 #endif
 
 #define PI 3.14159265358979324
 
-/* ---- Arithmetic: nothing here but operations that IEEE 754 rounds exactly ---------------------------------------- */
+/* ---- Arithmetic: only operations that IEEE 754 rounds exactly ---------------------------------------------------- */
 
-/* A vector, or a colour as r g b. */
 typedef struct vec {
     double x, y, z;
 } vec;
@@ -63,7 +64,7 @@ static double logarithm(double x)
     return e * 0.69314718055994531 + 2 * s * sum;
 }
 
-/* 2^-(least + (most - least) t), a straight line between the powers of two. */
+/* 2^-(least + (most - least) t), linear between powers of two. */
 static double power_of_half(double t, double least, double most)
 {
     double exponent = blend(least, most, t), halvings = whole(exponent);
@@ -83,27 +84,27 @@ static uint64_t mix(uint64_t x)
 /* The upper 53 bits as a fraction in [0, 1). */
 static double unit(uint64_t bits) { return (double)(int64_t)(bits >> 11) / 9007199254740992.0; }
 
-/* Draw k of a key, in [0, 1). */
+/* Random number k of a key, in [0, 1). */
 static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * UINT64_C(0x9E3779B97F4A7C15))); }
 
 static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
 
-/* A Gaussian's place in its part of a scene. */
 typedef struct place {
-    uint64_t index, count;   /* in the part */
+    uint64_t index, count;   /* index in the part, and size of the part */
     uint64_t total, key;
     uint32_t seed;
-    double u, v;             /* evenly spread over the unit square */
+    double u, v;             /* evenly distributed over the unit square */
 } place;
 
-/* As in a sunflower: v grows by the golden section (in 0.64 fixed point), even however long and narrow the surface. */
+/* Sunflower distribution: v advances by the golden ratio (0.64 fixed point), so it stays even on long and narrow
+   surfaces. */
 static void spread_evenly(place *p, uint64_t index, uint64_t count)
 {
     p->u = ((double)index + 0.5) / (double)count;
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* The part that Gaussian i belongs to; parts follow each other and end at these thousandths of the count. */
+/* Finds the part of Gaussian i. Parts are consecutive; `ends`: their ends in thousandths of the count. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {
     int part = 0;
@@ -119,13 +120,13 @@ static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *en
     return part;
 }
 
-/* A lighter hash, to -1..1: good enough for a lattice of noise. */
+/* A cheaper hash to -1..1, sufficient for lattice noise. */
 static double lattice(uint64_t corner)
 {
     return (double)(int64_t)((corner ^ (corner >> 32)) * UINT64_C(0x94D049BB133111EB)) / 9223372036854775808.0;
 }
 
-/* Value noise in -1..1 with quintic interpolation; *dx and *dz receive its gradient. */
+/* Value noise in -1..1 with quintic interpolation; *dx and *dz: its gradient. */
 static double noise(double x, double z, uint64_t salt, double *dx, double *dz)
 {
     const uint64_t right = UINT64_C(0xD1B54A32D192ED03), up = UINT64_C(0xABC98388FB8FAC03);
@@ -147,9 +148,9 @@ static double plain_noise(double x, double z, uint64_t salt)
 
 /* ---- Splats ------------------------------------------------------------------------------------------------------ */
 
-/* A Gaussian in the making. Its colour seen along the unit vector d is the sum of sh[k] Y_k(d). */
+/* A Gaussian under construction. Its colour from the unit vector d is the sum of sh[k] Y_k(d). */
 typedef struct splat {
-    vec position, axis[3];   /* axes orthonormal and right-handed */
+    vec position, axis[3];   /* orthonormal, right-handed */
     double sigma[3], opacity;
     vec sh[16];
 } splat;
@@ -178,8 +179,8 @@ static void sh_basis(vec d, double y[16])
 
 static void add_constant(splat *s, vec colour) { s->sh[0] = add(s->sh[0], times(colour, 1 / FXS_SH_0)); }
 
-/* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem:
-   P_l(d . a) = 4 pi / (2 l + 1) sum over m of Y_lm(d) Y_lm(a) */
+/* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem: P_l(d . a) = 4 pi / (2
+   l + 1) sum over m of Y_lm(d) Y_lm(a) */
 static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
 {
     static const double convolution[4] = { 4 * PI, 4 * PI / 3, 4 * PI / 5, 4 * PI / 7 };
@@ -193,7 +194,7 @@ static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
 static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* 1 in the middle, nearly 0 beyond 70 degrees */
 static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* 1 - x^2 */
 
-/* A flat disc at `position`, its plane across `normal`, first axis nearest to `along`. */
+/* A flat disc at `position`, perpendicular to `normal`; its first axis is nearest to `along`. */
 static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma, double opacity)
 {
     memset(s, 0, sizeof *s);
@@ -206,7 +207,6 @@ static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma
     s->opacity = opacity;
 }
 
-/* A round Gaussian of one colour. */
 static void lay_round(splat *s, vec position, double sigma, double opacity, vec colour)
 {
     lay_flat(s, position, v3(0, 0, 1), v3(1, 0, 0), sigma, opacity);
@@ -214,7 +214,7 @@ static void lay_round(splat *s, vec position, double sigma, double opacity, vec 
     add_constant(s, colour);
 }
 
-/* A disc on a surface, turned and sized by its derivatives along u and v. */
+/* A disc on a surface, oriented and sized by the surface's derivatives along u and v. */
 static void lay_surface(const place *p, vec (*surface)(double u, double v), double opacity, splat *s)
 {
     const double step = 1.0 / 4096;
@@ -225,7 +225,6 @@ static void lay_surface(const place *p, vec (*surface)(double u, double v), doub
     lay_flat(s, surface(p->u, p->v), normalise(area), along, sigma, opacity);
 }
 
-/* A random orientation. */
 static void turn(splat *s, uint64_t key, unsigned k)
 {
     double z = 2 * draw(key, k) - 1, r = sqrt(1 - z * z), turn0 = draw(key, k + 1), turn1 = draw(key, k + 2);
@@ -236,7 +235,7 @@ static void turn(splat *s, uint64_t key, unsigned k)
     s->axis[2] = n;
 }
 
-/* The unit quaternion w x y z of the rotation with columns a, b, c, by its largest component. */
+/* The unit quaternion w x y z of the rotation with columns a, b, c, computed from its largest component. */
 static void quaternion(vec a, vec b, vec c, double q[4])
 {
     double w = 1 + a.x + b.y + c.z, x = 1 + a.x - b.y - c.z, y = 1 - a.x + b.y - c.z, z = 1 - a.x - b.y + c.z;
@@ -280,7 +279,7 @@ static void finish(const splat *s, fxs_gaussian *out)
 
 #define KNOT_SIZE 0.80
 #define KNOT_TUBE 0.50
-#define TABLE_Y 2.13    /* 2.0625 KNOT_SIZE + the tube at its thickest - a little */
+#define TABLE_Y 2.13    /* 2.0625 KNOT_SIZE + the largest tube radius - a little */
 #define TABLE_RADIUS 4.6
 #define TABLE_DEPTH 0.30
 
@@ -302,13 +301,13 @@ static const struct marble {
 };
 #define MARBLES (sizeof marbles / sizeof marbles[0])
 
-/* The trefoil (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from the sine and cosine of t. */
+/* The trefoil (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from sin t and cos t. */
 static vec trefoil(double s, double c)
 {
     return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
 }
 
-/* A point of the tube around it, a rope of five strands: u turns along, v turns around. */
+/* A point of the tube around the trefoil, a rope of five strands: u along, v around. */
 static vec knot_surface(double u, double v)
 {
     double s = sine(u), c = cosine(u);
@@ -318,7 +317,7 @@ static vec knot_surface(double u, double v)
     return add(trefoil(s, c), add(times(a, radius * cosine(v)), times(b, radius * sine(v))));
 }
 
-/* Lowers *open, the part of the sky over a point, and *lit, its part of the key light, by what a ball takes away. */
+/* Reduces *open (visible share of the sky) and *lit (share of the key light) by the occlusion of a ball. */
 static void occlude(vec p, vec normal, vec centre, double radius, double weight, double *open, double *lit)
 {
     vec to = sub(centre, p);
@@ -352,7 +351,8 @@ static void occlude_all(vec p, vec normal, double *open, double *lit)
     *open = clamp(*open, 0.12, 1);
 }
 
-/* Colour that turns with the angle of view: cos(k x + 2 pi phase), k = 2.6, x = d . normal, cut after degree 3. */
+/* Colour that changes with the viewing angle: cos(k x + 2 pi phase), k = 2.6, x = d . normal, truncated after degree
+   3. */
 static void add_iridescence(splat *s, vec normal, double phase, double strength)
 {
     static const double even[4] = { 0.198, 0, -1.352, 0 }, odd[4] = { 0, 1.217, 0, -0.797 };
@@ -362,7 +362,7 @@ static void add_iridescence(splat *s, vec normal, double phase, double strength)
     add_zonal(s, normal, odd, times(d, -strength));
 }
 
-/* Varnish: diffuse light, highlights where the mirrored view meets a light, a rim. */
+/* Varnish: diffuse light, a rim, and highlights where the mirrored view direction meets a light. */
 static void add_gloss(splat *s, vec normal, vec colour, double phase, double iridescence)
 {
     double open, lit, key = dot(normal, key_light), cool = dot(normal, cool_light);
@@ -397,7 +397,7 @@ static void knot_marble(place *p, splat *s)
     add_gloss(s, normal, m->colour, 0.3 * normal.y, m->iridescence);
 }
 
-/* Stone with a ring of slate inlaid between two of brass. */
+/* Stone with an inlaid ring of slate between two rings of brass. */
 static vec table_colour(double x, double z, double r, uint64_t key)
 {
     double grain = plain_noise(x * 1.3, z * 1.3, 5) + 0.5 * plain_noise(x * 3.7, z * 3.7, 6);
@@ -432,7 +432,7 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- landscape: a lake among mountains, foveated: the nearer to the centre, the finer ---------------------------- */
+/* ---- landscape: a lake among mountains, foveated: finer near the centre ------------------------------------------ */
 
 #define LAND_RADIUS 64.0
 #define LAND_OCTAVES 6
@@ -441,7 +441,7 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 static const vec sun = { -0.85, -0.42, -0.318 };
 static const vec haze = { 0.66, 0.77, 0.88 };
 
-/* Height above the lake. Octaves are damped where the sum is steep already, as if eroded (after Quilez, "Elevated"). */
+/* Height above the lake. Octaves are damped on steep slopes, which looks like erosion (after Quilez, "Elevated"). */
 static double land_height(double x, double z, int octaves)
 {
     double r = sqrt(x * x + z * z), ring = smoothstep(0, 42, r + 4 * plain_noise(x * 0.11, z * 0.11, 1));
@@ -459,7 +459,7 @@ static double land_height(double x, double z, int octaves)
     return -0.24 + ring * (1.3 + 1.2 * sum) + ring * ring * 11 * sum;
 }
 
-/* How much of the sun reaches a point: the lowest gap between the ray and the ground on the way. */
+/* Share of the sun that reaches a point, from the smallest gap between the ray and the ground. */
 static double sun_reach(vec p)
 {
     double reach = 1;
@@ -471,13 +471,13 @@ static double sun_reach(vec p)
     return smoothstep(0, 1, reach);
 }
 
-/* Above 0.05: a wood. */
+/* forest where above 0.05 */
 static double forest(double x, double z)
 {
     return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
 }
 
-/* A colour of the scene lit by sun and sky, in display values: the square root of linear light. */
+/* Lights a colour by sun and sky. Returns display values: the square root of linear light. */
 static vec land_light(vec colour, double direct, double sky, double r)
 {
     vec light = add(times(v3(1.65, 1.38, 1.05), direct), times(v3(0.20, 0.28, 0.42), sky));
@@ -515,7 +515,6 @@ static void lay_water(const place *p, double x, double z, double sigma, splat *s
     add_zonal(s, mirror(sun, normal), highlight, v3(0.22, 0.18, 0.10));
 }
 
-/* The ground at this place of the plane, of height h. */
 static void lay_ground(const place *p, double x, double z, double h, double sigma, splat *s)
 {
     double step = sigma > 0.01 ? sigma : 0.01, r = sqrt(x * x + z * z);
@@ -533,8 +532,8 @@ static void lay_ground(const place *p, double x, double z, double h, double sigm
     add_zonal(s, mirror(sun, normal), highlight, times(colour, 0.12 * direct));
 }
 
-/* A place on a ring or disc: the radius grows by linear u + square u^2 of the way from `from` to `to`, linear + square
-   = 1, so that an even spread of u and v thins out with the distance. */
+/* A point on a ring or disc. The radius is from + (to - from) (linear u + square u^2), linear + square = 1, so that
+   evenly distributed u and v get sparser with distance. */
 static void spread_over(const place *p, double from, double to, double linear, double square, double *x, double *z,
                         double *sigma)
 {
@@ -561,7 +560,7 @@ static void landscape_ground(place *p, splat *s)
         lay_ground(p, x, z, h, sigma, s);
 }
 
-/* Upside down and darker: what the lake shows. */
+/* Mirrors a splat in the lake: upside down and darker. */
 static void reflect_in_lake(splat *s)
 {
     static const int odd_in_y[16] = { 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0 };
@@ -594,7 +593,7 @@ static void landscape_reflected_ground(place *p, splat *s)
     reflect_in_lake(s);
 }
 
-/* The foot of a tree: of many candidates the first that stands on dry ground below the tree line, in a wood. */
+/* The foot of a tree: the first of 100 candidates in the forest, on dry ground and below the tree line. */
 static vec tree_foot(uint64_t key)
 {
     vec foot = v3(0, 0, 0);
@@ -609,7 +608,7 @@ static vec tree_foot(uint64_t key)
     return foot;
 }
 
-/* A spruce, or a golden larch: tiers of drooping twigs around a stem. */
+/* A spruce or golden larch: tiers of drooping twigs around a stem. */
 static void landscape_tree(place *p, splat *s)
 {
     uint64_t trees = p->total / 400 + 1 < 3000 ? p->total / 400 + 1 : 3000;
@@ -672,7 +671,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
     finish(&s, out);
 }
 
-/* ---- meadow: a tree in blossom, grass and flowers, hills, a sky of discs, and outliers as captures have them ----- */
+/* ---- meadow: a tree in blossom, grass, flowers, hills, a sky of discs, and outliers like in captures ------------- */
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
@@ -687,7 +686,7 @@ static double meadow_height(double x, double z)
     return near * smoothstep(1, 9, r) + 7 * hill * smoothstep(24, 66, r);
 }
 
-/* The sun on a point of the meadow, less in the shadow of the tree. */
+/* Sunlight at a point of the meadow; less in the tree's shadow. */
 static double meadow_sun(double x, double z)
 {
     double dx = x - 0.6, dz = z - 0.45;
@@ -703,7 +702,8 @@ static vec meadow_green(double x, double z, uint64_t key)
     return blend3(green, v3(0.62, 0.74, 0.80), 0.7 * smoothstep(15, 110, r));
 }
 
-/* SH as training leaves it: no coefficient is quite right, and the channels err mostly together. */
+/* Adds errors to the SH as training does: every coefficient is slightly wrong, and the channels err mostly
+   together. */
 static void add_error(splat *s, uint64_t key, double rms)
 {
     for (unsigned k = 1; k < 16; k++) {
@@ -748,7 +748,7 @@ static void meadow_grass(place *p, splat *s)
     add_error(s, p->key, 0.035);
 }
 
-/* A flower is five petals about a middle. */
+/* A flower: five petals around a centre. */
 static void meadow_flower(place *p, splat *s)
 {
     static const vec petals[] = {
@@ -795,7 +795,6 @@ static vec tree_trunk(double u, double v)
               0.06 * sine(0.8 * u) - radius * sine(v));
 }
 
-/* From the trunk's fork into blob k. */
 static void tree_branch(const place *p, splat *s)
 {
     vec from = v3(0.09, 0.25 - TREE_HEIGHT, -0.02), to = sub(tree_blob((unsigned)(p->index % TREE_BLOBS)), from);
@@ -863,8 +862,8 @@ static vec sky_colour(vec d)
     return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
 }
 
-/* A shell of discs that face the middle, at these distances, up to y = 0.06 - height; sigma is up to 0.18 of the
-   distance. */
+/* A shell of discs that face the centre, between these distances and from y = 0.06 - height to 0.06 (unit sphere);
+   sigma up to 0.18 of the distance. */
 static void lay_sky(const place *p, double height, double nearest, double farthest, splat *s)
 {
     double y = 0.06 - height * p->u, r = sqrt(1 - y * y), far = blend(nearest, farthest, draw(p->key, 1));
@@ -887,7 +886,7 @@ static void meadow_sky(place *p, splat *s)
 
 enum { STRAYS = 256 };
 
-/* The farthest Gaussians of a capture of a meadow: so many lie as far away as this or farther. */
+/* Distance of an outlier by its rank, after a capture of a meadow: `rank` Gaussians lie at this distance or farther. */
 static double stray_distance(uint64_t rank)
 {
     static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
@@ -898,8 +897,8 @@ static double stray_distance(uint64_t rank)
     return blend(units[k - 1], units[k], (far - 1 / (double)rank) / (far - near));
 }
 
-/* Discs without thickness, seen from their edge, of sigma up to 0.17 of their distance and 68 units, above the sky.
-   Half of them have an opacity below 0.14. */
+/* Discs without thickness, seen edge-on, above the sky shell; sigma up to 0.17 of their distance and 68 units. Half of
+   them have an opacity below 0.14. */
 static void meadow_stray(const place *p, splat *s)
 {
     double y = -0.2 - 0.6 * draw(p->key, 1), r = sqrt(1 - y * y), far = stray_distance(p->index + 1);
@@ -914,7 +913,7 @@ static void meadow_stray(const place *p, splat *s)
     add_error(s, p->key, 0.08);
 }
 
-/* In any direction, from 5 to 60 units away; the first ones of them are the strays. */
+/* In any direction, 5 to 60 units away; the first STRAYS are strays. */
 static void meadow_outlier(place *p, splat *s)
 {
     if (p->index < STRAYS) {
@@ -944,12 +943,12 @@ static void meadow(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- fence: pickets and grass of needles, as captures have them outdoors ----------------------------------------- */
+/* ---- fence: pickets and grass of needles, like in outdoor captures ----------------------------------------------- */
 
-#define FENCE_REACH 4.0     /* to both sides */
-#define FENCE_DEPTH 2.8     /* of the grass before it, and behind it */
+#define FENCE_REACH 4.0     /* half width, units */
+#define FENCE_DEPTH 2.8     /* depth of the grass before and behind the fence, units */
 
-/* Makes a flat Gaussian of equal sides 5 to 40 times as long as wide; its area stays. */
+/* Stretches a flat Gaussian of equal sides to 5 to 40 times its width. Keeps its area. */
 static void stretch(splat *s, uint64_t key)
 {
     double longer = blend(5, 40, draw(key, 20)), width = s->sigma[0] / sqrt(longer);
@@ -958,7 +957,7 @@ static void stretch(splat *s, uint64_t key)
     s->sigma[2] = width * (0.1 + 0.5 * draw(key, 21));
 }
 
-/* A direction near this one, off by some degrees, as fits leave them. */
+/* Deviates from a direction by some degrees, like the result of a fit. */
 static vec waver(vec d, uint64_t key)
 {
     vec off = v3(draw(key, 22) - 0.5, draw(key, 23) - 0.5, draw(key, 24) - 0.5);
@@ -974,7 +973,7 @@ static void add_day_light(splat *s, vec colour, uint64_t key)
     add_error(s, key, 0.03);
 }
 
-/* The fibres of a board from `foot` along its first axis: both sides, `up` of the way, `across` from -1 to 1. */
+/* Fibres of a board that starts at `foot`, on both sides: u along it, v across it. */
 static void lay_board(const place *p, vec foot, vec along, vec across, double area, splat *s)
 {
     vec face = normalise(cross(along, across));
@@ -1005,7 +1004,6 @@ static void fence_rail(place *p, splat *s)
               2 * RAILS * 2 * FENCE_REACH * 0.09, s);
 }
 
-/* A piece of a blade that grows at `root` and bends over. */
 static void fence_grass(place *p, splat *s)
 {
     double up = draw(p->key, 0), height = 0.22 + 0.5 * draw(p->key, 1), bend = 0.8 * up * draw(p->key, 2);
@@ -1047,7 +1045,7 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 
 static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* 1 where x > 0 */
 
-/* What the metal shows: lamps, the ceiling over the floor, a lit wall. */
+/* Light around the metal: lamps, the ceiling above the floor, a lit wall. */
 static const struct lobe {
     vec axis;
     const double *shape;
@@ -1060,7 +1058,7 @@ static const struct lobe {
     { { -0.80, 0.36, 0.48 }, highlight, { 0.34, 0.16, 0.14 } },
 };
 
-/* A mirror's picture of the room: seen along d it is what lies along mirror(d), a reflection of the room's own SH. */
+/* Adds the room's reflection: direction d shows the light from mirror(d), so the room's SH are mirrored. */
 static void add_room(splat *s, vec normal, vec metal)
 {
     add_constant(s, tint(v3(0.20, 0.16, 0.13), metal));
@@ -1068,7 +1066,6 @@ static void add_room(splat *s, vec normal, vec metal)
         add_zonal(s, mirror(room[k].axis, normal), room[k].shape, tint(room[k].colour, metal));
 }
 
-/* Turns the normal of dents that a hammer left. */
 static vec hammered(vec normal, vec at, double depth)
 {
     double dx, dz, ex, ez;
@@ -1118,7 +1115,6 @@ static void mirrors_ball(place *p, splat *s)
     add_error(s, p->key, 0.04);
 }
 
-/* A ring that stands behind the vase. */
 static vec ring_surface(double u, double v)
 {
     double out = 1.05 + 0.17 * (1 + 0.08 * cosine(3 * v + 8 * u)) * cosine(v);
@@ -1133,7 +1129,6 @@ static void mirrors_ring(place *p, splat *s)
     add_error(s, p->key, 0.05);
 }
 
-/* Lacquered wood, a chequer of squares. */
 static void mirrors_bench(place *p, splat *s)
 {
     double r = 3.2 * sqrt(p->u), x = r * cosine(p->v), z = r * sine(p->v);
@@ -1162,9 +1157,8 @@ static void mirrors(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* ---- discs: the knot on a square, all of whose flags and sky are discs without thickness ------------------------- */
+/* ---- discs: the knot on a paved square; all flags and the sky are discs without thickness ------------------------ */
 
-/* Flags in rings about the knot's stone. */
 static void discs_ground(place *p, splat *s)
 {
     double x, z, sigma;
@@ -1208,15 +1202,15 @@ static void discs(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 /* ---- A house of any size, for the scenes below ------------------------------------------------------------------- */
 
 typedef struct house {
-    vec at;                  /* of the middle of its floor */
-    double c, s;             /* its turn about y */
+    vec at;                  /* centre of its floor */
+    double c, s;             /* cosine and sine of its rotation about y */
     double width, depth, wall, roof;
     vec paint, tiles;
 } house;
 
 static vec turned(const house *h, vec v) { return v3(h->c * v.x + h->s * v.z, v.y, h->c * v.z - h->s * v.x); }
 
-/* A point of the roof or of the walls by three numbers in 0..1; returns its colour. */
+/* A point of the roof or walls from three numbers in 0..1. Returns its colour. */
 static vec lay_on_house(const house *h, double face, double u, double v, double sigma, splat *s)
 {
     double side = face < 0.5 ? -1 : 1, part = 2 * (face < 0.5 ? face : face - 0.5), w = h->width / 2, d = h->depth / 2;
@@ -1240,10 +1234,10 @@ static vec lay_on_house(const house *h, double face, double u, double v, double 
     return colour;
 }
 
-/* ---- haze: a lighthouse behind thousands of Gaussians that are hardly there -------------------------------------- */
+/* ---- haze: a lighthouse behind thousands of nearly transparent Gaussians ----------------------------------------- */
 
-/* Unlike fog, which is nothing but Gaussians up to twice as opaque, this has an object in it, and faint Gaussians whose
-   opacity is a few steps of 1/255: what a step loses of each adds up over hundreds. */
+/* Unlike fog, which consists only of Gaussians up to twice as opaque, this scene has an object and Gaussians with
+   opacities of a few steps of 1/255: rounding losses add up over hundreds of them. */
 #define SHORE_Y 1.6
 
 static const vec lamp = { 0, -3.05, 0 };
@@ -1254,7 +1248,7 @@ static double shore_height(double x, double z)
         0.07 * plain_noise(x * 2.9, z * 2.9, 82);
 }
 
-/* The outline from the foot to the tip, radius and height. */
+/* The outline from foot to tip: radius, height. */
 static vec lighthouse(double u, double v)
 {
     static const double outline[][2] = {
@@ -1315,7 +1309,7 @@ static void haze_shore(place *p, splat *s)
     add_zonal(s, normal, rim, v3(0.04, 0.04, 0.05));
 }
 
-/* Opacity 0.004 to 0.05, as many in each octave; thickest on the ground. */
+/* Opacity 0.004 to 0.05, equally many in each octave; densest near the ground. */
 static void haze_veil(place *p, splat *s)
 {
     double r = 9.5 * sqrt(draw(p->key, 1)), turns = draw(p->key, 2), up = draw(p->key, 3), size = draw(p->key, 4);
@@ -1344,12 +1338,12 @@ static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gauss
 
 #define SITE_X 400.0
 #define SITE_Z 300.0
-#define BLOCK_X 80.0     /* from road to road; four lots each way */
+#define BLOCK_X 80.0     /* distance between roads; four lots in each direction */
 #define BLOCK_Z 75.0
 
 enum block { HOUSES, PARK, FIELD, WORKS };
 
-/* The kind of the block at a point; *dx and *dz receive the distances from the nearest roads. */
+/* Kind of the block at a point; *dx and *dz: distances from the nearest roads. */
 static enum block site_block(double x, double z, double *dx, double *dz)
 {
     double bx = whole((x + SITE_X / 2) / BLOCK_X), bz = whole((z + SITE_Z / 2) / BLOCK_Z);
@@ -1360,7 +1354,7 @@ static enum block site_block(double x, double z, double *dx, double *dz)
     return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.8 ? FIELD : WORKS;
 }
 
-/* How far a point is from the middle of the river, which is 9 to either side. */
+/* Distance from the middle of the river; the river is 9 units wide on each side. */
 static double site_river(double x, double z)
 {
     return fabs(z - 0.25 * x - 28 * sine(x / 310) - 14);
@@ -1410,7 +1404,7 @@ static void site_ground(place *p, splat *s)
     add_site_light(s, site_colour(x, z, p->key), p->key);
 }
 
-/* The house on a lot, lots counted along z first; a hall where the block is works. Returns 0 where the lot is empty. */
+/* The house on a lot (a hall in a block of works). Lots are counted along z first. Returns 0 for an empty lot. */
 static int site_house(uint64_t lot, uint64_t key, house *h)
 {
     static const vec tiles[] = {
@@ -1439,7 +1433,7 @@ static int site_house(uint64_t lot, uint64_t key, house *h)
     return (kind == HOUSES || kind == WORKS) && site_river(x, z) > 22;
 }
 
-/* On the first lot that is built on, from one on. Some are, whatever the seed. */
+/* On the first lot with a house, starting from one lot. With any seed, some lots have houses. */
 static void site_roof(place *p, splat *s)
 {
     enum { LOTS = 320 };
@@ -1452,7 +1446,7 @@ static void site_roof(place *p, splat *s)
     add_site_light(s, times(colour, 0.92 + 0.16 * draw(p->key, 4)), p->key);
 }
 
-/* Where a tree stands: of many places the first that is neither road, river, field nor house. */
+/* The foot of a tree: the first of many candidates that avoids roads, river, fields and houses. */
 static vec site_tree_foot(uint64_t key)
 {
     double x = 0, z = 0, dx, dz;
@@ -1490,9 +1484,9 @@ static void site(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Scenes that are hard on a renderer -------------------------------------------------------------------------- */
+/* ---- Stress tests ------------------------------------------------------------------------------------------------ */
 
-/* The lattice side with side^power >= count. */
+/* the smallest side with side^power >= count */
 static uint64_t lattice_side(uint64_t count, int power)
 {
     uint64_t side = 1;
@@ -1506,7 +1500,7 @@ static vec rainbow(double t)
     return v3(0.5 + 0.45 * cosine(t), 0.5 + 0.45 * cosine(t - 0.33), 0.5 + 0.45 * cosine(t - 0.67));
 }
 
-/* Needles and discs of every direction and size, up to a thousand times as long as thick. */
+/* Needles and discs of all directions and sizes, up to a thousand times as long as thick. */
 static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t key = key_of(seed, i);
@@ -1523,7 +1517,7 @@ static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* Large and hardly visible one by one; hundreds over every pixel. */
+/* Large Gaussians, nearly invisible individually; hundreds cover every pixel. */
 static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     static const unsigned ends[] = { 1000 };
@@ -1544,7 +1538,8 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* A fan of ten cards square to the z axis: every depth on a card is equal, every position taken at least twice. */
+/* A fan of ten cards perpendicular to the z axis: all depths on a card are equal, and every position occurs at least
+   twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };
@@ -1560,7 +1555,7 @@ static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* A lattice of balls from 1/1000 of the spacing to wider than it. */
+/* A lattice of balls, from 1/1000 of the spacing to wider than it. */
 static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t side = lattice_side(count, 3), key = key_of(seed, i);

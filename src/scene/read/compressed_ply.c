@@ -1,12 +1,12 @@
-/* Reads PlayCanvas's compressed .ply, where words of 32 bits code 256 Gaussians between the bounds of their chunk. The
-   layout is the one that the engine's gsplat-compressed-data.js reads. */
+/* Reads PlayCanvas's compressed .ply: 32-bit words that code Gaussians relative to the bounds of their chunk of 256.
+   Layout: gsplat-compressed-data.js of the engine. */
 #include "ply_header.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { CHUNK = 256, WORDS = 4 };
 
-/* Bounds: the three lower bounds of an attribute, then the three upper ones. */
+/* Bounds of an attribute: three lower bounds, then three upper bounds. */
 enum { POSITION = 0, SCALE = 6, COLOUR = 12, BOUNDS = 18 };
 
 static const char *const bound_names[BOUNDS] = {
@@ -17,10 +17,9 @@ static const char *const bound_names[BOUNDS] = {
 
 static const char *const word_names[WORDS] = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 
-/* An element of the file, and the columns that are read. */
 typedef struct rows {
     const fxs_ply_element *element;
-    uint64_t start;                      /* of the first row, bytes into the file */
+    uint64_t start;                      /* offset of the first row in the file, bytes */
     int columns;
     uint32_t column[FXS_PLY_MAX_REST];   /* bytes from the start of the row */
     fxs_byte_reader bytes;
@@ -72,7 +71,7 @@ static int add_columns(const fxs_ply_header *header, rows *r, const char *const 
     return 0;
 }
 
-/* Older files have no bounds of colours, which are then 0 to 1. */
+/* Older files lack bounds of colours; they are then 0 to 1. */
 static int add_bounds(compressed_reader *reader, fxs_message *message)
 {
     int has_colour = fxs_ply_find(&reader->header, reader->chunk.element, bound_names[COLOUR]) >= 0;
@@ -99,7 +98,7 @@ static int add_sh(compressed_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Returns 0 where the rows of every element have a fixed size and the counts of the elements match. */
+/* Returns 0 if all rows have a fixed size and the counts of the elements agree. */
 static int check_elements(const compressed_reader *reader, const char *path, fxs_message *message)
 {
     const fxs_ply_header *header = &reader->header;
@@ -179,13 +178,12 @@ static double unpack(uint32_t word, int shift, int bits)
     return (word >> shift & mask) / (double)mask;
 }
 
-/* The value for t, 0 to 1, between bounds `low` and `low` + 3. */
 static double between(const float *bounds, int low, double t)
 {
     return (double)bounds[low] * (1 - t) + (double)bounds[low + 3] * t;
 }
 
-/* The largest component is left out and not negative; the others are in +-1/sqrt(2), w first. */
+/* The largest component is omitted and positive or 0. The others lie in +-1/sqrt(2), w first. */
 static void decode_rotation(uint32_t word, float rotation[4])
 {
     int largest = (int)(word >> 30);
@@ -216,7 +214,7 @@ static void decode_words(const compressed_reader *reader, const uint8_t *row, fx
     gaussian->opacity = fxs_logit_of_code(words[3] & 255);
 }
 
-/* Codes 0 and 255 are -4 and 4, the others the middle of their 256th of -4 to 4. */
+/* Codes 0 and 255 stand for -4 and 4, others for the centre of their 256th of [-4, 4]. */
 static float decode_coefficient(int code)
 {
     return code == 0 ? -4 : code == 255 ? 4 : (float)(((code + 0.5) / 256 - 0.5) * 8);

@@ -1,4 +1,4 @@
-/* Reads .fxs: the Gaussians of a packed scene, without the coarse ones of its tree. */
+/* Reads .fxs: the Gaussians of a packed scene, without the merged Gaussians of its tree. */
 #include <math.h>
 #include <string.h>
 
@@ -18,9 +18,9 @@ typedef struct fxs_file_reader {
     fxs_crc32_table crc;
     fxs_scene scene;                     /* without pointers to its bytes, except the palette */
     uint64_t rows_at;                    /* offset of the first chunk's rows in the file, bytes */
-    uint32_t slots, holes;               /* of the file */
-    uint32_t next, passed;               /* the next slot; how many before it were holes */
-    fxs_chunk chunk;                     /* chunk of that slot, and its rows */
+    uint32_t slots, holes;               /* of the whole file */
+    uint32_t next, passed;               /* the next slot; holes before it */
+    fxs_chunk chunk;                     /* chunk of the next slot, and its rows */
     unsigned char rows[MOST_ROWS];
     int8_t palette[MOST_PALETTE];
 } fxs_file_reader;
@@ -38,7 +38,7 @@ static int damaged(const fxs_file_reader *r, const char *what, fxs_message *mess
     return fxs_fail(message, "%s: %s is damaged", r->source->path, what);
 }
 
-/* Checks the checksum of bytes that contain it, computed with 0 in its place. */
+/* Compares a checksum inside `bytes` with the CRC-32 of the bytes, computed with the checksum field 0. */
 static int is_whole(const fxs_file_reader *r, uint32_t *checksum, const void *bytes, size_t size, const void *more,
                     size_t more_size)
 {
@@ -79,7 +79,7 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
-/* By chunks from all over the file, which hold Gaussians in about equal numbers. */
+/* Uses chunks spread over the whole file, which contain about equal numbers of Gaussians. */
 static int choose_origin(const fxs_file_reader *r, fxs_message *message)
 {
     double places[FXS_ORIGIN_SAMPLE][3];

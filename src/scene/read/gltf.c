@@ -1,6 +1,6 @@
-/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians get
-   the axes of a .ply, y down: x and y of glTF change their signs. Colours of linear light are turned into sRGB. Drafts
-   of the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. Converts to the
+   axes of a .ply, y down, by negating x and y. Converts linear colours to sRGB. Also reads drafts of the extension:
+   SCALE as logarithms (February 2026); _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include <math.h>
 #include <string.h>
 
@@ -23,16 +23,15 @@
 #include "src/gaussian/transform_internal.h"
 
 enum {
-    MAX_DEPTH = 64,              /* depth of nodes */
+    MAX_DEPTH = 64,              /* depth of the node tree */
     MAX_BUFFERS = 64,
-    MAX_MEMBERS = 1024,          /* members of an item: each look-up searches all */
-    MAX_PARTS = 1024,            /* primitives times their nodes */
+    MAX_MEMBERS = 1024,          /* members of a JSON object; every look-up is linear */
+    MAX_PARTS = 1024,            /* primitives times the nodes that place them */
     MAX_COUNT = 2147483647,      /* Gaussians in a file */
-    BATCH = 256,                 /* Gaussians read at a time */
+    BATCH = 256,                 /* Gaussians per read */
     MAX_STRIDE = 252             /* bytes */
 };
 
-/* An array of the JSON. */
 typedef struct list {
     const cJSON **items;
     int count;
@@ -43,8 +42,8 @@ static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "b
 
 typedef struct buffer {
     const fxs_scene_source *source;
-    fxs_scene_source own;        /* the source, where it is another file or memory */
-    uint8_t *memory;             /* bytes of a data: URI */
+    fxs_scene_source own;        /* open if the source is another file or memory */
+    uint8_t *memory;             /* decoded data: URI */
     uint64_t memory_size;        /* bytes held */
     uint64_t offset, size;
 } buffer;
@@ -56,41 +55,39 @@ typedef struct range {
 
 typedef struct buffer_view {
     range bytes;
-    int64_t stride;              /* 0: none is given */
-    const char *fault;           /* or NULL; reported when the view is used */
+    int64_t stride;              /* 0: not given */
+    const char *fault;           /* or null; reported when the view is used */
 } buffer_view;
 
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
 
 typedef struct accessor {
     range bytes;                 /* buffer NULL: all elements are 0 */
-    range indices, values;       /* of a sparse accessor: elements that replace others */
-    uint32_t replaced, at;       /* their number, and the one to be read next */
+    range indices, values;       /* of a sparse accessor: indices and values of replaced elements */
+    uint32_t replaced, at;       /* number of replaced elements; the next one to read */
     uint32_t count, stride, size;
     uint8_t type, is_normalized, components, index_size;
 } accessor;
 
 enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 
-/* A primitive with Gaussians. */
 typedef struct splats {
-    range spz;                   /* its .spz; where the buffer is NULL, it has attributes instead */
-    fxs_spz *opened;             /* set when the first part of it is read */
-    int first;                   /* first primitive with the same .spz; with attributes, itself */
+    range spz;                   /* its .spz; buffer null: it has attributes instead */
+    fxs_spz *opened;             /* set when its first part is read */
+    int first;                   /* first primitive with the same .spz; itself if it has attributes */
     accessor attributes[ATTRIBUTES];
     int attribute_count;
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
     int scales_known, has_log_scales, is_linear, is_clamped;
-    double middle[3];            /* of its positions where they are far from 0 beside their extent; else 0 */
+    double middle[3];            /* centre of the positions if they are far from 0 relative to their extent; else 0 */
 } splats;
 
-/* The primitives of a mesh that have Gaussians, once it was read. */
+/* The range of a mesh's primitives with Gaussians, valid after is_read is set. */
 typedef struct mesh {
     int is_read, first, end;
 } mesh;
 
-/* A primitive, placed by a node. */
 typedef struct part {
     int splats;
     double rows[3][4];
@@ -98,23 +95,23 @@ typedef struct part {
 
 typedef struct gltf {
     const fxs_scene_source *source;
-    fxs_message *message;        /* of the call */
-    double frame[3][4];          /* from the axes of the file to those of the Gaussians */
-    list lists[LISTS];           /* only while the file is opened, like the next three */
+    fxs_message *message;        /* of the current call */
+    double frame[3][4];          /* from the file's axes to the Gaussians' axes */
+    list lists[LISTS];           /* valid only during opening, like the next three */
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */
     uint64_t bin_offset, bin_size;
     buffer buffers[MAX_BUFFERS];
-    int is_quantized;            /* POSITION may have integers, by KHR_mesh_quantization */
+    int is_quantized;            /* KHR_mesh_quantization: POSITION may be integer */
     splats *splats;
     part *parts;
     int splats_count, parts_count;
-    const char *other;           /* words for a primitive without Gaussians, or NULL */
-    int part;                    /* the part that is being read */
-    uint32_t next;               /* Gaussian of it */
-    fxs_transform transform;     /* of it */
-    fxs_spz *spz;                /* of it, or NULL */
+    const char *other;           /* kind of a primitive without Gaussians, or null */
+    int part;                    /* the part being read */
+    uint32_t next;               /* next Gaussian of the part */
+    fxs_transform transform;     /* transform of the part */
+    fxs_spz *spz;                /* .spz of the part, or null */
     uint8_t bytes[BATCH * MAX_STRIDE];
 } gltf;
 
@@ -123,7 +120,7 @@ static int fail(const gltf *g, const char *fault)
     return fxs_fail(g->message, "%s: %s", g->source->path, fault);
 }
 
-/* Allocates bytes of 0. Returns NULL, and a message for FXS_ERR_MEMORY, where memory ran out. */
+/* Allocates zeroed memory. Returns null, and a message for FXS_ERR_MEMORY, if memory ran out. */
 static void *allocate(const gltf *g, size_t count, size_t size)
 {
     void *block = fxs_allocate_zeroed(g->source->options.allocator, count, size);
@@ -149,7 +146,7 @@ static const cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-/* An integer from 0 to 2^53 - 1; `absent` for NULL, -1 for any other item. */
+/* Returns an integer from 0 to 2^53 - 1; `absent` for null; -1 for any other item. */
 static int64_t whole(const cJSON *item, int64_t absent)
 {
     if (!item)
@@ -158,7 +155,6 @@ static int64_t whole(const cJSON *item, int64_t absent)
     return value >= 0 && value < 9007199254740992.0 && value == (double)(int64_t)value ? (int64_t)value : -1;
 }
 
-/* The index of an existing item of a list, or -1. */
 static int index_of(const gltf *g, const cJSON *item, int which)
 {
     int64_t index = whole(item, -1);
@@ -180,10 +176,9 @@ static int make_list(gltf *g, const cJSON *root, int which)
     return 0;
 }
 
-/* The array with room for one more item, or NULL and a message. */
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))     /* its size is the next power of two */
+    if (count & (count - 1))     /* the size is the next power of two */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -235,7 +230,7 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-/* Only a file in the same folder, not below it. */
+/* Allows files in the same folder only. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
     char *name = allocate(g, strlen(uri) + 1, 1);
@@ -249,7 +244,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     return result;
 }
 
-/* A buffer without bytes (the fallback of a compressed one) is left empty. */
+/* Leaves a buffer without bytes (the fallback of a compressed one) empty. */
 static int open_buffer(gltf *g, int index)
 {
     const cJSON *item = g->lists[BUFFERS].items[index];
@@ -313,7 +308,7 @@ static int use_buffer_view(const gltf *g, int index, buffer_view *out)
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
-/* Finds an attribute; in drafts, _SCALE stands for KHR_gaussian_splatting:SCALE. */
+/* Finds an attribute. Drafts use _SCALE for KHR_gaussian_splatting:SCALE. */
 static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 {
     const cJSON *found = member(attributes, name);
@@ -331,7 +326,6 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
-/* Finds `count` elements of `size` bytes in the bufferView of an item of accessor `index`. */
 static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t count, uint32_t size, range *bytes,
                          uint32_t *stride)
 {
@@ -351,7 +345,7 @@ static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t c
     return 0;
 }
 
-/* Finds the elements of a sparse accessor that replace others; they are tightly packed. */
+/* Finds the replaced elements of a sparse accessor; they are tightly packed. */
 static int read_sparse(const gltf *g, int index, const cJSON *sparse, accessor *a)
 {
     static const uint8_t sizes[] = {1, 0, 2, 0, 4};            /* UBYTE, USHORT, UINT */
@@ -387,7 +381,7 @@ static int fail_indices(const gltf *g)
     return fail(g, "indices of a sparse accessor that do not ascend, or are beyond its elements");
 }
 
-/* Puts the elements of a sparse accessor that replace `first` to `end` - 1 into g->bytes. */
+/* Writes the replaced elements from `first` to `end` - 1 into g->bytes. */
 static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
 {
     uint8_t indices[4 * BATCH], values[BATCH * 16];
@@ -411,8 +405,8 @@ static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
     return end < a->count || a->at == a->replaced ? 0 : fail_indices(g);
 }
 
-/* Reads up to BATCH elements, a->stride bytes apart, into g->bytes. Elements are read in their order; a->at is 0 before
-   the first. */
+/* Reads up to BATCH elements into g->bytes, a->stride bytes apart. Elements must be read in order; set a->at to 0
+   before the first. */
 static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
 {
     const size_t size = (count - 1) * a->stride + a->size;
@@ -423,7 +417,6 @@ static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
     return replace_elements(g, a, first, first + count);
 }
 
-/* Reads the accessor with the index in `number`, of the attribute `name`. */
 static int read_accessor(gltf *g, const cJSON *number, const char *name, int components, unsigned types, accessor *a)
 {
     static const char *const shapes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
@@ -457,7 +450,7 @@ static double component(const accessor *a, const uint8_t *bytes)
     }
 }
 
-/* COLOR_0, where OPACITY has four components. */
+/* Converts COLOR_0, which is stored as OPACITY with four components. */
 static void store_colour(fxs_gaussian *gaussian, const double *rgba)
 {
     gaussian->opacity = fxs_logit_of_opacity(rgba[3]);
@@ -499,7 +492,7 @@ static int read_attributes(gltf *g, splats *s, fxs_gaussian *gaussians, size_t c
     return 0;
 }
 
-/* sRGB of linear light: 12.92 c up to 0.0031308, 1.055 c^(1 / 2.4) - 0.055 above (IEC 61966-2-1). *slope is its
+/* sRGB from linear light: 12.92 c up to 0.0031308, else 1.055 c^(1 / 2.4) - 0.055 (IEC 61966-2-1). *slope: its
    derivative. */
 static double srgb_of(double c, double *slope)
 {
@@ -511,7 +504,7 @@ static double srgb_of(double c, double *slope)
     return 1.055 * power - 0.055;
 }
 
-/* The colour of degree 0 becomes that of sRGB, and the SH above it, which are small beside it, change as it does. */
+/* Converts the colour of degree 0 to sRGB. Multiplies higher SH, which are small, by the slope. */
 static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
 {
     for (int c = 0; c < 3; c++) {
@@ -522,7 +515,7 @@ static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
     }
 }
 
-/* A finite opacity of EXT_splat_opacity that is not negative replaces the one in the .spz. */
+/* Replaces opacities of the .spz by EXT_splat_opacity values that are finite and not negative. */
 static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t count)
 {
     accessor *a = &s->attributes[OPACITY];
@@ -537,7 +530,6 @@ static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t
     return 0;
 }
 
-/* Counts the elements of an accessor of floats with a number below `low` or above `high`. */
 static int count_outside(gltf *g, accessor *a, float low, float high, uint64_t *outside)
 {
     a->at = 0;
@@ -579,7 +571,7 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
     return 0;
 }
 
-/* Finds opacity and SH, which in a draft were a colour of four components. */
+/* Finds opacity and SH. In a draft, they were a colour of four components. */
 static int read_colours(gltf *g, const cJSON *attributes, splats *s)
 {
     static const char opacity[] = "KHR_gaussian_splatting:OPACITY";
@@ -623,7 +615,7 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
                                "compressed in a way that is not read");
 }
 
-/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is not read: the .spz is complete without it. */
+/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is ignored, because the .spz is complete without it. */
 static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
 {
     static const char name[] = "EXT_splat_opacity";
@@ -634,7 +626,7 @@ static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
     return number ? read_accessor(g, number, name, 1, PLAIN(FLOAT), &s->attributes[OPACITY]) : 0;
 }
 
-/* Names in drafts of the compression by .spz, in or beside the extension. */
+/* Names used in drafts of the .spz compression, inside or next to the extension. */
 static const cJSON *find_spz(const cJSON *extensions)
 {
     static const char *const names[] = {
@@ -659,7 +651,6 @@ static int same_range(const range *a, const range *b)
     return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
 }
 
-/* 1 where two primitives of .spz have the same Gaussians. */
 static int is_same(const splats *a, const splats *b)
 {
     const accessor *own = &a->attributes[OPACITY], *other = &b->attributes[OPACITY];
@@ -667,10 +658,10 @@ static int is_same(const splats *a, const splats *b)
            same_range(&own->values, &other->values) && own->count == other->count;
 }
 
-/* Checks that the Gaussians are meant to be drawn as this renderer does, but for linear light. */
+/* Checks that this renderer draws as the file asks. Linear colours are accepted and converted later. */
 static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear)
 {
-    enum { SPACES = 6, LINEAR = 3 };            /* the others in drafts */
+    enum { SPACES = 6, LINEAR = 3 };            /* the other names are from drafts */
     static const char *const spaces[SPACES] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709",
                                                "lin_rec709_display", "BT.709-linear", "linear"};
     const char *kernel = fxs_json_string(splatting, "kernel"), *space = fxs_json_string(splatting, "colorSpace");
@@ -769,14 +760,14 @@ static int place_mesh(gltf *g, int index, double rows[3][4])
     return 0;
 }
 
-/* 1 where the member is absent or has exactly `count` numbers. */
+/* Returns 1 if the member is absent or has exactly `count` numbers. */
 static int take_numbers(const cJSON *object, const char *name, double *out, int count)
 {
     const cJSON *item = member(object, name);
     return !item || fxs_json_numbers(item, out, count);
 }
 
-/* glTF stores matrices column by column. */
+/* glTF stores matrices in column-major order. */
 static int local_matrix(const gltf *g, int index, double m[16])
 {
     const cJSON *node = g->lists[NODES].items[index];
@@ -841,7 +832,7 @@ static int open_spz(gltf *g, int index)
     return !s->attributes[OPACITY].count || s->attributes[OPACITY].count == s->count ? 0 : fail_counts(g);
 }
 
-/* `drop` of fxs_import: frees the last decompressed .spz except the one being read, so that the first ones stay. */
+/* fxs_import.drop: frees the last decompressed .spz that is not being read. The first ones stay. */
 int fxs_gltf_drop(void *handle)
 {
     gltf *g = handle;
@@ -851,7 +842,7 @@ int fxs_gltf_drop(void *handle)
     return 0;
 }
 
-/* Begins to read a part; g->parts_count is the end. */
+/* Starts reading a part; g->parts_count: the end. */
 static int enter(gltf *g, int index)
 {
     g->part = g->parts_count;
@@ -877,9 +868,9 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Scales are linear, few of them below 0. In a draft they were logarithms, so signed integers are taken as logarithms;
-   and so are floats where a quarter of the Gaussians have a scale below 0, as nearly all logarithms of captured scenes
-   are. The number of Gaussians is known to be within the limit. */
+/* Decides if scales are logarithms. By the standard, scales are linear and rarely negative; a draft stored logarithms.
+   Signed integers are taken as logarithms. Floats are, if a quarter of the Gaussians have a negative scale: nearly all
+   logarithms of captured scenes are negative. The number of Gaussians is already known to be within the limit. */
 static int find_log_scales(gltf *g)
 {
     uint64_t below = 0, count = 0;
@@ -900,7 +891,7 @@ static int find_log_scales(gltf *g)
     return 0;
 }
 
-/* Finds opacities above 1, to say that they are clamped; not those just above it by rounding. */
+/* Finds opacities above 1.0001, which are reported as clamped. Smaller excesses come from rounding. */
 static int find_clamped(gltf *g)
 {
     uint64_t above;
@@ -923,7 +914,7 @@ static void place_of(const gltf *g, const part *p, double place[3])
         place[k] = p->rows[k][0] * m[0] + p->rows[k][1] * m[1] + p->rows[k][2] * m[2] + p->rows[k][3];
 }
 
-/* The origin is at the part with most Gaussians; the contents of a tileset have that of the first. */
+/* Places the origin at the part with most Gaussians. The contents of a tileset use the origin of the first content. */
 static void choose_origin(const gltf *g, fxs_scene_file_info *info)
 {
     fxs_import *import = g->source->import;
@@ -976,7 +967,7 @@ static int describe(gltf *g, fxs_scene_file_info *info)
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Finds the JSON, and notes the place of the binary chunk. */
+/* Finds the JSON and the offset of the binary chunk. */
 static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
 {
     uint8_t h[20], chunk[8];
@@ -1116,7 +1107,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* closed before its source */
+        fxs_spz_close(g->splats[i].opened);   /* before its source is closed */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
@@ -1143,8 +1134,8 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 
 #endif
 
-/* Whether a JSON object with that first name is a glTF. The index of a .sog may also have "asset", so more is
-   checked. */
+/* Returns 1 if a JSON object with this first name may be a glTF. The index of a .sog may also have "asset", so the
+   caller checks more. */
 static int is_gltf_name(const char *name)
 {
     static const char *const names[] = {

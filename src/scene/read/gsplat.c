@@ -1,11 +1,11 @@
-/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute, a .png for each
-   byte of it, a pixel a Gaussian, and shN.npz with a palette of SH. Values lie evenly between their bounds. Axes and
-   meaning are those of a .ply, except that positions are stored as sign(x) ln(1 + |x|). */
+/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute; for each of its
+   bytes a .png with one pixel per Gaussian; shN.npz with a palette of SH. Values are spaced evenly between their
+   bounds. Axes and meaning are as in a .ply, except that positions are stored as sign(x) ln(1 + |x|). */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* A JSON file that has what none of SOG has. */
+/* Recognises a JSON file with members that no SOG file has. */
 static int is_gsplat(const fxs_head *head, fxs_message *message)
 {
     (void)message;
@@ -37,14 +37,14 @@ typedef struct gsplat {
     const fxs_scene_source *source;
     size_t count, at;
     double low[IMAGES][4], high[IMAGES][4];
-    uint8_t *pixels[IMAGES];       /* RGBA; of one channel three times the same */
+    uint8_t *pixels[IMAGES];       /* RGBA; a single channel is repeated three times */
     uint64_t sizes[IMAGES];        /* bytes */
     int sh_degree;
     double sh_low, sh_high;
-    int sh_most;                   /* the greatest code of SH */
-    fxs_text arrays[2];            /* the palette and the labels, as .npy */
+    int sh_most;                   /* largest code of SH */
+    fxs_text arrays[2];            /* palette and labels, as .npy */
     const uint8_t *palette, *labels;
-    size_t entries, entry_step, value_step;    /* of the palette; bytes from one to the next */
+    size_t entries, entry_step, value_step;    /* entries of the palette; bytes between entries and between values */
 } gsplat;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -69,7 +69,7 @@ static int fail(const gsplat *g, const char *fault, fxs_message *message)
 
 /* ---- meta.json --------------------------------------------------------------------------------------------------- */
 
-/* Returns NULL or the fault. */
+/* Returns null or the fault. */
 static const char *read_sh(gsplat *g, const cJSON *shn)
 {
     const cJSON *low = member(shn, "mins"), *high = member(shn, "maxs"), *shape = member(shn, "shape");
@@ -158,8 +158,9 @@ static int load_image(gsplat *g, int image, fxs_message *message)
 
 /* ---- SH ---------------------------------------------------------------------------------------------------------- */
 
-/* The array in a .npy (numpy.lib.format): a header of text with the type, the order and the shape. Returns its first
-   byte, or NULL where it is not of this type, or not of `columns` columns (0: none) and whole. */
+/* Finds the array in a .npy (numpy.lib.format), behind a text header with type, order and shape. Returns its first
+   byte, or null if the type differs, the shape is not `columns` columns (0: one dimension), or the data are
+   incomplete. */
 static const uint8_t *find_array(const fxs_text *npy, const char *type, size_t size, size_t columns, size_t *rows,
                                  int *is_by_column)
 {

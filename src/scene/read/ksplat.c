@@ -1,6 +1,6 @@
-/* Reads .ksplat 0.x: a header of 4096 bytes, section headers of 1024, sections; the layout is the one that
-   SplatBuffer.js of mkkellogg/GaussianSplats3D writes. A section has the lengths of its partly filled buckets, the
-   centres of buckets, and its Gaussians, bucket by bucket; with compression level 0, only Gaussians. */
+/* Reads .ksplat 0.x. Layout: SplatBuffer.js of mkkellogg/GaussianSplats3D. The file has a header of 4096 bytes, section
+   headers of 1024 bytes, and sections. A section has the lengths of its partly filled buckets, the centres of all
+   buckets, and its Gaussians, bucket by bucket. At compression level 0 it has Gaussians only. */
 #include "src/base/byte_reader.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
@@ -15,23 +15,23 @@ static const struct layout { uint8_t scale, rotation, colour, sh, coefficient; }
 typedef struct section {
     uint32_t count;                         /* Gaussians */
     uint32_t bucket_size, buckets, full_buckets, partial_buckets;
-    uint32_t centre_size;                   /* bytes from one bucket's centre to the next */
+    uint32_t centre_size;                   /* bytes between bucket centres */
     int sh_degree;
-    uint32_t row_size;                      /* bytes of a Gaussian */
+    uint32_t row_size;                      /* bytes per Gaussian */
     double range, step;                     /* position = (code - range) step + centre, above level 0 */
-    uint64_t lengths, centres, rows, end;   /* bytes into the file */
+    uint64_t lengths, centres, rows, end;   /* offsets in the file, bytes */
 } section;
 
 typedef struct ksplat_reader {
     const fxs_scene_source *source;
     int level;
-    float sh_low, sh_high;                  /* range of the codes of level 2 */
+    float sh_low, sh_high;                  /* range of the SH codes at level 2 */
     uint64_t count, read;                   /* Gaussians */
     uint32_t sections, sections_begun;
-    section section;                        /* the section that is read */
-    uint32_t section_read;                  /* Gaussians of it */
-    uint32_t buckets_begun, bucket_left;    /* number of buckets; Gaussians left in the current one */
-    float centre[3];                        /* of that bucket */
+    section section;                        /* the current section */
+    uint32_t section_read;                  /* Gaussians read from it */
+    uint32_t buckets_begun, bucket_left;    /* buckets begun; Gaussians left in the current one */
+    float centre[3];                        /* centre of the current bucket */
     fxs_byte_reader headers, lengths, centres, rows;
 } ksplat_reader;
 
@@ -54,7 +54,7 @@ static section parse_section(const ksplat_reader *reader, const uint8_t *header)
     return s;
 }
 
-/* NULL, or the fault. */
+/* Returns null or the fault. */
 static const char *check_section(const ksplat_reader *reader, const section *s)
 {
     const uint64_t file_size = reader->source->input.size;
@@ -87,7 +87,7 @@ static int begin_section(ksplat_reader *reader, fxs_message *message)
         return fxs_bytes_fail_row(&reader->headers, "section", reader->sections_begun, reader->sections, message);
     reader->sections_begun++;
     reader->section_read = reader->buckets_begun = reader->bucket_left = 0;
-    if (s->count > 0) {   /* the check has shown that they are in the file */
+    if (s->count > 0) {   /* check_section has verified that they are in the file */
         fxs_bytes_seek(&reader->lengths, s->lengths);
         fxs_bytes_seek(&reader->centres, s->centres);
         fxs_bytes_seek(&reader->rows, s->rows);
@@ -185,7 +185,6 @@ static int begin_bucket(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Goes to the bucket, and section, of the next Gaussian. */
 static int advance(ksplat_reader *reader, fxs_message *message)
 {
     while (reader->section_read == reader->section.count)
@@ -195,7 +194,7 @@ static int advance(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* The file has the coefficients of a degree channel by channel. */
+/* Within each degree, the file stores one channel after the other. */
 static void decode_sh(const ksplat_reader *reader, const uint8_t *values, float sh[45])
 {
     for (int degree = 1; degree <= reader->section.sh_degree; degree++) {

@@ -1,8 +1,7 @@
-/* Reads .lcc of XGRIDS: a JSON file with index.bin (the places of the Gaussians of each cell and level), data.bin and
-   shcoef.bin (32 and 64 bytes a Gaussian) and perhaps environment.bin beside it. Layout: XGRIDS, "LCC Data
-   Organization Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from
-   XGRIDS). Points that it leaves open (axes, SH of files without "fileType") are read as PlayCanvas's splat-transform
-   does. */
+/* Reads .lcc of XGRIDS: a JSON file, and next to it index.bin (the Gaussians of each cell and level), data.bin and
+   shcoef.bin (32 and 64 bytes per Gaussian) and optionally environment.bin. Layout: XGRIDS, "LCC Data Organization
+   Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from XGRIDS).
+   Points that it leaves open (axes, SH of files without "fileType") follow PlayCanvas's splat-transform. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -20,16 +19,16 @@
 
 enum {
     MAX_LEVELS = 1000,
-    LEVEL_SIZE = 16,       /* bytes of each level in the index, after 4 bytes of the cell */
+    LEVEL_SIZE = 16,       /* bytes per level in the index, after 4 bytes for the cell */
     ROW = 32, SH_ROW = 64  /* bytes */
 };
 
-/* The values of the least and the greatest code of x, y and z (r, g and b). */
+/* Values of the smallest and largest code of x, y and z (or r, g and b). */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
 
-/* The Gaussians of a cell, and their first byte in data.bin; or all Gaussians of the environment. */
+/* A cell: its first byte in data.bin and its number of Gaussians. The environment is a cell too. */
 typedef struct cell {
     uint64_t begin, count;
 } cell;
@@ -38,14 +37,14 @@ typedef struct lcc_reader {
     const fxs_scene_source *source;
     size_t levels;
     int has_sh;
-    bounds scale[2], sh[2];   /* for the cells, and for the environment */
-    cell *cells;              /* those with Gaussians, in the order of data.bin; then the environment */
+    bounds scale[2], sh[2];   /* [0] cells, [1] environment */
+    cell *cells;              /* cells with Gaussians, in the order of data.bin; then the environment */
     size_t cell_room, cell_count, environment;   /* environment: its index in `cells` */
     fxs_scene_source data_file, sh_file, environment_file;
     fxs_byte_reader rows, sh_rows;
     fxs_transform transform;
-    size_t at;                /* the cell that is read */
-    uint64_t done;            /* Gaussians of it */
+    size_t at;                /* the current cell */
+    uint64_t done;            /* Gaussians read from it */
 } lcc_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -66,7 +65,7 @@ static const cJSON *find_attribute(const cJSON *root, const char *name)
     return NULL;
 }
 
-/* The bounds of an attribute for the cells and for the environment, which default to the same. */
+/* Reads the bounds of an attribute for the cells and the environment, which defaults to the same bounds. */
 static int read_bounds(const cJSON *root, const char *name, const char *environment_name, bounds out[2])
 {
     const cJSON *own = find_attribute(root, name), *environment = find_attribute(root, environment_name);
@@ -78,7 +77,7 @@ static int read_bounds(const cJSON *root, const char *name, const char *environm
     return 1;
 }
 
-/* Returns NULL or the fault. */
+/* Returns null or the fault. */
 static const char *read_meta(lcc_reader *r, const cJSON *root)
 {
     const cJSON *levels = member(root, "totalLevel");
@@ -114,10 +113,10 @@ static int load_meta(lcc_reader *r, fxs_message *message)
     return result;
 }
 
-/* ---- Files beside it --------------------------------------------------------------------------------------------- */
+/* ---- Other files ------------------------------------------------------------------------------------------------- */
 
-/* Opens a file by the name that is in use, or else by the name in the white paper. Where both are missing and the file
-   may be absent, returns 0 with nothing opened. */
+/* Opens a file by its usual name, or else by its name in the white paper. If both are missing and `may_be_absent` is 1,
+   returns 0 with nothing opened. */
 static int open_beside(const lcc_reader *r, fxs_scene_source *file, const char *name, const char *other,
                        int may_be_absent, fxs_message *message)
 {
@@ -135,7 +134,7 @@ static uint64_t load_u64(const uint8_t *bytes)
     return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
-/* Lists the level's Gaussians of each cell: their count, first byte in data.bin, and number of bytes there. */
+/* Lists the Gaussians of each cell at the chosen level: their number, first byte in data.bin, and number of bytes. */
 static int list_cells(lcc_reader *r, const fxs_scene_source *index, size_t count, fxs_message *message)
 {
     const size_t level = (size_t)r->source->options.level;
@@ -185,7 +184,7 @@ static int compare_cells(const void *a, const void *b)
     return (x->begin > y->begin) - (x->begin < y->begin);
 }
 
-/* Each byte belongs to one Gaussian only, or a small file could ask for many. */
+/* Each byte may belong to one Gaussian only; otherwise a small file could demand much work. */
 static int check_cells(lcc_reader *r, fxs_message *message)
 {
     const uint64_t size = r->data_file.input.size;
@@ -212,7 +211,7 @@ static int open_data(lcc_reader *r, fxs_message *message)
     return check_cells(r, message);
 }
 
-/* The environment has SH in the rows of its Gaussians. */
+/* The environment stores SH in the rows of its Gaussians. */
 static int open_environment(lcc_reader *r, fxs_message *message)
 {
     const uint64_t row = r->has_sh ? ROW + SH_ROW : ROW;
@@ -234,7 +233,8 @@ static double lerp(const bounds *b, int i, double t)
     return b->low[i] * (1 - t) + b->high[i] * t;
 }
 
-/* Smallest three of x, y, z and w: the upper two bits name the component left out, the others are in +-1/sqrt(2). */
+/* Smallest three of x, y, z, w: the top two bits are the index of the omitted component; the others lie in
+   +-1/sqrt(2). */
 static void decode_rotation(uint32_t code, float rotation[4])
 {
     const uint32_t omitted = code >> 30;
@@ -250,7 +250,7 @@ static void decode_rotation(uint32_t code, float rotation[4])
     rotation[(omitted + 1) % 4] = (float)sqrt(fmax(0, 1 - sum));
 }
 
-/* A word of 11, 10 and 11 bits for each coefficient. */
+/* Each coefficient is a word of 11, 10 and 11 bits. */
 static void decode_sh(const bounds *b, const uint8_t *row, float sh[45])
 {
     for (int k = 0; k < 15; k++) {
@@ -261,7 +261,6 @@ static void decode_sh(const bounds *b, const uint8_t *row, float sh[45])
     }
 }
 
-/* `sh_row` may be NULL: without SH. */
 static void decode(const lcc_reader *r, const uint8_t *row, const uint8_t *sh_row, fxs_gaussian *g)
 {
     const int is_environment = r->at == r->environment;
@@ -278,7 +277,7 @@ static void decode(const lcc_reader *r, const uint8_t *row, const uint8_t *sh_ro
     fxs_transform_apply(&r->transform, g, sh_row ? 3 : 0);
 }
 
-/* Cells come in the order of data.bin, so that each byte is read once. */
+/* Cells are in the order of data.bin, so that each byte is read once. */
 static int enter_cell(lcc_reader *r)
 {
     const cell *c = &r->cells[r->at];
@@ -286,7 +285,7 @@ static int enter_cell(lcc_reader *r)
         r->rows.source = &r->environment_file;
         return fxs_bytes_seek(&r->rows, 0);
     }
-    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));   /* within the files, by check_cells */
+    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));   /* within the files, as check_cells ensured */
     return r->has_sh ? fxs_bytes_skip(&r->sh_rows, 2 * c->begin - fxs_bytes_tell(&r->sh_rows)) : 0;
 }
 
@@ -321,7 +320,7 @@ static int lcc_rewind(void *handle, fxs_message *message)
     return fxs_bytes_seek(&r->rows, 0);
 }
 
-/* The caller refuses a level that the file lacks, as it then knows the number of levels. */
+/* The caller checks the level against the number of levels returned here. */
 static int lcc_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */

@@ -1,4 +1,4 @@
-/* Reads .ply with the vertex properties that Inria's 3D Gaussian splatting code writes. */
+/* Reads .ply with the vertex properties of Inria's 3D Gaussian splatting code. */
 #include <stdio.h>
 
 #include "ply_header.h"
@@ -7,7 +7,7 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* A field is an index into the floats of fxs_gaussian, or FILTER. */
+/* A field: an index into the floats of fxs_gaussian, or FILTER. */
 enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS, FIELDS, NO_FIELD = -1 };
 
 static const char *const field_names[FIRST_REST] = {
@@ -15,8 +15,7 @@ static const char *const field_names[FIRST_REST] = {
     "f_dc_0", "f_dc_1", "f_dc_2"
 };
 
-/* Properties that change the picture in other programs and are not read. A name that ends in _ is the beginning of
-   names. */
+/* Properties that change the picture in other programs but are not read. A name that ends in _ is a prefix. */
 static const char *const unused_names[] = {
     "t", "time", "beta", "gamma", "shape", "f_", "rot_", "rotation_", "scale_", "scaling_", "opacity_", "filter_",
     "motion_", "omega_", "trbf_", "velocity_", "delta_", "lifespan", "t_", "time_", "beta_", "sb_", "sh_", "shs_",
@@ -28,7 +27,7 @@ typedef struct column {
     uint8_t type, field;
 } column;
 
-/* Floats that follow one another in a row; their fields are `stride` apart. */
+/* Consecutive floats in a row; their fields are `stride` apart. */
 typedef struct run {
     uint16_t offset;
     uint8_t count, field, stride;
@@ -38,13 +37,13 @@ typedef struct ply_reader {
     fxs_ply_header header;
     const fxs_ply_element *vertex;
     int sh_degree, stored_sh_degree;
-    int is_flat;                         /* no scale_2: 2D Gaussians */
-    int is_filtered;                     /* by filter_3D of Mip-Splatting */
-    double full;                         /* full brightness of the colour that stands for f_dc; 0: f_dc */
-    float fields[FIELDS];                /* a row that has FILTER */
+    int is_flat;                         /* 1: no scale_2, 2D Gaussians */
+    int is_filtered;                     /* 1: filter_3D of Mip-Splatting applies */
+    double full;                         /* full brightness of a colour read instead of f_dc; 0: f_dc is read */
+    float fields[FIELDS];                /* a row with FILTER */
     int columns, all_float;
-    int runs;                            /* of the columns, where all are floats */
-    uint64_t vertex_offset;              /* of the first vertex, bytes into the file */
+    int runs;                            /* runs of the columns, if all are floats */
+    uint64_t vertex_offset;              /* offset of the first vertex in the file, bytes */
     uint64_t vertices_read;
     int8_t field_table[FXS_PLY_MAX_PROPERTIES];
     column column_table[FIELDS];
@@ -67,7 +66,6 @@ static int skip_list(ply_reader *reader, const fxs_ply_property *list)
     return 0;
 }
 
-/* Reads a row of any encoding and any properties; the fields of a Gaussian go to `fields`. */
 static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
     const double *origin = reader->bytes.source->import->origin;
@@ -84,7 +82,6 @@ static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fiel
     return fxs_ply_end_row(&reader->bytes, reader->header.encoding);
 }
 
-/* Reads a binary row without lists. */
 static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
     const uint8_t *row = fxs_bytes_take(&reader->bytes, rows->row_size);
@@ -140,8 +137,8 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
 
 /* Header */
 
-/* Some programs write halves as unsigned 16-bit integers, which no number of a Gaussian but a colour can be. In a text
-   file they are numbers of any kind. */
+/* Some programs store halves as unsigned 16-bit integers. Only colours can be such integers, so other fields are read
+   as halves. Text files are not affected. */
 static void find_halves(ply_reader *reader)
 {
     for (int i = reader->vertex->first; i < reader->vertex->end; i++) {
@@ -151,7 +148,6 @@ static void find_halves(ply_reader *reader)
     }
 }
 
-/* Maps a colour in place of f_dc. Returns 0 where no colour exists. */
 static int map_colour(ply_reader *reader)
 {
     int colour[3];
@@ -173,7 +169,6 @@ static int is_unused(const ply_reader *reader, int index)
     return is && reader->field_table[index] == NO_FIELD && strncmp(name, "f_rest_", 7) != 0;
 }
 
-/* The length of a name without the digits at its end. */
 static int stem_of(const char *name)
 {
     int length = (int)strlen(name);
@@ -182,7 +177,7 @@ static int stem_of(const char *name)
     return length;
 }
 
-/* Lists the properties that is_unused finds; of numbered ones, the first stands for all, as in motion_*. */
+/* Lists the properties that is_unused finds. Numbered properties are listed once, as in motion_*. */
 static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
 {
     const fxs_ply_property *table = reader->header.property_table;
@@ -208,7 +203,7 @@ static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
     }
 }
 
-/* A file without any property of Gaussians beside the position is of another kind. */
+/* If the file has x, y and z but no other property of Gaussians, reports a mesh or point cloud. */
 static int fail_field(const ply_reader *reader, const char *missing, fxs_message *message)
 {
     enum { FIRST_OF_GAUSSIANS = 3 };
@@ -293,7 +288,7 @@ static int ply_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* Whether coordinates may be finer than floats: doubles, whole numbers and text. */
+/* Returns 1 if coordinates may be finer than floats: doubles, 32-bit integers or text. */
 static int is_fine(const ply_reader *reader)
 {
     for (const column *c = reader->column_table; c < reader->column_table + reader->columns; c++)
@@ -302,8 +297,9 @@ static int is_fine(const ply_reader *reader)
     return reader->header.encoding == FXS_PLY_ASCII;
 }
 
-/* Chooses the origin by rows from all over the file, or where rows have no fixed size by the first ones. A row that
-   cannot be read ends the sample. Parts with Gaussians smaller than the spacing of floats there are too far from it. */
+/* Chooses the origin from a sample of rows: spread over the file if rows have a fixed size, else the first ones. A row
+   that cannot be read ends the sample. info->coarse becomes the largest spacing of floats, at the sampled positions,
+   that exceeds the size of the Gaussian there. */
 static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_ply_element *vertex = reader->vertex;
@@ -359,8 +355,8 @@ static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     return open_reader(reader, info, message);
 }
 
-/* Mip-Splatting's smoothing filter in 3D (Yu et al. 2024): variances grow by its square, and the opacity falls as the
-   volume grows. */
+/* 3D smoothing filter of Mip-Splatting (Yu et al. 2024): variances grow by the filter's square, and opacity shrinks in
+   proportion to the volume's growth. */
 static void apply_filter(fxs_gaussian *g, double filter, int scales)
 {
     double shrunk = 0;
@@ -373,7 +369,6 @@ static void apply_filter(fxs_gaussian *g, double filter, int scales)
         g->opacity = fxs_logit_of_opacity(fxs_opacity_of_logit(g->opacity) * fxs_exp(shrunk));
 }
 
-/* Completes a Gaussian from its row. */
 static void complete(const ply_reader *reader, fxs_gaussian *g)
 {
     if (reader->is_filtered) {

@@ -6,7 +6,7 @@
 
 enum {
     MAX_LINE = 4096,
-    MAX_WORDS = 6,             /* words of a line that are read */
+    MAX_WORDS = 6,             /* words read per line */
     MAX_HEADER = 1 << 20,
     MAX_COUNT = 2147483647
 };
@@ -96,7 +96,7 @@ static int parse_type(const parser *p, const char *name, uint8_t *type)
     return fail_line(p, "unknown type", name);
 }
 
-/* `words` has 3 words or, for a list, 5. */
+/* `words`: 3 words, or 5 for a list. */
 static int parse_property(parser *p, char **words, int is_list)
 {
     fxs_ply_header *header = p->header;
@@ -132,7 +132,7 @@ static int split(char *line, char *words[MAX_WORDS])
     return count;
 }
 
-/* Returns 1 for the header's last line. */
+/* Returns 1 at the last line of the header. */
 static int parse_line(parser *p, char *line)
 {
     char *words[MAX_WORDS];
@@ -176,7 +176,7 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
     return 0;
 }
 
-/* An ASCII value takes at least a digit and a separator, except the last in the file. */
+/* An ASCII value needs at least a digit and a separator; the last value of a file needs no separator. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message)
 {
     uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->input.size, values = 0;

@@ -1,6 +1,6 @@
-/* Reads .rad of Spark: a JSON header, and chunks of up to 65,536 Gaussians, each with a JSON header of its own and a
-   compressed column for each attribute. The Gaussians may be the nodes of a tree of levels of detail. Layout:
-   rust/spark-lib/src/rad.rs of sparkjsdev/spark, and splat_encode.rs for rotations. */
+/* Reads .rad of Spark: a JSON header and chunks of up to 65,536 Gaussians. A chunk has its own JSON header and a
+   compressed column for each attribute. The Gaussians may be nodes of a level-of-detail tree. Layout:
+   rust/spark-lib/src/rad.rs of sparkjsdev/spark; rotations: splat_encode.rs. */
 #include "src/scene/formats_internal.h"
 #include "rad_internal.h"
 
@@ -44,41 +44,41 @@ const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS] = {
 #include "src/gaussian/attributes.h"
 
 enum {
-    CHUNK_HEAD = 8,                /* bytes before the JSON of a file or a chunk */
+    CHUNK_HEAD = 8,                /* bytes before the JSON of a file or chunk */
     PAYLOAD_SIZE = 8,              /* bytes of the number between a chunk's JSON and its columns */
-    TALLEST = 254                  /* levels above a leaf; taller nodes count as this tall */
+    TALLEST = 254                  /* maximum height of a node above its leaves; taller nodes are clamped */
 };
 
-#define ALWAYS_THERE 5                       /* the properties that each chunk has */
+#define ALWAYS_THERE 5                       /* the first properties, which every chunk has */
 #define RANGED (BIT(R8) | BIT(R8_DELTA) | BIT(LN_0R8))
 #define SIGNED (BIT(S8) | BIT(S8_DELTA))
 
-/* A property of a chunk. All numbers of one dimension lie one after the other, but for oct88r8. */
+/* A property of a chunk. The numbers of one dimension are contiguous, except with oct88r8. */
 typedef struct column {
     int is_there, is_compressed, encoding;
-    uint64_t offset, stored;       /* bytes in the payload */
-    double low, high;              /* the values of the least and the greatest code */
+    uint64_t offset, stored;       /* offset and size in the payload, bytes */
+    double low, high;              /* values of the smallest and largest code */
     size_t rows;
-    uint8_t *bytes;                /* rows * numbers * width, once loaded */
+    uint8_t *bytes;                /* rows * numbers * width bytes, or null before loading */
 } column;
 
 typedef struct chunk {
-    const char *name;              /* of a file beside, or null */
-    uint64_t offset, size;         /* of the chunk in its file, bytes */
+    const char *name;              /* name of a separate file, or null */
+    uint64_t offset, size;         /* bytes, in the chunk's file */
 } chunk;
 
 typedef struct rad_reader {
     const fxs_scene_source *source;
-    cJSON *root;                   /* the names of files are in it */
-    fxs_scene_source beside;       /* the file of the chunk, where it is not the opened one */
-    size_t count, chunk_size, chunk_count;   /* nodes; nodes a chunk; chunks */
-    size_t codes;                  /* rows of sh1_code to sh3_code */
+    cJSON *root;                   /* owns the file names */
+    fxs_scene_source beside;       /* the chunk's file, if separate */
+    size_t count, chunk_size, chunk_count;   /* nodes; nodes per chunk; chunks */
+    size_t codes;                  /* rows of sh1_code to sh3_code, the SH palette */
     int sh_degree, is_tree;
     chunk *chunks;
-    uint8_t *drawn;                /* of a tree, a bit for each node */
-    size_t at;                     /* the next node to read */
-    size_t loaded;                 /* the chunk whose columns are loaded, or chunk_count */
-    uint64_t payload;              /* offset in its file */
+    uint8_t *drawn;                /* for a tree: a bit for each node to draw */
+    size_t at;                     /* next node to read */
+    size_t loaded;                 /* chunk with loaded columns, or chunk_count */
+    uint64_t payload;              /* offset in the chunk's file */
     column columns[FXS_RAD_PROPERTIES];
 } rad_reader;
 
@@ -100,8 +100,8 @@ static size_t rows_of(const rad_reader *r, size_t i)
 
 /* ---- The header -------------------------------------------------------------------------------------------------- */
 
-/* The JSON at an offset in a file, which ends at `end`: a magic number, its length, its text. *after is the offset
-   behind it, a multiple of 8 from the begin. */
+/* Reads the JSON at an offset in a file: a magic number, the length, the text. `end`: end of the available bytes.
+   *after: offset after the JSON, padded to a multiple of 8 from the beginning. */
 static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t end, const char *magic, cJSON **root,
                      uint64_t *after, fxs_message *message)
 {
@@ -123,7 +123,7 @@ static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t e
     return result;
 }
 
-/* Returns NULL or the fault. */
+/* Returns null or the fault. */
 static const char *read_meta(rad_reader *r, const cJSON *root)
 {
     const char *type = fxs_json_string(root, "type");
@@ -151,7 +151,7 @@ static const char *read_meta(rad_reader *r, const cJSON *root)
     return NULL;
 }
 
-/* Lists the chunks. Those of the opened file lie behind its header. */
+/* Lists the chunks. Chunks in the opened file follow its header. */
 static int list_chunks(rad_reader *r, uint64_t begin, fxs_message *message)
 {
     const cJSON *item;
@@ -184,7 +184,8 @@ static int load_header(rad_reader *r, fxs_message *message)
     const char *fault = read_meta(r, r->root);
     if (fault)
         return fxs_fail(message, "%s: %s", source->path, fault);
-    FXS_TRY(fxs_limit_gaussians(source, r->is_tree ? r->count / 2 : r->count, message));   /* at least its leaves */
+    FXS_TRY(fxs_limit_gaussians(source, r->is_tree ? r->count / 2 : r->count, message));   /* a tree has at least half
+                                                                                              its nodes as leaves */
     return list_chunks(r, begin, message);
 }
 
@@ -228,7 +229,7 @@ static int encoding_of(const char *name)
     return i;
 }
 
-/* Reads what the chunk's JSON says of a column. Returns NULL or the fault. */
+/* Reads the description of a column in the chunk's JSON. Returns null, or the fault. */
 static const char *read_column(column *c, const cJSON *item, int property, uint64_t payload)
 {
     const cJSON *low = member(item, "min"), *high = member(item, "max"), *compression = member(item, "compression");
@@ -255,7 +256,7 @@ static const char *read_column(column *c, const cJSON *item, int property, uint6
     return NULL;
 }
 
-/* Lists the columns of a chunk; those of other names are left out. The palette of SH is in the first. */
+/* Lists the known columns of a chunk. The SH palette is in the first chunk. */
 static const char *list_columns(rad_reader *r, const cJSON *root, size_t i, uint64_t payload)
 {
     const cJSON *item;
@@ -288,7 +289,6 @@ static const fxs_scene_source *file_of(const rad_reader *r, size_t i)
     return r->chunks[i].name ? &r->beside : r->source;
 }
 
-/* Reads the header of a chunk, which ends at `end` in its file. */
 static int read_chunk(rad_reader *r, size_t i, const fxs_scene_source *source, uint64_t end, fxs_message *message)
 {
     uint8_t size[PAYLOAD_SIZE] = {0};
@@ -307,7 +307,6 @@ static int read_chunk(rad_reader *r, size_t i, const fxs_scene_source *source, u
     return result;
 }
 
-/* Opens a chunk: lists its columns without loading them. */
 static int open_chunk(rad_reader *r, size_t i, fxs_message *message)
 {
     const chunk *c = &r->chunks[i];
@@ -322,7 +321,6 @@ static int open_chunk(rad_reader *r, size_t i, fxs_message *message)
     return 0;
 }
 
-/* Codes that are differences become codes. */
 static void sum_up(const column *c, int numbers)
 {
     for (int d = 0; d < numbers; d++) {
@@ -344,7 +342,6 @@ static int inflate_column(rad_reader *r, int property, fxs_message *message)
     return result;
 }
 
-/* Loads a column of the opened chunk. */
 static int load_column(rad_reader *r, int property, fxs_message *message)
 {
     column *c = &r->columns[property];
@@ -370,7 +367,7 @@ static int load_column(rad_reader *r, int property, fxs_message *message)
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */
 
-/* The bytes of numbers of `width` bytes lie apart: all first bytes, then all second ones. */
+/* Loads a number with its bytes stored apart: all first bytes, then all second bytes, and so on. */
 static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
 {
     uint32_t bits = 0;
@@ -379,7 +376,7 @@ static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
     return bits;
 }
 
-/* Number `d` of a row. Scales that are stored as logarithms stay so. */
+/* Returns component `d` of a row. Logarithmic scales stay logarithmic. */
 static double value(const column *c, int numbers, int d, size_t row)
 {
     const size_t i = (size_t)d * c->rows + row, stride = (size_t)numbers * c->rows;
@@ -417,7 +414,7 @@ static double value_of(const rad_reader *r, int property, int d, size_t row)
     return value(&r->columns[property], fxs_rad_properties[property].numbers, d, row);
 }
 
-/* The axis by an octahedron unfolded to a square, the angle 0 to pi. */
+/* Decodes a rotation: the axis from an unfolded octahedron, the angle from 0 to pi. */
 static void decode_octahedron(const uint8_t code[3], float rotation[4])
 {
     double x = code[0] / 255.0 * 2 - 1, y = code[1] / 255.0 * 2 - 1;
@@ -447,7 +444,7 @@ static void decode_rotation(const rad_reader *r, size_t row, float rotation[4])
     rotation[0] = rest > 0 ? (float)sqrt(rest) : 0;
 }
 
-/* From a column each for the degrees, or from the palette. */
+/* Reads one column per degree, or the palette. */
 static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message *message)
 {
     const int has_labels = r->columns[FXS_RAD_SH_LABEL].bytes != NULL;
@@ -464,9 +461,9 @@ static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message 
     return 0;
 }
 
-/* Of a tree, numbers above 1 stand for nodes that are more than opaque: D = min(4 code - 3, 5), and the node hides
-   1 - (1 - e^(-z^2/2))^A, A = e^((D^2 - 1) / e). Gaussians here are at most opaque, so that such a node gets A^(1/3) of
-   its size instead. Returns ln A. */
+/* In a tree, codes above 1 stand for nodes that are more than opaque: D = min(4 code - 3, 5). Such a node covers 1 - (1
+   - e^(-z^2/2))^A, A = e^((D^2 - 1) / e). Here Gaussians are at most opaque, so the node is scaled by A^(1/3) instead.
+   Returns ln A. */
 static double decode_opacity(const rad_reader *r, size_t row, float *opacity)
 {
     const double code = value_of(r, FXS_RAD_ALPHA, 0, row), d = fmin(4 * code - 3, 5);
@@ -492,8 +489,8 @@ static int decode(const rad_reader *r, size_t row, fxs_gaussian *g, fxs_message 
 
 /* ---- The tree ---------------------------------------------------------------------------------------------------- */
 
-/* Level k draws the nodes that are at most k levels above their lowest leaf, but whose parents are higher: one on each
-   way from the root to a leaf. */
+/* Level k draws the nodes of height k or less (height: steps to the lowest leaf) with a parent of greater height. Every
+   path from the root to a leaf has exactly one such node. */
 static int is_low(const uint8_t *heights, size_t i, int level)
 {
     return heights[i] <= level;
@@ -504,7 +501,7 @@ static void draw(rad_reader *r, size_t i)
     r->drawn[i / 8] = (uint8_t)(r->drawn[i / 8] | 1 << i % 8);
 }
 
-/* Finds a node's height from those of its children, which come after it. */
+/* Computes a node's height from the heights of its children, which come later in the file. */
 static int visit(rad_reader *r, uint8_t *heights, size_t base, size_t row, size_t *children, fxs_message *message)
 {
     const size_t own = base + row, count = (size_t)value_of(r, FXS_RAD_CHILD_COUNT, 0, row);
@@ -524,7 +521,6 @@ static int visit(rad_reader *r, uint8_t *heights, size_t base, size_t row, size_
     return 0;
 }
 
-/* From the last node to the first. */
 static int visit_all(rad_reader *r, uint8_t *heights, fxs_message *message)
 {
     size_t children = 0;
@@ -541,7 +537,6 @@ static int visit_all(rad_reader *r, uint8_t *heights, fxs_message *message)
     return 0;
 }
 
-/* Finds the nodes to draw, and counts them and the levels. */
 static int find_drawn(rad_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
     uint8_t *heights = fxs_hold(r->source, r->count, message);
@@ -568,7 +563,7 @@ static int rad_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* Colours and SH of 8 bits have steps, where all chunks have the same ones. */
+/* Records the quantisation steps of 8-bit colours and SH, if all chunks have the same steps. */
 static void note_grids(const rad_reader *r, size_t i, fxs_scene_file_info *info)
 {
     const column *rgb = &r->columns[FXS_RAD_RGB];
@@ -603,7 +598,7 @@ static int rad_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     return fxs_limit_gaussians(source, info->count, message);
 }
 
-/* Loads the columns of a chunk that are read. The palette stays from the first on. */
+/* Loads the required columns of a chunk. The palette is loaded once and kept. */
 static int enter_chunk(rad_reader *r, size_t i, fxs_message *message)
 {
     const int last = FXS_RAD_SH1 + r->sh_degree;

@@ -1,4 +1,4 @@
-/* The columns of a .rad, for its reader and its writer. */
+/* The columns of a .rad, shared by reader and writer. */
 #ifndef FXS_RAD_INTERNAL_H
 #define FXS_RAD_INTERNAL_H
 
@@ -15,18 +15,18 @@ enum {
 
 typedef struct fxs_rad_property {
     const char *name;
-    int numbers;                   /* of a Gaussian */
-    unsigned encodings;            /* a bit for each that it may have */
+    int numbers;                   /* per Gaussian */
+    unsigned encodings;            /* bit mask of the allowed encodings */
 } fxs_rad_property;
 
 typedef struct fxs_rad_encoding {
     const char *name;
-    int width;                     /* bytes a number */
+    int width;                     /* bytes per number */
 } fxs_rad_encoding;
 
 extern const fxs_rad_property fxs_rad_properties[FXS_RAD_PROPERTIES];
 extern const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS];
 
-#define FXS_RAD_E 2.718281828459045    /* of the opacities above 1 */
+#define FXS_RAD_E 2.718281828459045    /* constant in the code of opacities above 1 */
 
 #endif

@@ -1,18 +1,17 @@
 /* Reads .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and
-   "The Streamed SOG Format". Where PlayCanvas's code differs from these (order of a quaternion, logarithms of scales,
-   width of a palette of degree 1), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, as
-   PlayCanvas's splat-transform does. */
+   "The Streamed SOG Format". If PlayCanvas's code differs from these (order of quaternions, logarithms of scales, width
+   of a degree 1 palette), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, like PlayCanvas's
+   splat-transform. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* A zip, or a JSON file of no other format. */
+/* Recognises a zip, or a JSON file of no other format. */
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
     return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
 }
 
-/* In either of its two forms. */
 static int is_lcc2(const fxs_head *head, fxs_message *message)
 {
     (void)message;
@@ -41,7 +40,7 @@ enum {
     SLACK = 1 << 16,
     MAX_LEVELS = 1000,
     MAX_FILES = 1 << 16,
-    PALETTE_ROW = 64        /* entries */
+    PALETTE_ROW = 64        /* entries per row */
 };
 
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
@@ -50,51 +49,51 @@ static const struct { const char *name; int first, count; } properties[] = {
     {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
 };
 
-/* The values of the codes of a channel. */
+/* Decoded values of the 256 codes of a channel. */
 typedef float table[256];
 
 typedef struct sog_scene {
     const fxs_scene_source *source;   /* meta.json or the zip */
-    fxs_scene_source own;      /* the source, where it is not the opened file */
+    fxs_scene_source own;      /* open if the source is another file */
     size_t count;
     int sh_degree, antialiased;
     size_t palette;            /* entries */
     double mins[3], maxs[3];   /* of sign(x) ln(1 + |x|) */
     table scale[3], colour[4], sh;
-    fxs_text files[IMAGES];    /* the images, until they are decoded */
+    fxs_text files[IMAGES];    /* encoded images, until they are decoded */
     int widths[IMAGES], heights[IMAGES];   /* pixels */
-    uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, whatever the width */
+    uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, for any width */
 } sog_scene;
 
-/* Gaussians [begin, end) of a file. */
+/* Gaussians begin to end - 1 of a file. */
 typedef struct range {
     size_t file, begin, end;
 } range;
 
-/* A file of streamed SOG. */
+/* A file of streamed SOG. `file`: the first file with the same name. */
 typedef struct file_name {
     const char *name;
     size_t file;
-    uint64_t device, inode;   /* once it was opened by its path; else 0 */
+    uint64_t device, inode;   /* set after it was opened by its path; else 0 */
 } file_name;
 
 #define TO_THE_LAST SIZE_MAX
 
 typedef struct sog_reader {
     const fxs_scene_source *source;
-    cJSON *files;         /* names of the scenes of streamed SOG */
-    cJSON *model;         /* of all of these, or NULL */
-    int is_turned;        /* 1: the axes are those of .lcc2 */
+    cJSON *files;         /* file names of streamed SOG */
+    cJSON *model;         /* model given for all scenes, or null */
+    int is_turned;        /* 1: the axes of .lcc2 */
     fxs_transform transform;
-    file_name *names;     /* for each file its name, and the first file with that name */
-    size_t file_count;    /* 1 for SOG that is not streamed */
-    range *ranges;        /* in the order of files */
+    file_name *names;     /* name of each file */
+    size_t file_count;    /* 1 if not streamed */
+    range *ranges;        /* ordered by file */
     size_t range_count, range_capacity;
-    size_t at, done;      /* the range being read, and the Gaussians of it that were read */
-    sog_scene **scenes;   /* the loaded scene of each file, or NULL */
-    size_t *held;         /* the files with loaded scenes, in the order of loading */
+    size_t at, done;      /* current range; Gaussians read from it */
+    sog_scene **scenes;   /* loaded scene of each file, or null */
+    size_t *held;         /* files with loaded scenes, in the order of loading */
     size_t held_count;
-    sog_scene *scene;     /* the scene being loaded or read, or NULL */
+    sog_scene *scene;     /* scene being loaded or read, or null */
 } sog_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -109,7 +108,7 @@ static double lerp(double a, double b, double t)
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
-/* The place of a scene's files: in the zip, or where that is NULL, beside meta.json. */
+/* Location of a scene's files: the zip, or if that is null, the folder of meta.json. */
 typedef struct container {
     const fxs_scene_source *source;   /* meta.json or the zip */
     fxs_zip *zip;
@@ -135,7 +134,7 @@ static int load_file(const container *c, const char *name, fxs_text *text)
 
 /* ---- meta.json ------------------------------------------------------------------------------------------------- */
 
-/* Version 2: 256 values, shared by all tables. Old writers left the first one null. */
+/* Version 2: 256 values shared by all tables. Old writers left the first value null. */
 static int read_codebook(const cJSON *property, table *tables, int count)
 {
     const cJSON *codebook = member(property, "codebook"), *value;
@@ -154,7 +153,7 @@ static int read_codebook(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Version 1: the first and last value of each table; a single table has no array. */
+/* Version 1: the first and last value of each table; a single table has numbers instead of arrays. */
 static int read_bounds(const cJSON *property, table *tables, int count)
 {
     const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
@@ -171,7 +170,7 @@ static int read_bounds(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Returns NULL, or a fault: the file is of another kind or version. */
+/* Returns null, or the fault if the kind or version is wrong. */
 static const char *check_version(const cJSON *root)
 {
     const cJSON *version = member(root, "version");
@@ -185,7 +184,7 @@ static const char *check_version(const cJSON *root)
     return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
 }
 
-/* The model of a scene or of an index: "default" or null changes nothing. */
+/* Applies the model of a scene or index. "default" or null changes nothing. */
 static void take_model(sog_scene *s, const char *model)
 {
     s->antialiased |= model && strcmp(model, "antialiased") == 0;
@@ -193,7 +192,7 @@ static void take_model(sog_scene *s, const char *model)
         s->scale[2][code] = FXS_FLAT_SCALE;
 }
 
-/* Returns NULL or the fault. */
+/* Returns null or the fault. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
@@ -210,7 +209,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
     take_model(s, fxs_json_string(root, "model"));
-    for (int code = 0; code < 256; code++)   /* version 1 has ranges of its own */
+    for (int code = 0; code < 256; code++)   /* version 1 replaces this with its own range */
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
         return "no valid values of \"sh0\"";
@@ -231,7 +230,8 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* The width of the palette gives the degree in version 1, and must agree with it in version 2, which counts entries. */
+/* In version 1, the palette's width gives the SH degree. In version 2, it must agree with the given degree, and the
+   entries are counted. */
 static const char *check_palette(sog_scene *s, int width, size_t pixels)
 {
     int degree = s->sh_degree ? s->sh_degree : 1;
@@ -274,7 +274,7 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
-/* Checks that each image has a file of its own: `names` has the names of the images before it, or NULL. */
+/* Loads an image. Two images must not share a file. `names`: names of the earlier images, or null. */
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
@@ -345,7 +345,7 @@ static int load_meta(sog_scene *s, const container *c)
     const char *fault = root ? read_meta(s, root) : NULL;
     if (fault)
         status = fxs_fail(c->message, "%s: %s", c->source->path, fault);
-    if (status == 0 && c->zip)   /* the bytes of a zip are known; those in a folder only when they are loaded */
+    if (status == 0 && c->zip)   /* for a folder, sizes are known only after loading */
         status = fxs_limit_gaussians(c->source, s->count, c->message);
     if (status == 0)
         status = load_images(s, c, root);
@@ -355,7 +355,8 @@ static int load_meta(sog_scene *s, const container *c)
 
 /* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
-/* Smallest three: alpha names the component of w, x, y, z left out, the others are in +-1/sqrt(2). */
+/* Smallest three: alpha is the index of the omitted component of w, x, y, z, plus 252; the others lie in
+   +-1/sqrt(2). */
 static void decode_rotation(const uint8_t *code, float rotation[4])
 {
     double sum = 0;
@@ -378,7 +379,7 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
 {
     const uint8_t *code = s->pixels[LABELS] + 4 * index;
     size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
-    if (label >= s->palette)   /* 0, as in PlayCanvas's own reader */
+    if (label >= s->palette)   /* SH 0, as in PlayCanvas's reader */
         return;
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -418,7 +419,6 @@ static int add_range(sog_reader *r, range added, fxs_message *message)
     return 0;
 }
 
-/* The level that the name of a member states, or -1. */
 static int level_of(const char *name)
 {
     int level = 0;
@@ -428,8 +428,8 @@ static int level_of(const char *name)
     return *name ? level : -1;
 }
 
-/* Finds the item of a node for a level, or NULL. A leaf without that level is drawn at its nearest level, the finer of
-   two. Returns 0, or -1 where the node's levels are not numbers. */
+/* Finds the item of a node for a level, or null. A leaf without that level uses the nearest one; at equal
+   distance, the finer. Returns 0, or -1 if the names of the levels are not numbers. */
 static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
@@ -449,7 +449,6 @@ static int find_level(const cJSON *node, int level, const cJSON **found)
     return 0;
 }
 
-/* Adds the ranges of the node's leaves at a level. */
 static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
 {
     const cJSON *found, *child;
@@ -487,7 +486,7 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (x->file > y->file) - (x->file < y->file);
 }
 
-/* Lists the names, so that a file that is named twice is read once. */
+/* Lists the names, so that a file named twice is read once. */
 static int list_names(sog_reader *r, fxs_message *message)
 {
     const cJSON *item;
@@ -515,9 +514,8 @@ static int list_names(sog_reader *r, fxs_message *message)
     return 0;
 }
 
-/* The environment is drawn at every level. Its file is named in the index, or else has this name beside it, as in older
-   versions of PlayCanvas. Returns 1 where there is one, which is then the last of the files; 0; or an error and a
-   message. */
+/* Adds the environment, which is drawn at every level. The index names its file; older PlayCanvas versions use
+   environment.sog without naming it. Returns 1 if it exists, as the last file; 0 if not; or an error and a message. */
 static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
 {
     static const char name[] = "environment.sog";
@@ -531,7 +529,7 @@ static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
     return named && cJSON_AddItemToArray(r->files, named);
 }
 
-/* Reads lod-meta.json: one level of every leaf, file by file, and the environment. */
+/* Reads lod-meta.json: one level of every leaf, ordered by file, and the environment. */
 static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
     const cJSON *version = member(root, "version");
@@ -560,7 +558,6 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
 
 /* ---- .lcc2 ----------------------------------------------------------------------------------------------------- */
 
-/* The file of a node, or TO_THE_LAST where it has none. A node has any number of children, as an array or by name. */
 static size_t file_of_node(const cJSON *node, const char *name)
 {
     size_t file = TO_THE_LAST;
@@ -568,7 +565,8 @@ static size_t file_of_node(const cJSON *node, const char *name)
     return file;
 }
 
-/* Adds the files of all nodes that are `depth` below this one, each as a whole; several nodes may share one. */
+/* Adds the complete files of all nodes `depth` levels below this one. Several nodes may share a file. Children are an
+   array or named members. */
 static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky, fxs_message *message)
 {
     const cJSON *child, *children = member(node, "child");
@@ -584,7 +582,7 @@ static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky,
     return 0;
 }
 
-/* In older files the names begin with a slash and have no ending. */
+/* In older files, names begin with a slash and lack the ending. */
 static int add_lcc2_name(sog_reader *r, const char *name, int is_old, fxs_message *message)
 {
     name = name ? name : "";
@@ -611,7 +609,7 @@ static int add_lcc2_names(sog_reader *r, const cJSON *names, int is_old, fxs_mes
     return 0;
 }
 
-/* Level 0 is the deepest: the level of a node and its depth below the root come to "totalLevels". */
+/* Level 0 is the deepest: a node's level plus its depth below the root is "totalLevels". */
 static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
     static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */
@@ -647,7 +645,7 @@ static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info
     return is_there ? add_range(r, (range){r->names[sky].file, 0, TO_THE_LAST}, message) : 0;
 }
 
-/* ---- Scenes, held as long as there is room ---------------------------------------------------------------------- */
+/* ---- Cache of scenes -------------------------------------------------------------------------------------------- */
 
 static void drop_scene(sog_reader *r, size_t at)
 {
@@ -663,7 +661,7 @@ static void drop_scene(sog_reader *r, size_t at)
     fxs_let_go(r->source, s, sizeof *s);
 }
 
-/* `drop` of fxs_import: frees the last loaded scene except the one in use, so that the first ones stay. */
+/* fxs_import.drop: frees the last loaded scene that is not in use. The first ones stay. */
 static int drop_another(void *handle)
 {
     sog_reader *r = handle;
@@ -675,7 +673,7 @@ static int drop_another(void *handle)
     return 0;
 }
 
-/* Sets the source of a scene: the opened file, or for streamed SOG a file beside it. */
+/* Sets the source of a scene: the opened file, or for streamed SOG another file in its folder. */
 static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     s->source = r->files ? &s->own : r->source;
@@ -687,11 +685,11 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
-/* Refuses a file with two names: links could let one file stand for many. */
+/* Refuses a file under two names: through links, one file could stand for many. */
 static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
     if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)
-        return 0;                  /* checked when it was first opened, or without an inode */
+        return 0;                  /* already checked, or without an inode */
     for (size_t i = 0; i < r->file_count && s->own.inode; i++)
         if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
             return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
@@ -700,7 +698,7 @@ static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, 
     return 0;
 }
 
-/* 1 for a zip, 0 for a meta.json, or an error and a message. */
+/* Returns 1 for a zip, 0 for a meta.json, or an error and a message. */
 static int is_bundle(const fxs_scene_source *source, fxs_message *message)
 {
     char first;
@@ -708,7 +706,6 @@ static int is_bundle(const fxs_scene_source *source, fxs_message *message)
     return first == 'P';
 }
 
-/* Loads a scene, without decoding its images. */
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     FXS_TRY(open_scene(r, s, file, message));
@@ -746,7 +743,7 @@ static int add_scene(sog_reader *r, size_t file, fxs_message *message)
     return result;
 }
 
-/* Makes the scene of a range current. Its file may have changed since it was last loaded. */
+/* Makes the scene of a range current. Its file may have changed since the last load. */
 static int open_range(sog_reader *r, range *of, fxs_message *message)
 {
     if (!r->scenes[of->file])

@@ -1,11 +1,11 @@
-/* Reads .splat of antimatter15/splat: only records of 32 bytes. */
+/* Reads .splat of antimatter15/splat: records of 32 bytes, without a header. */
 #include "src/base/byte_reader.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28, RECORDS_CHECKED = 64 };
 
-/* Whether a record can be drawn. The limits also refuse most text, which gives floats of any size, and zeros. */
+/* Limits for plausible records. They also reject zeros and most text, which reads as floats of any size. */
 static const float largest_position = 134217728.0f, smallest_scale = 2.06e-9f, largest_scale = 4.85e8f;
 
 typedef struct splat_reader {
@@ -31,7 +31,7 @@ static int is_plausible(const uint8_t *record)
     return 1;
 }
 
-/* There is no magic number: the file must have whole records, the first of them plausible. */
+/* The format has no magic number: the file must consist of whole records, and the first ones must be plausible. */
 static int is_splat(const fxs_head *head, fxs_message *message)
 {
     const fxs_scene_source *source = head->source;

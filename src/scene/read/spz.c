@@ -1,4 +1,4 @@
-/* Reads .spz, versions 1 to 4, as described in README and src/cc of nianticlabs/spz. */
+/* Reads .spz versions 1 to 4, as specified by the README and src/cc of nianticlabs/spz. */
 #include "spz_internal.h"
 
 #include <errno.h>
@@ -14,10 +14,10 @@
 #include <zstd.h>
 #endif
 
-#define COORDINATE_SYSTEM 0xadbe0003u        /* type of this extension */
+#define COORDINATE_SYSTEM 0xadbe0003u        /* extension type */
 
 enum {
-    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* of versions 1 to 3, and of 4 */
+    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* versions 1 to 3; version 4 */
     MAX_FRACTIONAL_BITS = 24,
     MAX_EXTENSIONS = 1 << 16                 /* bytes, in compressed versions */
 };
@@ -26,25 +26,26 @@ enum {
 
 enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };   /* flags */
 
-enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F of right, up, front */
+enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F; R, U, F: 1 for right, up,
+                                                front */
 
 const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
 
 struct fxs_spz {
     const fxs_scene_source *source;
-    uint64_t offset, size;                          /* of the .spz in the source */
-    fxs_message *message;                           /* of the call */
+    uint64_t offset, size;                          /* position of the .spz in the source, bytes */
+    fxs_message *message;                           /* of the current call */
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
     enum fxs_axes axes;
     int is_gzip;
-    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to the wanted ones */
-    uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes a Gaussian */
-    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* NULL until the first read */
+    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1: from the file's axes to the requested ones */
+    uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes per Gaussian */
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* null before the first read */
     uint64_t payload_size;                          /* bytes held */
-    uint32_t contents;                              /* offset of the table of contents in version 4 */
+    uint32_t contents;                              /* version 4: offset of the table of contents */
     uint64_t compressed[FXS_SPZ_ARRAYS];            /* compressed sizes from that table */
-    uint32_t next;                                  /* Gaussian to read */
+    uint32_t next;                                  /* next Gaussian to read */
 };
 
 static int fail(const fxs_spz *spz, const char *fault)
@@ -107,7 +108,7 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
     return 0;
 }
 
-/* Values above 8 exchange y and z, but versions of the reference library differ in how. */
+/* Values above 8 exchange y and z, but versions of the reference library disagree on how. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
     const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
@@ -128,7 +129,7 @@ static int set_axes(fxs_spz *spz, uint32_t system)
     return 0;
 }
 
-/* Records of type, length, payload. */
+/* An extension is a record of type, length, payload. */
 static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 {
     uint32_t system = RUB;
@@ -191,7 +192,7 @@ static int load_plain(fxs_spz *spz)
 
 typedef struct gzip {
     fxs_spz *spz;
-    uint64_t next;             /* byte of the .spz */
+    uint64_t next;             /* offset in the .spz */
     z_stream stream;
     uint8_t bytes[1 << 16];
 } gzip;
@@ -209,7 +210,7 @@ static int refill(gzip *g)
     return 0;
 }
 
-/* Inflates up to `size` bytes, in pieces that zlib can count, with zlib's last status. */
+/* Inflates up to `size` bytes in pieces that zlib can count. *status: zlib's last status. */
 static int inflate_some(gzip *g, int *status, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
@@ -260,7 +261,7 @@ static int inflate_header(fxs_spz *spz, gzip *g)
 static int inflate_payload(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
-    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one byte more than there may be */
+    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one more byte than allowed */
     uint64_t wanted = payload_bytes(spz);
     FXS_TRY(inflate_start(spz, g, header));
     FXS_TRY(allocate_payload(spz, extra));
@@ -320,7 +321,7 @@ static uint64_t load_u64(const uint8_t *bytes)
     return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
-/* Reads the table: compressed and uncompressed size of each array that is not empty. */
+/* Reads the table of contents: compressed and uncompressed size of each nonempty array. */
 static int parse_contents(fxs_spz *spz, const uint8_t *entry, uint64_t left)
 {
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
@@ -478,7 +479,7 @@ static float position(const fxs_spz *spz, const uint8_t *bytes)
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }
 
-/* x, y, z in 8 bits. Doubles, as 1 minus their squares may be small. */
+/* x, y, z in 8 bits each. Uses doubles, because 1 minus the squares may be small. */
 static void decode_first_three(double q[4], const uint8_t *bytes)
 {
     double rest = 1;
@@ -489,7 +490,8 @@ static void decode_first_three(double q[4], const uint8_t *bytes)
     q[3] = sqrt(fmax(rest, 0));
 }
 
-/* Bits 31 and 30: index of the largest of x, y, z, w. The others have a sign and 9 bits each, the last one lowest. */
+/* Bits 31 and 30: index of the largest of x, y, z, w. The others have a sign and 9 bits each; the last one is
+   lowest. */
 static void decode_smallest_three(double q[4], uint32_t word)
 {
     uint32_t largest = word >> 30;
@@ -544,7 +546,7 @@ void fxs_spz_rewind(fxs_spz *spz)
     spz->next = 0;
 }
 
-/* ---- A file of its own ----------------------------------------------------------------------------------------- */
+/* ---- A separate file ------------------------------------------------------------------------------------------- */
 
 typedef struct spz_reader {
     fxs_spz *spz;

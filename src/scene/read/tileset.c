@@ -1,8 +1,10 @@
-/* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles, whose contents are .glb and
-   .gltf files or other tilesets. The finest contents are drawn: those of each tile refined by ADD, and those of a tile
-   refined by REPLACE where no tile below it has contents. Bounding volumes and errors are ignored.
-   A tileset is z up and its contents y up; the Gaussians get the same axes as from a content alone. A tileset on the
-   globe is moved to the frame of the first tile there, as floats resolve only half a metre at the Earth's radius. */
+/* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles. Contents are .glb and .gltf
+   files or other tilesets. Draws the finest contents: all contents of tiles refined by ADD; contents of tiles refined
+   by REPLACE if no descendant has contents. Ignores bounding volumes and geometric errors.
+
+   A tileset is z up and its contents are y up. The Gaussians get the axes that a content read alone would have. A
+   tileset on the globe is moved to the frame of its first tile there, because floats resolve only half a metre at the
+   Earth's radius. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -17,50 +19,48 @@
 
 enum {
     MAX_CONTENTS = 16384,
-    MAX_NESTING = 16,          /* depth of tilesets in tilesets */
-    MOST_OPEN = 32             /* open contents; others are opened again in each pass */
+    MAX_NESTING = 16,          /* depth of nested tilesets */
+    MOST_OPEN = 32             /* open contents; all others are reopened in each pass */
 };
 
-static const double GLOBE = 1e6;   /* a tile that is so far from the origin lies on the globe */
+static const double GLOBE = 1e6;   /* a tile this far from the origin lies on the globe */
 
 typedef struct matrix {
-    double m[3][4];            /* rows; the last would be 0 0 0 1 */
+    double m[3][4];            /* rows; the implied last row is 0 0 0 1 */
 } matrix;
 
-/* A file that a tile names. */
 typedef struct content {
-    char *name;                /* from the folder of the first tileset */
-    matrix up, tile;           /* from its axes to the tile's, and from there to the tileset's, z up */
+    char *name;                /* path from the folder of the first tileset */
+    matrix up, tile;           /* up: from its axes to the tile's; tile: from there to the tileset's axes, z up */
     int nesting, is_tileset;
-    size_t parent;             /* 1 + the content that is the tileset that names it; 0: the first tileset does */
-    uint64_t device, inode;    /* of a file that was opened by its path; else 0 */
+    size_t parent;             /* 1 + index of the tileset that names it; 0: the first tileset */
+    uint64_t device, inode;    /* for a file opened by its path; else 0 */
     uint64_t count;
     fxs_scene_source source;
-    void *reader;              /* while it is open, or NULL */
+    void *reader;              /* while open; else null */
 } content;
 
 typedef struct tileset {
     const fxs_scene_source *source;
-    fxs_message *message;      /* of the call */
+    fxs_message *message;      /* of the current call */
     content *contents;
     size_t count, capacity;
-    uint64_t repeated;         /* bytes of contents that were there before */
+    uint64_t repeated;         /* bytes of repeated contents */
     int is_on_globe;
     matrix globe;              /* frame of the first tile on the globe */
-    matrix frame;              /* from the axes of the tileset to those of the Gaussians */
-    size_t open;               /* contents */
+    matrix frame;              /* from the tileset's axes to the Gaussians' axes */
+    size_t open;               /* number of open contents */
     size_t at;                 /* content being read */
-    int is_entered;            /* 1: that content is open and rewound */
+    int is_entered;            /* 1: the content at `at` is open and rewound */
 } tileset;
 
-/* A tileset.json that is being listed. */
 typedef struct index_file {
     const char *path;
-    size_t folder;             /* length of the folder in the name */
+    size_t folder;             /* length of the folder part of the name */
     const char *name;
     int nesting;
-    size_t itself;             /* 1 + the content that it is, or 0 */
-    matrix up;                 /* from contents to tiles */
+    size_t itself;             /* 1 + its index as a content, or 0 */
+    matrix up;                 /* from contents' axes to tiles' axes */
 } index_file;
 
 static int fail(const tileset *t, const char *path, const char *fault)
@@ -87,7 +87,7 @@ static matrix multiply(const matrix *a, const matrix *b)
     return out;
 }
 
-/* Returns 0, or -1 where there is no inverse. */
+/* Returns 0, or -1 if the matrix has no inverse. */
 static int invert(matrix *out, const matrix *of)
 {
     const double (*m)[4] = (const double (*)[4])of->m;
@@ -110,9 +110,8 @@ static int invert(matrix *out, const matrix *of)
     return is_finite ? 0 : -1;
 }
 
-/* ---- Contents, as tilesets list them --------------------------------------------------------------------------- */
+/* ---- Listing of contents --------------------------------------------------------------------------------------- */
 
-/* Makes room for another content. */
 static int grow(tileset *t)
 {
     if (t->count == MAX_CONTENTS)
@@ -132,7 +131,7 @@ static int grow(tileset *t)
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
-    uri = uri ? uri : fxs_json_string(item, "url");   /* the name before version 1.0 */
+    uri = uri ? uri : fxs_json_string(item, "url");   /* the name used before version 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
     FXS_TRY(grow(t));
@@ -152,7 +151,7 @@ static int add_content(tileset *t, const index_file *from, const cJSON *item, co
     return 1;
 }
 
-/* Adds the contents of one tile: 1, 0 where it has none, or an error and a message. */
+/* Adds the contents of one tile. Returns 1, or 0 if it has none, or an error and a message. */
 static int add_contents(tileset *t, const index_file *from, const cJSON *tile, const matrix *rows)
 {
     const cJSON *extensions = member(tile, "extensions"), *more = member(extensions, "3DTILES_multiple_contents");
@@ -169,7 +168,7 @@ static int add_contents(tileset *t, const index_file *from, const cJSON *tile, c
     return found;
 }
 
-/* The file has matrices column by column. */
+/* Matrices in the file are column-major. */
 static int read_transform(const tileset *t, const index_file *from, const cJSON *tile, matrix *out)
 {
     double m[16];
@@ -183,7 +182,7 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* 1 where a tile is refined by REPLACE, 0 by ADD; by default as its parent. Else an error and a message. */
+/* Returns 1 for REPLACE, 0 for ADD, the parent's value by default; or an error and a message. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -194,8 +193,8 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* Adds the contents to draw of a tile and the tiles below it: 1, 0 where there are none, or an error and a message.
-   cJSON limits the depth. */
+/* Adds the contents to draw from a tile and its descendants. Returns 1, or 0 if none were added, or an error and a
+   message. cJSON limits the recursion depth. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
     const cJSON *children = member(tile, "children"), *child;
@@ -224,7 +223,7 @@ static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const
     return here < 0 ? here : found | here;
 }
 
-/* Contents are y up unless the asset states another axis. */
+/* Contents are y up, unless the asset states another axis. */
 static int read_asset(const tileset *t, index_file *from, const cJSON *root)
 {
     static const matrix from_y = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
@@ -255,14 +254,14 @@ static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *sour
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
-/* Links can give a file many names. */
+/* Through links, a file can have several names. */
 static int is_same(const content *a, const content *b)
 {
     return a->inode ? a->inode == b->inode && a->device == b->device : fxs_compare_names(a->name, b->name) == 0;
 }
 
-/* A file may be the content of several tiles, but of none within itself. A small tileset could ask for much work with
-   that, so the bytes that are read again have a limit. */
+/* A file may be the content of several tiles, but must not contain itself. Repeated bytes are limited, because a small
+   tileset could otherwise demand much work. */
 static int check_identity(tileset *t, size_t index, const fxs_scene_source *source)
 {
     content *c = &t->contents[index];
@@ -283,7 +282,6 @@ static int check_identity(tileset *t, size_t index, const fxs_scene_source *sour
                               t->source->path, FXS_TEXT_MAX >> 20);
 }
 
-/* Adds the contents of a nested tileset at the end of the list. */
 static int list_content(tileset *t, size_t index, const fxs_scene_source *source)
 {
     static const char *const others[] = {"b3dm", "i3dm", "pnts", "cmpt"};
@@ -310,7 +308,7 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     return list_tiles(t, &from, source, &above);
 }
 
-/* Goes through all contents, also those that are added meanwhile. */
+/* Visits all contents, including those added during the loop. */
 static int list_all(tileset *t)
 {
     index_file from = {t->source->path, 0, NULL, 0, 0, identity};
@@ -318,7 +316,7 @@ static int list_all(tileset *t)
     for (size_t i = 0; i < t->count && result == 0; i++) {
         fxs_scene_source source;
         result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
-        if (result == 0) {             /* its name may have changed, but not in length */
+        if (result == 0) {             /* the name may have changed, but not its length */
             strcpy(t->contents[i].name, source.path + strlen(source.path) - strlen(t->contents[i].name));
             result = check_identity(t, i, &source);
         }
@@ -329,7 +327,7 @@ static int list_all(tileset *t)
     return result;
 }
 
-/* ---- Contents that are open ------------------------------------------------------------------------------------ */
+/* ---- Open contents --------------------------------------------------------------------------------------------- */
 
 static void close_content(tileset *t, content *c)
 {
@@ -342,8 +340,7 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* `drop` of fxs_import: frees decompressed data, then closes open contents, the last ones first, but nothing that is
-   being read. */
+/* fxs_import.drop: frees decompressed data, then closes open contents, last ones first. Keeps data being read. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;
@@ -371,7 +368,6 @@ static int open_reader(tileset *t, content *c, fxs_scene_file_info *info)
     return fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message);
 }
 
-/* Opens content number t->at. */
 static int open_content(tileset *t, fxs_scene_file_info *info)
 {
     content *c = &t->contents[t->at];
@@ -381,7 +377,6 @@ static int open_content(tileset *t, fxs_scene_file_info *info)
     return result;
 }
 
-/* Goes on to the next content that has Gaussians. */
 static void leave_content(tileset *t)
 {
     if (t->open > MOST_OPEN)
@@ -512,7 +507,7 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 
 #endif
 
-/* Each tile of a tileset has a geometric error, which tells it from a glTF with the same first name. */
+/* Returns 1 for a tileset. Its tiles have a geometric error, unlike a glTF with the same first name. */
 static int is_tileset(const fxs_head *head, fxs_message *message)
 {
     (void)message;

@@ -1,4 +1,4 @@
-/* The codebooks of a .sog: values to which numbers are rounded, and a palette of SH. */
+/* The codebooks of a .sog: 256 values for scalars, and a palette of SH vectors. */
 #ifndef FXS_CODEBOOK_INTERNAL_H
 #define FXS_CODEBOOK_INTERNAL_H
 
@@ -6,25 +6,26 @@
 
 #define FXS_BOOK 256
 
-/* Finds 256 ascending values near to these, by Lloyd's quantiser, with weights e^(power value). However small its weight,
-   each of these has one of the 256 within about a 32nd of their range. Returns 0, or -1: out of memory. */
+/* Learns 256 ascending values by Lloyd's quantiser, with weights e^(power value). Every input, however small its
+   weight, has an entry within about 1/32 of the range. Returns 0, or -1 if memory ran out. */
 int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count, double power);
 
-/* The index of the nearest value of a codebook. */
+/* Returns the index of the nearest entry. */
 uint8_t fxs_book_find(const float book[FXS_BOOK], float value);
 
 #define FXS_SH_PALETTE_MOST 65536u
-#define FXS_SH_PALETTE_STRIDE 48     /* numbers of a vector; the first ones are coefficients as in fxs_gaussian */
-#define FXS_SH_PALETTE_ONE 512       /* coefficients are multiples of 1 / this, within +-8 */
+#define FXS_SH_PALETTE_STRIDE 48     /* components of a vector; the first are coefficients in the order of
+                                        fxs_gaussian */
+#define FXS_SH_PALETTE_ONE 512       /* coefficients are multiples of 1/512, within +-8 */
 
 typedef int16_t fxs_sh_palette_vector[FXS_SH_PALETTE_STRIDE];
 
-/* The most entries for this many Gaussians, a power of two. */
+/* Returns the maximum number of entries for `count` Gaussians, a power of two. */
 uint32_t fxs_sh_palette_entries(uint32_t count);
 
-/* Learns the palette of `count` vectors by k-means (Lloyd 1982) in two steps, in integers: the vectors are divided into
-   up to 256 coarse clusters, and each cluster learns its share of the entries from its own vectors. labels[i] is the
-   entry of vector i. Returns 0 and `entries` vectors in `palette`; or -1: out of memory, or stopped. */
+/* Learns the palette of `count` vectors by k-means (Lloyd 1982) in integers, in two steps: the vectors are divided into
+   up to 256 coarse clusters; each cluster then learns its share of the entries from its own vectors. labels[i]: entry
+   of vector i. Returns 0 and `entries` vectors in `palette`; or -1 if memory ran out or `progress` stopped it. */
 int fxs_sh_palette_learn(fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
                          const fxs_sh_palette_vector *vectors, uint32_t count, fxs_progress_fn *progress,
                          void *argument);

@@ -1,3 +1,4 @@
+/* Learns codebooks of .sog: Lloyd's quantiser over a histogram for scalars, k-means in two steps for SH. */
 #include "codebook_internal.h"
 
 #include <math.h>
@@ -10,16 +11,16 @@
 
 enum {
     BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP,
-    CELLS = 32,                    /* parts of the range; one with values gets at least one value of the codebook */
+    CELLS = 32,                    /* parts of the range; each part with values gets at least one entry */
     BOOK_ROUNDS = 30
 };
 
 typedef struct bin {
-    double sum, count;             /* of the values */
-    double mean, weight;           /* weight: exp(power * mean), for each value */
+    double sum, count;             /* sum and number of the values */
+    double mean, weight;           /* weight of each value: exp(power * mean) */
 } bin;
 
-/* Sorts the values into bins from the least to the largest. Returns how many bins are not empty. */
+/* Sorts the values into ascending bins. Returns the number of nonempty bins. */
 static int fill_bins(bin *bins, const float *values, size_t count, double power, double low, double high)
 {
     const double scale = high > low ? (BINS - 1) / (high - low) : 0;
@@ -39,7 +40,6 @@ static int fill_bins(bin *bins, const float *values, size_t count, double power,
     return used;
 }
 
-/* Where the codebook has room for every bin: the means of the bins. */
 static void copy_bins(float book[FXS_BOOK], const bin *bins)
 {
     int at = 0;
@@ -50,8 +50,8 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
         book[at] = book[at - 1];
 }
 
-/* The density of the codebook in each group: the cube root of the weights, the best for many values (Panter and Dite
-   1951). A cell with values gets the density of one value of the codebook at least, whatever its weight. */
+/* Finds the density of entries in each group: the cube root of the weights, optimal for many entries (Panter and Dite
+   1951). A cell with values gets at least one entry, whatever its weight. */
 static double find_densities(double densities[GROUPS], const bin *bins)
 {
     enum { CELL = GROUPS / CELLS };
@@ -89,8 +89,8 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
         book[at] = (float)high;
 }
 
-/* Moves each value of the codebook to the mean of the data nearest to it. Data below the value get the value's weight,
-   because they are that large when they are read back. */
+/* Moves each entry to the weighted mean of its nearest data. Data below an entry count with the entry's weight, because
+   reading returns the entry's value. */
 static void improve_book(float book[FXS_BOOK], const bin *bins, double power)
 {
     struct { double sum, weight, own; } sums[FXS_BOOK];
@@ -151,11 +151,11 @@ uint8_t fxs_book_find(const float book[FXS_BOOK], float value)
 
 enum {
     WIDTH = FXS_SH_PALETTE_STRIDE,
-    SAMPLE = 16384,                /* about the number of vectors for learning coarse clusters */
+    SAMPLE = 16384,                /* approximate number of vectors for learning coarse clusters */
     COARSE_ROUNDS = 8, FINE_ROUNDS = 5
 };
 
-/* Vectors by their numbers, the means of clusters, and the nearest mean of each vector. */
+/* Vectors by index, cluster means, and the nearest mean of each vector. */
 typedef struct cluster {
     const fxs_sh_palette_vector *vectors;
     const uint32_t *members;
@@ -173,7 +173,7 @@ static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
     return sum;
 }
 
-/* |x - mean|^2 / 2 = |x|^2 / 2 + |mean|^2 / 2 - x mean; below 2^31, as components are below 2^12 */
+/* |x - mean|^2 / 2 = |x|^2 / 2 + |mean|^2 / 2 - x mean; below 2^31, because components are below 2^12 */
 static void share_out(const cluster *c)
 {
     for (uint32_t e = 0; e < c->entries; e++)
@@ -194,8 +194,7 @@ static int16_t mean_of(int64_t sum, int64_t count)
     return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
 }
 
-/* Moves entries to the means of their vectors; an entry without vectors stays. `sums` has WIDTH + 1 numbers an entry.
-   */
+/* Moves entries to the means of their vectors; an entry without vectors stays. `sums`: WIDTH + 1 numbers per entry. */
 static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
 {
     memset(sums, 0, c->entries * sizeof *sums);
@@ -210,7 +209,7 @@ static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
             c->means[e][d] = mean_of(sums[e][d], sums[e][WIDTH]);
 }
 
-/* Begins with evenly spaced members; their order keeps neighbours together. */
+/* Starts from evenly spaced members; their order keeps neighbours together. */
 static int learn(const cluster *c, int rounds)
 {
     int64_t (*sums)[WIDTH + 1] = malloc(c->entries * sizeof *sums);
@@ -246,7 +245,8 @@ typedef struct work {
     void *argument;
 } work;
 
-/* Divides the vectors into 2^(n / 2) clusters for 2^n entries. Returns the number of clusters, 0: out of memory. */
+/* Divides the vectors into 2^(n / 2) clusters for 2^n entries. Returns the number of clusters, or 0 if memory ran
+   out. */
 static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
 {
     const uint32_t step = count / SAMPLE + 1;
@@ -264,7 +264,6 @@ static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint3
     return c.entries;
 }
 
-/* Sorts the members by coarse cluster. */
 static void sort_members(work *w, uint32_t coarse, uint32_t count)
 {
     uint32_t next[256];
@@ -279,8 +278,8 @@ static void sort_members(work *w, uint32_t coarse, uint32_t count)
         w->members[next[w->nearest[i]]++] = i;
 }
 
-/* Each coarse cluster gets one entry, and a share of the others in proportion to its members, but not more than these.
-   */
+/* Gives each coarse cluster one entry, and shares out the rest in proportion to the members, up to one entry a
+   member. */
 static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
                      const fxs_sh_palette_vector *vectors, uint32_t count)
 {

@@ -1,3 +1,4 @@
+/* Builds levels of detail: each set merges two sets of the previous level with fxs_merge. */
 #include "held_levels_internal.h"
 
 #include <stdlib.h>
@@ -5,7 +6,6 @@
 
 #include "src/pack/coarsen.h"
 
-/* Working memory for one set. */
 typedef struct work {
     fxs_coarse set[FXS_MERGE_MOST], out[FXS_MERGE_MOST];
     uint16_t into[FXS_MERGE_MOST];
@@ -41,7 +41,7 @@ static int allocate(fxs_level *to, uint32_t before, uint32_t most, uint32_t sets
     return to->gaussians && to->sh && to->into && to->begins && to->errors;
 }
 
-/* Merges the sets `first` and the one behind it, where there is one, to the set of the level at its end. */
+/* Merges set `first` and the next one, if any, into a new set at the end of the level. */
 static void make_set(fxs_levels *l, uint32_t level, uint32_t first, work *w)
 {
     fxs_level *to = &l->levels[level];

@@ -1,4 +1,4 @@
-/* Levels of detail of the Gaussians that a writer holds: each has about half of those of the level before. */
+/* Levels of detail of the Gaussians in an fxs_held. Each level has about half the Gaussians of the previous one. */
 #ifndef FXS_HELD_LEVELS_INTERNAL_H
 #define FXS_HELD_LEVELS_INTERNAL_H
 
@@ -6,14 +6,15 @@
 
 enum { FXS_LEVELS_MOST = 40, FXS_LEVEL_SET = 256 };
 
-/* Level 0 are the Gaussians that are held, in their order, in sets of FXS_LEVEL_SET. A set of any other level is what
-   two sets of the level before were merged to; where that had one set, half of it. */
+/* Level 0: the held Gaussians in their order, in sets of FXS_LEVEL_SET. A set of a higher level is two sets of the
+   previous level merged; if that level has one set, half of it. */
 typedef struct fxs_level {
-    fxs_held_gaussian *gaussians;  /* null for level 0, as `sh` */
+    fxs_held_gaussian *gaussians;  /* gaussians and sh: null for level 0 */
     int16_t *sh;
-    uint32_t *into;                /* of each Gaussian of the level before, the one that it was merged into */
-    uint32_t *begins;              /* of each set, and behind the last; null for level 0 */
-    double *errors;                /* of each set, what merging since level 0 changed, colours^2 units^2; null there */
+    uint32_t *into;                /* for each Gaussian of the previous level: the Gaussian that contains it */
+    uint32_t *begins;              /* start of each set, and the end; null for level 0 */
+    double *errors;                /* for each set: error of all merging since level 0, colours^2 units^2; null for
+                                      level 0 */
     uint32_t count, sets;
 } fxs_level;
 
@@ -23,17 +24,17 @@ typedef struct fxs_levels {
     uint32_t count;
 } fxs_levels;
 
-/* Adds levels until there are `most`, at most FXS_LEVELS_MOST, or one with a single Gaussian. Returns 1, or 0 where
-   memory ran out or `progress` returned 0; fxs_levels_free frees them in either case. */
+/* Adds levels up to `most` (at most FXS_LEVELS_MOST), or until one has a single Gaussian. Returns 1, or 0 if memory ran
+   out or `progress` returned 0. Free with fxs_levels_free in either case. */
 int fxs_levels_make(fxs_levels *levels, const fxs_held *held, uint32_t most,
                     int (*progress)(void *argument, double done), void *argument);
 void fxs_levels_free(fxs_levels *levels);
 
-/* Gaussian `i` of a level, and its SH. */
+/* Return Gaussian `i` of a level, and its SH. */
 const fxs_held_gaussian *fxs_level_gaussian(const fxs_levels *levels, uint32_t level, uint32_t i);
 const int16_t *fxs_level_sh(const fxs_levels *levels, uint32_t level, uint32_t i);
 
-/* The first Gaussian of a set, or behind the last one. */
+/* Returns the first Gaussian of a set; beyond the last set, the end. */
 uint32_t fxs_level_begin(const fxs_levels *levels, uint32_t level, uint32_t set);
 
 #endif

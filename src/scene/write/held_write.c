@@ -1,4 +1,4 @@
-/* The common part of writers: Gaussians that are held until all are known, and codes. */
+/* Holds Gaussians until all are known, and codes numbers; shared by several writers. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -57,7 +57,7 @@ uint32_t fxs_code_rotation(const float q[4], uint32_t most, uint32_t codes[3])
     return largest;
 }
 
-/* ---- Gaussians that wait ----------------------------------------------------------------------------------------- */
+/* ---- Held Gaussians ---------------------------------------------------------------------------------------------- */
 
 static void release(fxs_held *h)
 {

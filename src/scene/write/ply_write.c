@@ -1,4 +1,4 @@
-/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero; far out, x, y and z double. */
+/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero. Far from 0, x, y and z are double. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -9,15 +9,15 @@
 
 typedef struct ply_writer {
     fxs_output output;
-    size_t coefficients;   /* SH coefficients of a channel above degree 0 */
+    size_t coefficients;   /* SH coefficients per channel above degree 0 */
     double origin[3];
-    int is_far;            /* it is not 0 */
+    int is_far;            /* the origin is not 0 */
 } ply_writer;
 
 static void write_header(FILE *file, uint64_t count, const ply_writer *w, int antialiased)
 {
     const char *type = w->is_far ? "double" : "float";
-    /* Inria's viewer takes the count from the third line, whatever it says, so a comment comes behind it. */
+    /* Inria's viewer reads the count from the third line, so a comment must come after it. */
     fprintf(file, "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64 "\n%s", count,
             antialiased ? "comment antialiased 1\n" : "");
     fprintf(file, "property %s x\nproperty %s y\nproperty %s z\n", type, type, type);
@@ -40,7 +40,6 @@ static int ply_open(void *writer, const char *path, const fxs_scene_write_option
     return 0;
 }
 
-/* Little-endian, at `row`; returns the end. */
 static unsigned char *put_doubles(const ply_writer *w, const fxs_gaussian *g, unsigned char *row)
 {
     for (int i = 0; i < 3; i++) {

@@ -1,7 +1,7 @@
-/* Which Gaussians become one, level by level, is the choice of fxs_levels. A node has the moments of its children by
-   opacity times area, and the opacity A that keeps the sum of opacity times area; it may be above 1. As in Spark's
-   bhatt_lod.rs, inner nodes that are little more than what is below them are left out; as in its chunk_tree.rs, the
-   file has the large nodes first, then regions of the rest, so that a page has what is needed at once. */
+/* fxs_levels chooses, level by level, which Gaussians are merged. A node has the moments of its children, weighted by
+   opacity times area, and the opacity A that preserves the sum of opacity times area; A may exceed 1. As in Spark's
+   bhatt_lod.rs, inner nodes that are hardly larger than their descendants are left out. As in its chunk_tree.rs, the
+   file stores large nodes first and then the rest by regions, so that one page holds nodes needed together. */
 #include "rad_tree_internal.h"
 
 #include <math.h>
@@ -16,37 +16,36 @@
 
 enum {
     ROOT_BATCH = 65536, BATCH = 32768,   /* nodes */
-    MANY = 64,                           /* children from which on an inner node stays */
+    MANY = 64,                           /* an inner node with this many children always stays */
     COLOURS = 48                         /* dc, then SH */
 };
 
 #define NONE UINT32_MAX
-#define WORTH 1.75                 /* an inner node stays where it has so many times the weight of any below it */
+#define WORTH 1.75                 /* an inner node stays if it has 1.75 times the weight of the heaviest kept node
+                                      below it */
 #define LEAST_OPACITY 1e-6
 #define MOST_OPACITY 1000.0
 
-/* What merging needs of a node, in doubles. */
 typedef struct moments {
     double weight;                 /* opacity times area */
     double mean[3], covariance[6]; /* xx, yy, zz, xy, xz, yz */
 } moments;
 
-/* Sums for a node while its members are added one by one. */
 typedef struct sums {
     moments all;
     double colours[COLOURS];
-    uint32_t members, last;        /* the last of them */
+    uint32_t members, last;        /* number of members; node of the last one */
 } sums;
 
 typedef struct builder {
     fxs_held *held;
     fxs_levels levels;
     uint32_t nodes;
-    uint32_t *parents;             /* of each node; NONE: the root */
-    uint32_t *firsts, *children;   /* the children of node i are children[firsts[i]] to children[firsts[i + 1]] */
-    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, by which Spark chooses nodes */
-    uint32_t *reps;                /* of each Gaussian of a level, its node, */
-    moments *moments;              /* and the moments of that */
+    uint32_t *parents;             /* parent of each node; NONE: the root */
+    uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
+    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D; Spark chooses nodes by it */
+    uint32_t *reps;                /* for each Gaussian of the current level: its node */
+    moments *moments;              /* and that node's moments */
     sums sums[FXS_LEVEL_SET];
 } builder;
 
@@ -57,7 +56,7 @@ double fxs_rad_dilation(double opacity)
 
 /* ---- Nodes ------------------------------------------------------------------------------------------------------- */
 
-/* Sets the mean and the covariance. Returns the area by which weights count. */
+/* Computes mean and covariance. Returns the area that weights use. */
 static double measure(moments *m, const fxs_held_gaussian *held)
 {
     fxs_gaussian g;
@@ -88,7 +87,7 @@ static int are_finite(const moments *m)
     return finite;
 }
 
-/* Adds an inner node. Where its moments are too large for floats, it is as its last member. */
+/* Adds an inner node. If its moments are too large for floats, it copies its last member. */
 static uint32_t add_node(builder *b, const sums *s)
 {
     fxs_held *h = b->held;
@@ -169,7 +168,7 @@ static void add_mean(const builder *b, sums *s, uint32_t member)
         s->colours[3 + k] += share * sh[k];
 }
 
-/* The covariance of a member, and of its place about the mean. */
+/* Adds a member's covariance and the covariance of its position about the mean. */
 static void add_covariance(const builder *b, sums *s, uint32_t member)
 {
     const moments *m = &b->moments[member];
@@ -180,7 +179,7 @@ static void add_covariance(const builder *b, sums *s, uint32_t member)
         s->all.covariance[k] += share * (m->covariance[k] + products[k]);
 }
 
-/* What became of the Gaussians `begin` to `end` of the level before, as the Gaussians `first` to `last` of a level. */
+/* Makes the nodes for Gaussians `first` to `last` - 1 of a level from `begin` to `end` - 1 of the previous level. */
 static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t end, uint32_t first, uint32_t last)
 {
     memset(b->sums, 0, (last - first) * sizeof *b->sums);
@@ -194,13 +193,13 @@ static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t 
         add_mean(b, &b->sums[into[i] - first], i);
     for (uint32_t i = begin; i < end; i++)
         add_covariance(b, &b->sums[into[i] - first], i);
-    for (uint32_t j = 0; j < last - first; j++)      /* alone, it stays the node that it was */
+    for (uint32_t j = 0; j < last - first; j++)      /* a single member keeps its node */
         if (b->sums[j].members > 1)
             b->sums[j].last = add_node(b, &b->sums[j]);
     for (uint32_t i = begin; i < end; i++)
         if (b->sums[into[i] - first].members > 1)
             b->parents[b->reps[i]] = b->sums[into[i] - first].last;
-    for (uint32_t j = 0; j < last - first; j++) {    /* the places of this set, or of sets before it */
+    for (uint32_t j = 0; j < last - first; j++) {    /* overwrites entries of this set or earlier ones only */
         b->reps[first + j] = b->sums[j].last;
         b->moments[first + j] = b->sums[j].all;
     }
@@ -221,18 +220,18 @@ static void make_nodes(builder *b)
 
 /* ---- Which nodes stay -------------------------------------------------------------------------------------------- */
 
-/* Nodes that do not stay get parents above the root: their own number. */
+/* A node that is left out is its own parent. */
 static int is_left_out(const builder *b, uint32_t node)
 {
     return b->parents[node] == node;
 }
 
-/* Children come before their parents. Those of a node that does not stay become those of its parent. */
+/* Children have smaller numbers than their parents. The children of a node that is left out go to its parent. */
 static int thin_out(builder *b)
 {
     const uint32_t leaves = b->held->count;
-    float *heaviest = malloc(b->nodes * sizeof *heaviest);     /* of what stays at or below a node */
-    uint32_t *kept = calloc(b->nodes, sizeof *kept);           /* nodes that would become the parent's children */
+    float *heaviest = malloc(b->nodes * sizeof *heaviest);     /* heaviest kept node at or below each node */
+    uint32_t *kept = calloc(b->nodes, sizeof *kept);           /* kept nodes that would become children of the parent */
     uint32_t *above = malloc(b->nodes * sizeof *above);
     int made = heaviest && kept && above;
     for (uint32_t i = 0; i < b->nodes && made; i++)
@@ -249,7 +248,7 @@ static int thin_out(builder *b)
         }
         above[i] = stays ? i : NONE;
     }
-    for (uint32_t i = b->nodes; i-- > 0 && made;) {            /* parents are known when their children are reached */
+    for (uint32_t i = b->nodes; i-- > 0 && made;) {            /* parents are finished before their children */
         const uint32_t parent = b->parents[i];
         if (above[i] == NONE)
             above[i] = above[parent];
@@ -265,7 +264,6 @@ static int thin_out(builder *b)
     return made;
 }
 
-/* Children by their parents, in the order of their numbers. */
 static void list_children(builder *b)
 {
     for (uint32_t i = 0; i < b->nodes; i++)
@@ -280,11 +278,11 @@ static void list_children(builder *b)
 
 /* ---- The order of the file --------------------------------------------------------------------------------------- */
 
-/* Nodes whose children are still to be placed, in batches that are regions. */
+/* Nodes with children still to be placed; each batch is a region. */
 typedef struct queue {
     uint32_t *nodes;
     size_t count, room, at;
-    size_t *ends;                  /* of the batches */
+    size_t *ends;                  /* end of each batch */
     size_t batches, batch_room;
 } queue;
 
@@ -298,7 +296,7 @@ static int is_larger(const builder *b, uint32_t x, uint32_t y)
     return b->sizes[x] != b->sizes[y] ? b->sizes[x] > b->sizes[y] : x < y;
 }
 
-/* A heap with the largest node first. */
+/* Max-heap of nodes by size. */
 static void sift_down(const builder *b, uint32_t *heap, size_t count, size_t at)
 {
     const uint32_t moved = heap[at];
@@ -342,7 +340,7 @@ static int add_batch(queue *q, const uint32_t *nodes, size_t count)
     return 1;
 }
 
-/* Places the children of the largest nodes, until a batch is full. Returns how many nodes are left in the heap. */
+/* Places the children of the largest nodes until a batch is full. Returns the number of nodes left in the heap. */
 static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, size_t count, uint32_t *places,
                              uint32_t end)
 {
@@ -370,7 +368,7 @@ static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, 
     return count;
 }
 
-/* The octant of a node, or where the box of all is long, its half. */
+/* Returns the octant of a node in the box of all nodes. In a long box, returns its half along the longest side. */
 static int region_of(const builder *b, uint32_t node, const float low[3], const float high[3])
 {
     const float *at = b->held->gaussians[node].position;
@@ -386,7 +384,6 @@ static int region_of(const builder *b, uint32_t node, const float low[3], const 
     return longest >= 3 * shortest ? octant >> axis & 1 : octant;
 }
 
-/* Adds a batch for each region of what is left. */
 static int split(const builder *b, queue *q, const uint32_t *nodes, size_t count, uint32_t *region)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};

@@ -1,6 +1,5 @@
-/* Writes .rad of Spark: the nodes of a tree in chunks of 65,536, each a JSON header and a deflated column for each
-   attribute. The layout is that of rust/spark-lib/src/rad.rs of sparkjsdev/spark, the encodings are the finest that
-   Spark keeps. */
+/* Writes .rad of Spark: the nodes of a tree in chunks of 65,536. A chunk has a JSON header and a deflated column for
+   each attribute. Layout: rust/spark-lib/src/rad.rs of sparkjsdev/spark. Encodings: the finest that Spark keeps. */
 #include "scene_write_internal.h"
 
 #ifdef FXS_WITH_ZLIB
@@ -22,11 +21,11 @@
 
 enum {
     CHUNK = 65536,
-    SAMPLES = 65536,               /* Gaussians by which ranges are chosen */
+    SAMPLES = 65536,               /* Gaussians sampled to choose ranges */
     PRECISION = 9                  /* digits of a float */
 };
 
-/* The columns of a chunk; those of SH as far as the scene has them. */
+/* Columns of a chunk, up to the scene's SH degree. */
 static const struct { int property, encoding; } columns[] = {
     {FXS_RAD_CENTER, FXS_RAD_F32_LEBYTES}, {FXS_RAD_ALPHA, FXS_RAD_F16}, {FXS_RAD_RGB, FXS_RAD_F16},
     {FXS_RAD_SCALES, FXS_RAD_LN_F16}, {FXS_RAD_ORIENTATION, FXS_RAD_F32}, {FXS_RAD_CHILD_COUNT, FXS_RAD_U16},
@@ -44,9 +43,9 @@ typedef struct rad_writer {
     fxs_held held;
     int sh_degree;
     fxs_rad_tree tree;
-    float rgb[2], scale[2], sh[3];     /* in which Spark keeps them in 8 bits: r g b, ln(sigma), +-SH of each degree */
+    float rgb[2], scale[2], sh[3];     /* ranges of Spark's 8-bit codes: rgb, ln(sigma), +-SH of each degree */
     bytes file;                        /* all chunks */
-    size_t *ends;                      /* of each chunk in it */
+    size_t *ends;                      /* end of each chunk in `file` */
     fxs_progress_fn *progress;
     void *argument;
 } rad_writer;
@@ -76,7 +75,6 @@ static int advance(rad_writer *w, double done)
     return !w->held.output.error;
 }
 
-/* Room for `size` bytes behind the others, or NULL. */
 static uint8_t *grow(rad_writer *w, bytes *b, size_t size)
 {
     if (size > b->room - b->size) {
@@ -102,7 +100,6 @@ static int add(rad_writer *w, bytes *b, const void *data, size_t size)
     return to != NULL;
 }
 
-/* Zeros up to a multiple of 8. */
 static int pad(rad_writer *w, bytes *b)
 {
     static const uint8_t zeros[8];
@@ -111,13 +108,13 @@ static int pad(rad_writer *w, bytes *b)
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-/* 0 to 1, or of a node that is more than opaque 1 to 2. */
+/* 0 to 1; for A > 1, 1 to 2 */
 static double code_of_opacity(double opacity)
 {
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
 }
 
-/* Number `d` of a property of the node at a place of the file. */
+/* Returns component `d` of a property of a node, by its position in the file. */
 static double value_of(const rad_writer *w, int property, uint32_t place, int d)
 {
     const uint32_t i = w->tree.order[place];
@@ -131,7 +128,7 @@ static double value_of(const rad_writer *w, int property, uint32_t place, int d)
         return fxs_colour_of_dc((double)g->dc[d]);
     case FXS_RAD_SCALES:
         return (double)g->scale[d];
-    case FXS_RAD_ORIENTATION:              /* x y z, of a w that is not negative */
+    case FXS_RAD_ORIENTATION:              /* x y z for w >= 0 */
         return (double)(g->rotation[0] < 0 ? -g->rotation[1 + d] : g->rotation[1 + d]);
     case FXS_RAD_CHILD_COUNT:
         return w->tree.child_counts[place];
@@ -151,7 +148,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The values with a share of all below and above them, of a sample. */
+/* Finds the quantiles `share` and 1 - `share` of a property in a sample. */
 static int find_range(rad_writer *w, int property, double share, float range[2])
 {
     const uint32_t all = w->tree.count, step = all / SAMPLES + 1;
@@ -170,7 +167,7 @@ static int find_range(rad_writer *w, int property, double share, float range[2])
     return 1;
 }
 
-/* Wider than the usual ranges only where a share of 1 % is beyond them, for SH 5 %. */
+/* Exceeds the usual ranges only if 1 % of the values lie beyond them (SH: 5 %). */
 static int find_ranges(rad_writer *w)
 {
     float range[2];
@@ -224,7 +221,7 @@ static uint32_t code_of(const rad_writer *w, int property, int encoding, double 
     }
 }
 
-/* All numbers of one dimension lie one after the other; of f32_lebytes first all lowest bytes. */
+/* Stores the dimensions one after the other; f32_lebytes stores all lowest bytes first. */
 static uint8_t *fill_column(const rad_writer *w, int column, uint32_t first, uint32_t count, uint8_t *to)
 {
     const int property = columns[column].property, encoding = columns[column].encoding;
@@ -238,7 +235,7 @@ static uint8_t *fill_column(const rad_writer *w, int column, uint32_t first, uin
     return to;
 }
 
-/* Deflates without a header, into `out`. */
+/* Deflates into `out`, without a header. */
 static int deflate_into(rad_writer *w, bytes *out, const uint8_t *data, size_t size)
 {
     z_stream stream;
@@ -290,7 +287,7 @@ static void print_column(FILE *json, const rad_writer *w, int column, size_t off
     fputs("}", json);
 }
 
-/* Ends the text, and adds a magic number, its length, and the text. */
+/* Ends the text and appends a magic number, the length and the text. */
 static int add_text(rad_writer *w, bytes *b, const char *magic, fxs_printed *printed)
 {
     uint8_t length[4];
@@ -307,7 +304,6 @@ static int column_count(const rad_writer *w)
     return COLUMNS - 3 + w->sh_degree;
 }
 
-/* The columns of a chunk behind each other, and their sizes. */
 static int make_payload(rad_writer *w, uint32_t first, uint32_t count, bytes *payload, size_t sizes[COLUMNS])
 {
     uint8_t *raw = malloc((size_t)count * 4 * 21);

@@ -1,34 +1,34 @@
-/* The common part of the writers of formats. */
+/* Shared by the writers of formats. */
 #ifndef FXS_SCENE_WRITE_INTERNAL_H
 #define FXS_SCENE_WRITE_INTERNAL_H
 
 #include "src/base/output_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* ---- Gaussians that wait until all are known ---- */
+/* ---- Gaussians held in memory until all are known ---- */
 
-#define FXS_HELD_SH_ONE 4096       /* SH coefficients are multiples of 1 / this, within +-8 */
+#define FXS_HELD_SH_ONE 4096       /* SH coefficients are multiples of 1/4096, within +-8 */
 
 typedef struct fxs_held_gaussian {
     float position[3], scale[3], dc[3];
-    float rotation[4];             /* of length 1 */
+    float rotation[4];             /* unit length */
     float opacity;                 /* 0 to 1 */
 } fxs_held_gaussian;
 
 typedef struct fxs_held {
-    fxs_output output;             /* the file that is written */
+    fxs_output output;             /* the file being written */
     fxs_held_gaussian *gaussians;
-    int16_t *sh;                   /* `coefficients` for each Gaussian, as in fxs_gaussian */
-    uint32_t *order;               /* the Gaussians' numbers in the order of fxs_order, or null */
+    int16_t *sh;                   /* `coefficients` values per Gaussian, in the order of fxs_gaussian */
+    uint32_t *order;               /* indices of the Gaussians in the order of fxs_order, or null */
     uint32_t count, next;
-    uint32_t coefficients;         /* of all channels */
+    uint32_t coefficients;         /* SH coefficients of all channels */
 } fxs_held;
 
-/* Converts a Gaussian to the form that is held and back; `sh` has room for `coefficients`. */
+/* Convert a Gaussian to the held form and back; `sh` has room for `coefficients` values. */
 void fxs_held_set(fxs_held_gaussian *held, int16_t *sh, const fxs_gaussian *gaussian, uint32_t coefficients);
 void fxs_held_get(const fxs_held_gaussian *held, const int16_t *sh, fxs_gaussian *gaussian, uint32_t coefficients);
 
-/* Begins the file and makes room. Returns 0, or an error and a message, with nothing to close. */
+/* Opens the file and allocates room. Returns 0, or an error and a message, with nothing to close. */
 int fxs_held_open(fxs_held *held, const char *path, const fxs_scene_write_options *options, fxs_message *message);
 
 int fxs_held_put(fxs_held *held, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
@@ -40,17 +40,17 @@ int fxs_held_close(fxs_held *held, fxs_message *message);
 
 /* ---- Codes ---- */
 
-/* Write a little-endian number and return the place after it. */
+/* Write little-endian numbers. Return the end. */
 uint8_t *fxs_put_u32(uint8_t *to, uint32_t value);
 uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n);
 
-/* The bits of the nearest binary16, at most 65504; of NaN, 0. */
+/* Returns the bits of the nearest binary16, at most 65504 in magnitude; NaN: 0. */
 uint32_t fxs_code_half(double x);
 
-/* The nearest integer from 0 to `most`; 0 for NaN. */
+/* Rounds to the nearest integer in 0 to `most`; NaN: 0. */
 uint32_t fxs_code_within(double x, uint32_t most);
 
-/* Codes the three smallest components of a rotation w, x, y, z, signed so that the largest is positive: 0 to `most`
+/* Codes the three smallest components of a rotation w, x, y, z, with signs that make the largest positive: 0 to `most`
    stand for -1/sqrt(2) to 1/sqrt(2). Returns the index of the largest. */
 uint32_t fxs_code_rotation(const float rotation[4], uint32_t most, uint32_t codes[3]);
 

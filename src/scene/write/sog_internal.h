@@ -1,4 +1,4 @@
-/* The files of a .sog, for what is written as one zip and for what is written as folders. */
+/* The files of a .sog, written to a zip or to folders. */
 #ifndef FXS_SOG_INTERNAL_H
 #define FXS_SOG_INTERNAL_H
 
@@ -7,13 +7,13 @@
 
 enum { FXS_SOG_SIDE = 16383, FXS_SOG_FILES = 8 };
 
-/* The names of the images and of their JSON. */
+/* Names of the images and of the JSON file. */
 extern const char *const fxs_sog_names[FXS_SOG_FILES];
 
-/* The most Gaussians: pixels of the largest image. */
+/* Maximum number of Gaussians: the pixels of the largest image. */
 #define FXS_SOG_MOST ((uint32_t)FXS_SOG_SIDE / 4 * 4 * FXS_SOG_SIDE)
 
-/* Gaussians in the order of the file: neighbours together, which improves WebP and the palette. */
+/* Gaussians in file order. Neighbours together improve WebP and the palette. */
 typedef struct fxs_sog_source {
     const fxs_held_gaussian **gaussians;
     const int16_t **sh;
@@ -23,8 +23,8 @@ typedef struct fxs_sog_source {
 
 typedef struct fxs_sog fxs_sog;
 
-/* Makes the files in memory. *error is 0, ENOMEM, or ECANCELED by `progress`. fxs_sog_free frees the result, which may
-   be null after an error. */
+/* Makes the files in memory. *error: 0, ENOMEM, or ECANCELED if `progress` stopped it. Free the result with
+   fxs_sog_free; it may be null after an error. */
 fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error);
 uint32_t fxs_sog_files(const fxs_sog *sog, fxs_zip_entry files[FXS_SOG_FILES]);
 void fxs_sog_free(fxs_sog *sog);

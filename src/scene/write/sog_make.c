@@ -1,5 +1,5 @@
-/* Makes the files of .sog version 2: lossless WebP images and their JSON, with the layout of PlayCanvas's specification
-   and of splat-transform. */
+/* Makes the files of .sog version 2: lossless WebP images and their JSON. Layout: PlayCanvas's specification and
+   splat-transform. */
 #include "sog_internal.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
@@ -23,8 +23,8 @@ enum {
     EFFORT = 4                           /* 0 to 9 in libwebp */
 };
 
-/* ln(sigma) is weighted by sigma^1.25. By even weights, the few largest Gaussians of a scene, which are seen most, share
-   a value of the codebook; by area, the sky takes too many of its values. */
+/* Weight of ln(sigma): sigma^1.25. With equal weights, the few largest Gaussians of a scene, which are the most
+   visible, share one entry; with weights by area, the sky takes too many entries. */
 #define SCALE_POWER 1.25
 
 const char *const fxs_sog_names[FXS_SOG_FILES] = {
@@ -32,7 +32,6 @@ const char *const fxs_sog_names[FXS_SOG_FILES] = {
     "meta.json"
 };
 
-/* RGBA */
 typedef struct image {
     uint32_t width, height;
     uint8_t *pixels;
@@ -41,7 +40,7 @@ typedef struct image {
 
 struct fxs_sog {
     const fxs_sog_source *from;
-    double low[3], high[3];              /* bounds of positions in the form that is coded */
+    double low[3], high[3];              /* bounds of the coded positions */
     float scales[FXS_BOOK], colours[FXS_BOOK], sh[FXS_BOOK];
     uint32_t entries, *labels;           /* of the palette */
     fxs_sh_palette_vector *palette;
@@ -53,14 +52,13 @@ struct fxs_sog {
     void *argument;
 };
 
-/* Notes that memory ran out; returns 0. */
 static int no_memory(fxs_sog *w)
 {
     w->error = ENOMEM;
     return 0;
 }
 
-/* Reports the progress; returns 0 where the caller wants to stop. */
+/* Reports progress. Returns 0 to stop. */
 static int advance(fxs_sog *w, double done)
 {
     if (w->progress && w->progress(w->argument, done))
@@ -109,7 +107,6 @@ static int palette_progress(void *writer, double done)
     return !advance(writer, 0.1 + 0.7 * done);
 }
 
-/* The codebook for the numbers in the palette's vectors. */
 static int find_sh_book(fxs_sog *w)
 {
     const uint32_t coefficients = w->from->coefficients;
@@ -159,7 +156,7 @@ static int make_image(fxs_sog *w, int which, uint32_t width, uint32_t height)
     return m->pixels ? 1 : no_memory(w);
 }
 
-/* The size of the images: nearly square, in whole blocks of 4x4. */
+/* Image size: nearly square, whole blocks of 4x4. */
 static int make_images(fxs_sog *w)
 {
     uint32_t side = 4;
@@ -198,7 +195,7 @@ static void encode(fxs_sog *w, const fxs_held_gaussian *g, size_t i)
         at[LABELS][k] = (uint8_t)(w->labels[i] >> 8 * k);
 }
 
-/* 64 entries a row; an entry has a pixel for each coefficient of a channel, one after the other. */
+/* A row has 64 entries. An entry is one pixel per coefficient; r, g, b are the channels. */
 static void encode_palette(fxs_sog *w)
 {
     const uint32_t coefficients = w->from->coefficients / 3;
@@ -210,7 +207,7 @@ static void encode_palette(fxs_sog *w)
         }
 }
 
-/* Keeps colours where alpha is 0. Frees the pixels. */
+/* Preserves colours where alpha is 0. Frees the pixels. */
 static int compress(fxs_sog *w, image *m)
 {
     WebPConfig config;

@@ -28,7 +28,7 @@ static int sog_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return fxs_held_put(&((sog_writer *)writer)->held, gaussians, n, message);
 }
 
-/* Making the files is nine tenths of the work. */
+/* Making the files is 90 % of the work. */
 static int progress_of_files(void *writer, double done)
 {
     const sog_writer *w = writer;

@@ -1,4 +1,4 @@
-/* Writes .splat: records of 32 bytes, which splat.c reads. Scales are clamped to 4.85e8 and positions to 2^27. */
+/* Writes .splat: records of 32 bytes, which splat.c reads. Clamps scales to 4.85e8 and positions to 2^27. */
 #include <math.h>
 
 #include "scene_write_internal.h"
@@ -7,7 +7,7 @@
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28 };
 
-/* A reader may refuse larger ones; exp(20) is slightly larger. */
+/* Readers may refuse larger values. exp(20) is slightly larger than this scale. */
 static const double largest_scale = 4.85e8, largest_position = 134217728;
 
 typedef struct splat_writer {
@@ -19,7 +19,6 @@ static int splat_open(void *writer, const char *path, const fxs_scene_write_opti
     return fxs_output_open(&((splat_writer *)writer)->output, path, o->count, message);
 }
 
-/* The nearest integer from 0 to 255. */
 static unsigned char code(double x)
 {
     return (unsigned char)fmin(fmax(floor(x + 0.5), 0), 255);

@@ -1,5 +1,5 @@
-/* Writes streamed SOG, version 1: an index, lod-meta.json, and beside it folders with the files of a .sog each
-   (PlayCanvas, "The Streamed SOG Format"). A leaf of its tree is a region of neighbours; each level has the same
+/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and next to it
+   folders, each with the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same
    leaves. */
 #include "sog_internal.h"
 
@@ -18,15 +18,16 @@
 #include "src/pack/coarsen.h"
 
 enum {
-    LEAF_SETS = 64,                /* of level 0 in a leaf: 16,384 Gaussians */
-    MOST_LEVELS = 7,               /* the last has one of these sets */
-    FILE_GAUSSIANS = 1 << 18,      /* of a file, at most, but for one leaf */
+    LEAF_SETS = 64,                /* sets of level 0 in a leaf: 16,384 Gaussians */
+    MOST_LEVELS = 7,               /* in the last level, a leaf has one set */
+    FILE_GAUSSIANS = 1 << 18,      /* limit for a file; a single leaf may exceed it */
     PRECISION = 7                  /* digits of numbers in the index */
 };
 
-#define PLANE 1.8137993642342178   /* pi / sqrt(3): the integral of G^2 over a plane, by the area of a fxs_coarse */
+#define PLANE 1.8137993642342178   /* pi / sqrt(3): the integral of G^2 over a plane, divided by the area of a
+                                      fxs_coarse */
 
-/* A file has the leaves `first` to `last` of a level. */
+/* A file: leaves `first` to `last` - 1 of a level. */
 typedef struct part {
     uint32_t level, number, first, last;
 } part;
@@ -38,7 +39,7 @@ typedef struct streamed_writer {
     fxs_levels levels;
     uint32_t leaves, part_count, parts_made;
     part *parts;
-    float (*bounds)[2][3];         /* of each leaf, least and greatest, with an ellipsoid of one sigma */
+    float (*bounds)[2][3];         /* box of each leaf (minimum, maximum), with ellipsoids of one sigma */
     fxs_progress_fn *progress;
     void *argument;
 } streamed_writer;
@@ -79,7 +80,7 @@ static int advance(void *writer, double done)
 
 /* ---- Leaves ------------------------------------------------------------------------------------------------------ */
 
-/* The first Gaussian of a leaf in a level, or behind the last one. */
+/* Returns the first Gaussian of a leaf in a level; beyond the last leaf, the end. */
 static uint32_t leaf_begin(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     const uint64_t set = (uint64_t)leaf * LEAF_SETS >> level;
@@ -99,7 +100,6 @@ static int make_levels(streamed_writer *w)
     return 1;
 }
 
-/* Extends a leaf by the box of an ellipsoid of one sigma. */
 static void extend(float bounds[2][3], const fxs_held_gaussian *g)
 {
     double r[3][3];
@@ -150,7 +150,6 @@ static int list_parts(streamed_writer *w)
     return 1;
 }
 
-/* The path of a file of a part, or where `name` is null of its folder, to be freed. */
 static char *path_of(const streamed_writer *w, const part *p, const char *name)
 {
     const char *slash = strrchr(w->path, '/');
@@ -186,7 +185,7 @@ static int write_files(streamed_writer *w, const part *p, const fxs_zip_entry *f
     return result;
 }
 
-/* Of the files of a part, this share of the work is done. */
+/* Progress from the share of a part that is done. */
 static int progress_of_part(void *writer, double done)
 {
     const streamed_writer *w = writer;
@@ -217,7 +216,6 @@ static int make_part(streamed_writer *w, const part *p, fxs_message *message)
     return error ? FXS_ERR_FILE : result;
 }
 
-/* After an error, nothing that was written stays. */
 static void remove_parts(const streamed_writer *w)
 {
     for (uint32_t i = 0; i < w->parts_made; i++)
@@ -241,7 +239,7 @@ static void print_corner(FILE *json, const char *before, const float corner[3])
     fputs("]", json);
 }
 
-/* What a leaf shows, in the units of the errors: the sum of what each of its Gaussians would have alone. */
+/* Returns the energy of a leaf in the units of the errors: the sum over its Gaussians, each taken alone. */
 static double energy_of(const streamed_writer *w, uint32_t leaf)
 {
     double sum = 0;
@@ -258,7 +256,6 @@ static double energy_of(const streamed_writer *w, uint32_t leaf)
     return sum;
 }
 
-/* The share of a leaf that each level changes. */
 static void print_errors(FILE *json, const streamed_writer *w, uint32_t leaf)
 {
     const double energy = energy_of(w, leaf);
@@ -275,7 +272,6 @@ static void print_errors(FILE *json, const streamed_writer *w, uint32_t leaf)
     fputs("]", json);
 }
 
-/* The number among all files of the one that has a leaf in a level. */
 static uint32_t file_of(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     uint32_t i = 0;
@@ -297,7 +293,7 @@ static void print_leaf(FILE *json, const streamed_writer *w, uint32_t leaf)
     print_errors(json, w, leaf);
 }
 
-/* The leaves `first` to `last`, halved until one is left. */
+/* Prints the leaves `first` to `last` - 1 as a binary tree. */
 static void print_node(FILE *json, const streamed_writer *w, uint32_t first, uint32_t last)
 {
     float bounds[2][3];
