@@ -11,7 +11,7 @@
 #include "src/base/system.h"
 #include "command.h"
 
-/* ---- What every command takes ---------------------------------------------------------------------------------- */
+/* ---- Common options -------------------------------------------------------------------------------------------- */
 
 const command *const *all_commands;
 static const command *parsed;               /* the command being parsed */

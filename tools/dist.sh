@@ -136,7 +136,7 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# The shared libraries of mingw-w64 that FILE needs, except those of Windows.
+# The shared libraries of mingw-w64 that FILE needs, except Windows's own.
 needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
 
 windows() {

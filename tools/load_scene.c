@@ -220,7 +220,7 @@ static int open_file(const char *path, const fxs_scene_file_options *options, fx
                : fxs_scene_file_open(path, options, file, info, message);
 }
 
-/* The level to read; a file with a single level ignores --lod if there are several files. */
+/* The level to read; a file with a single level ignores --lod in a list of several files. */
 static int level_of(const char *path, const load_options *o, const fxs_scene_file_options *options)
 {
     fxs_scene_file_options finest = *options;

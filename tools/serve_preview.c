@@ -26,7 +26,7 @@ enum {
     SHARE = 40,                     /* packing scenes takes at most 1/SHARE of the time; so does measuring points */
     POINTS = 20,                    /* of the curve, in a whole fit */
     MEASURED_MOST = 4,              /* photographs that a point is measured by */
-    PAGE_SECONDS = 3,               /* a page that has not asked for so long is gone */
+    PAGE_SECONDS = 3,               /* a page silent for this time is gone */
     GOODBYE_SECONDS = 5             /* longest wait at the end, until the page has loaded the last scene */
 };
 
@@ -70,7 +70,7 @@ static struct preview {
     quality result;                 /* of all photographs, at the end: count and means only */
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
 
-/* ---- What is served ---------------------------------------------------------------------------------------------- */
+/* ---- Served files ------------------------------------------------------------------------------------------------ */
 
 static int open_live(void *file)
 {

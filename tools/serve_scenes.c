@@ -16,9 +16,9 @@
 #include "serve.h"
 
 #define SECOND ((uint64_t)1000000000)
-#define SETTLED (SECOND * 3 / 4)            /* a file unchanged for so long is complete */
+#define SETTLED (SECOND * 3 / 4)            /* a file unchanged for this time is complete */
 #define LOOKS (5 * SECOND)                  /* a page that asked within this time is still open */
-#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes kept of packed scenes that no page shows */
+#define KEPT_MOST ((uint64_t)1 << 30)       /* files of at most this many bytes a Gaussian are sent unpacked */
 enum { SMALL = 64 };                        /* bytes a Gaussian below which packing is not tried */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
@@ -76,7 +76,7 @@ static int base_of(const char **base, const char *path)
     return (int)(end - *base);
 }
 
-/* ---- What is told ------------------------------------------------------------------------------------------------ */
+/* ---- Facts as JSON ----------------------------------------------------------------------------------------------- */
 
 static void write_facts(FILE *file, const served_scene *s)
 {
@@ -171,7 +171,7 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
     *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
 }
 
-/* ---- Taking a scene ---------------------------------------------------------------------------------------------- */
+/* Returns 0, or -1 if the path cannot be a scene: missing, a link, a FIFO. */
 
 /* Returns 0, or -1 if the path cannot be a scene: missing, a broken link, a FIFO. */
 static int look_at_file(const char *path, fxs_file_facts *facts)
@@ -378,7 +378,7 @@ static int take(served_scene *s, const fxs_file_facts *now)
     return 0;
 }
 
-/* ---- Which, and when --------------------------------------------------------------------------------------------- */
+/* ---- Scheduling -------------------------------------------------------------------------------------------------- */
 
 /* Packs a scene again after its file has changed and settled. */
 static void follow(served_scene *s)

@@ -13,7 +13,7 @@ enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };
 enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames a second; longest film in frames */
 
-/* A crop box in world units. While `on`, only Gaussians whose centre lies in it are drawn. */
+/* A crop box in world units. While `on`, only Gaussians with their centre inside are drawn. */
 typedef struct crop_box {
     int on;
     double low[3], high[3];
