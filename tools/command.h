@@ -25,7 +25,7 @@ void note(const char *format, ...) FXS_PRINTF(1, 2);
 void be_quiet(void);
 int is_quiet(void);
 
-/* The digits for %.*g of a coordinate: `digits`, or more for large x, up to three decimals. */
+/* The digits for %.*g of a coordinate: `digits`, or more for large x, to keep three decimals. */
 int place_digits(double x, int digits);
 
 void print_version(void);

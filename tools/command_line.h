@@ -63,7 +63,7 @@ typedef struct point_option {
 take_option take_flag, take_text, take_output, take_int, take_uint32, take_uint64, take_size_t, take_bytes, take_real,
             take_vector, take_point, take_colour, take_choice;
 
-/* For parsers of commands: prints what the row expects, and returns EXIT_USAGE. */
+/* For parsers of commands: prints the expected value, and returns EXIT_USAGE. */
 int wrong_value(const option_row *row, const char *value);
 
 /* The index of a value in the row's choices; -1: not among them. */

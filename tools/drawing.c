@@ -77,7 +77,7 @@ void renderer_forget(renderer *r, const world *w)
         r->backend->forget(r->self, w->scenes[i].opened->scene);
 }
 
-/* Fraction bits of depths, at most 28, so that every depth of the world from this camera fits into 32 bits. */
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
 static int grow(void **memory, size_t *room, size_t bytes)
 {
@@ -105,7 +105,7 @@ static int make_room(const renderer *r, picture *out, int width, int height)
     return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
-/* The number of fraction bits, at most 28, with which every depth of the world from this camera fits into 32 bits. */
+/* Fraction bits of depths, at most 28, so that every depth of the world from this camera fits into 32 bits. */
 static int choose_depth_bits(const world *w, const fxs_file_view *view)
 {
     double farthest = 1;

@@ -1,7 +1,7 @@
 // Turns files of the npm package into modules:
 // node tools/inline.mjs style STYLE.css: a module with the text of a style sheet.
-// node tools/inline.mjs files NAME=FILE...: a module that gives these files to the package, WebAssembly as gzip in base64,
-// scripts as text.
+// node tools/inline.mjs files NAME=FILE...: a module that gives these files to the package, WebAssembly as gzip in
+// base64, scripts as text.
 import { readFileSync } from 'node:fs'
 import { gzipSync } from 'node:zlib'
 

@@ -1,5 +1,4 @@
-/* Opens scene files: from disk, a server or standard input; filters and decimates; packs, maps or pages them; and
-   notes what was left out. */
+/* Opens scene files: from disk, a server or standard input; filters and decimates; packs, maps or pages them. */
 #include "load_scene.h"
 
 #include <errno.h>

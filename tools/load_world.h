@@ -52,7 +52,8 @@ int world_open_merged(world *w, const fxs_world *placed, const char *name, const
 /* A world of one packed scene. The caller keeps ownership; the scene must stay where it is. */
 int world_open_packed(world *w, const char *name, fxs_packed_scene *packed);
 
-/* The up direction of the first visible object with one in its file. Returns 0 and leaves `up` unchanged if none has. */
+/* The up direction of the first visible object with one in its file. Returns 0 and leaves `up` unchanged if none has
+   one. */
 int world_up(const world *w, double up[3]);
 
 /* The bounding box of an object in the world. Returns 0 if its crops leave nothing. */

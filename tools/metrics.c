@@ -62,7 +62,8 @@ static double ssim_row(const double *means, size_t count, const uint8_t *are_who
     return sum;
 }
 
-/* Marks, row by row, the windows without ignored pixels. Returns their number. */
+/* Sums SSIM of one channel over its windows. memory: (WINDOW + 2) * MAPS * width doubles. Each row is filtered
+   horizontally once and kept while a window reaches it. */
 static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *are_whole, size_t width, size_t height,
                            double *memory)
 {
@@ -87,7 +88,7 @@ static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *ar
     return sum;
 }
 
-/* Marks, row by row, the windows in which all pixels count. Returns their number. */
+/* Marks, row by row, the windows without ignored pixels. Returns their number. */
 static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t height, size_t *below, uint8_t *are_whole)
 {
     double weights[WINDOW];

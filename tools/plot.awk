@@ -1,6 +1,7 @@
 # awk -v plot=NAME -f tools/plot.awk docs/measured.md: draws a table of tools/bench.sh as SVG.
-# sizes: bytes a Gaussian against PSNR, for each form. growth: milliseconds a frame against Gaussians. levels: milliseconds
-# a frame against PSNR, for decimated scenes. budgets, times: PSNR and milliseconds of a frame against its budget.
+# sizes: bytes a Gaussian against PSNR, for each form. growth: milliseconds a frame against Gaussians. levels:
+# milliseconds a frame against PSNR, for decimated scenes. budgets, times: PSNR and milliseconds of a frame against its
+# budget.
 BEGIN {
     FS = " *[|] *"
     if (plot == "sizes") {

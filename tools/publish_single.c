@@ -16,8 +16,8 @@
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Browsers limit a text to less than 2^29 characters; SCENE_MOST bytes are 2^29 in base64 if gzip does not shrink
-   them. */
+/* Browsers limit a text to less than 2^29 characters. SCENE_MOST bytes give 512,000,000 in base64 if gzip does not
+   shrink them. */
 enum { SCENE_MOST = 384 * 1000 * 1000, CARRIED_MOST = 256, CARRIED_NAME = 128 };
 
 /* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */

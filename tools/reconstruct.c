@@ -1,5 +1,5 @@
 /* Structure from motion for `fixsplat fit`: takes frames of a film, lists photographs and masks in OUT.cameras, runs
-   COLMAP (features, matches, mapper; GLOMAP in place of its mapper if installed), keeps the largest model, and
+   COLMAP (features, matches, GLOMAP or else its own mapper), keeps the largest model, and
    reports. An interrupted run is continued. */
 #define _XOPEN_SOURCE 700          /* strdup */
 
@@ -34,7 +34,7 @@ typedef struct work {
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
-    uint64_t looked_at;            /* photographs whose features are found */
+    uint64_t looked_at;            /* photographs with features, until now */
     uint32_t points;               /* points of the model and its error in pixels; 0: COLMAP did not print them */
     double error;
 } work;

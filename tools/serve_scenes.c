@@ -1,6 +1,6 @@
 /* Packs and serves the scenes of `fixsplat view --web`. Pages ask for a scene's facts as JSON and for its file; the
-   questions mark the scene as wanted, and scenes_work packs wanted scenes into temporary files. A file whose size
-   and time have changed is packed again once it has settled. */
+   questions mark the scene as wanted, and scenes_work packs wanted scenes into temporary files. A changed file
+   is packed again once it has settled. */
 #include "serve_scenes.h"
 
 #include <ctype.h>
@@ -18,8 +18,8 @@
 #define SECOND ((uint64_t)1000000000)
 #define SETTLED (SECOND * 3 / 4)            /* a file unchanged for this time is complete */
 #define LOOKS (5 * SECOND)                  /* a page that asked within this time is still open */
-#define KEPT_MOST ((uint64_t)1 << 30)       /* files of at most this many bytes a Gaussian are sent unpacked */
-enum { SMALL = 64 };                        /* bytes a Gaussian below which packing is not tried */
+#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes kept of packed scenes that no page shows */
+enum { SMALL = 64 };                        /* files of at most this many bytes a Gaussian are sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
 /* Successive versions alternate between two addresses, so that a page can go on reading the version it shows. */
@@ -171,9 +171,9 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
     *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
 }
 
-/* Returns 0, or -1 if the path cannot be a scene: missing, a link, a FIFO. */
+/* ---- Packing a scene --------------------------------------------------------------------------------------------- */
 
-/* Returns 0, or -1 if the path cannot be a scene: missing, a broken link, a FIFO. */
+/* Returns 0, or -1 if the path cannot be a scene: missing, a link, a FIFO. */
 static int look_at_file(const char *path, fxs_file_facts *facts)
 {
     const enum fxs_file_kind kind = fxs_file_look_at_name(path, facts);

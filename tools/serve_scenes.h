@@ -1,6 +1,6 @@
 /* The scenes that `fixsplat view --web` serves. Each is packed if that makes it smaller, with its progress reported
-   to the page, and packed again when its file changes. One thread, which calls scenes_work, packs them; the server's
-   thread sends the files that are ready. */
+ * to the page, and packed again when its file changes. One thread, which calls scenes_work, packs them; the server's
+ * thread sends the files that are ready. */
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 
