@@ -1,5 +1,5 @@
-/* The smallest test harness: RUN(test) counts a test as failed when a CHECK in it failed, as skipped when it called
-   SKIP; RUN_AS, one under a name of its own. */
+/* A minimal test harness. RUN(test) counts a test as failed if a CHECK in it failed, and as skipped if it called
+   SKIP. RUN_AS does the same under another name. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -12,7 +12,7 @@ static int check_faults, check_skips;                   /* in the running test *
 #define CHECK(condition) \
     ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))
 
-/* Leaves the test, saying why it could not run here. */
+/* Leaves the test, with the reason why it cannot run here. */
 #define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
 
 #define RUN(test) RUN_AS(#test, test())
@@ -26,14 +26,14 @@ static int check_faults, check_skips;                   /* in the running test *
         fflush(stdout); \
     } while (0)
 
-/* Memory aligned to 64, for free. */
+/* Memory aligned to 64 bytes; release it with free. */
 static inline void *check_aligned(size_t bytes)
 {
     void *memory = 0;
     return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
 }
 
-/* The last line of a test program; tests/run.sh adds these up. Returns the exit status. */
+/* Prints the last line of a test program, which tests/run.sh sums up. Returns the exit status. */
 static int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);

@@ -1,4 +1,4 @@
-/* What a packed scene says, decoded as docs/format.md has it. */
+/* Decodes a packed scene by docs/format.md, independently of the library. */
 #ifndef DECODED_H
 #define DECODED_H
 
@@ -33,7 +33,7 @@ static inline double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* A code of fewer bits with its high bits again below. */
+/* Extends a code to `wide` bits by repeating its high bits. */
 static inline uint32_t widen(uint32_t code, int bits, int wide)
 {
     return code << (wide - bits) | code >> (2 * bits - wide);
@@ -47,7 +47,7 @@ typedef struct decoded {
 
 enum { FIELDS = 11 };                  /* positions, scales, the rotation word, colours, opacity */
 
-/* Codes of a Gaussian of the profile small, widened to those of default. */
+/* Codes of a Gaussian in the profile small, widened to those of default. */
 static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {
     uint32_t a, b, c, d = rows[3072 + at];

@@ -1,4 +1,4 @@
-/* A small scene of every format and container, as files in memory. */
+/* A small scene in every format and container, as files in memory. */
 #ifndef EVERY_FORMAT_BYTES_H
 #define EVERY_FORMAT_BYTES_H
 
@@ -21,11 +21,11 @@
 
 enum { GAUSSIANS = 3, MAX_FILES = 24 };
 
-/* The first is the one to open. */
+/* The scene is opened by the first file. */
 static struct made_file { char name[32]; uint8_t data[1 << 14]; size_t size; } files[MAX_FILES];
 static int file_count;
 
-/* Ends a file that was put into `bytes`. */
+/* Adds a file with the content of `bytes`. */
 static inline void add_file(const char *name)
 {
     struct made_file *f = &files[file_count++];
@@ -35,7 +35,7 @@ static inline void add_file(const char *name)
     size = 0;
 }
 
-/* Writes the files into a folder, with those that their names ask for. */
+/* Writes the files into a folder, with the subfolders in their names. */
 static inline void write_made(const char *folder)
 {
     char full[160];
@@ -53,7 +53,7 @@ static inline void write_made(const char *folder)
     }
 }
 
-/* Removes them; the folder stays. */
+/* Removes the files; the folder stays. */
 static inline void remove_made(const char *folder)
 {
     char full[160];
@@ -67,7 +67,7 @@ static inline void remove_made(const char *folder)
     }
 }
 
-/* Finite floats, none of them 0. */
+/* Nonzero finite floats. */
 static inline void put_floats(int count)
 {
     for (int i = 1; i <= count; i++)
@@ -76,7 +76,7 @@ static inline void put_floats(int count)
 
 /* ---- One file -------------------------------------------------------------------------------------------------- */
 
-/* The header of a .ply but for its end: 14 floats a Gaussian, behind another property where one is given. */
+/* The header of a .ply without its last line: 14 floats a Gaussian, after an optional other property. */
 static inline void put_ply_header(const char *encoding, const char *before)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -185,7 +185,7 @@ static inline void make_zstd_spz(void)
 
 enum { GLTF_FLOATS = 14 * GAUSSIANS };
 
-/* Two primitives: floats in buffer 0, an .spz of `spz` bytes in buffer `where` at an offset. */
+/* Two primitives: floats in buffer 0, and an .spz of `spz` bytes at an offset of buffer `where`. */
 static inline void put_gltf_json(const char *first_buffer, size_t first_size, int where, size_t offset, size_t spz)
 {
     static const struct { const char *name, *type; int components; } attributes[] = {
@@ -228,7 +228,7 @@ static inline void make_glb(void)
     add_file("a.glb");
 }
 
-/* A buffer of base64, all ones, and one in another file. */
+/* One buffer in base64, with all floats 1; one in another file. */
 static inline void make_gltf(void)
 {
     char uri[64 + GLTF_FLOATS / 3 * 16] = "\"uri\":\"data:application/octet-stream;base64,";
@@ -244,7 +244,7 @@ static inline void make_gltf(void)
     add_file("b1.bin");
 }
 
-/* Both of them, one in a tileset of its own. */
+/* A tileset with the .glb, and a nested tileset with the .gltf. */
 static inline void make_tileset(void)
 {
     put("{\"asset\":{\"version\":\"1.1\"},\"geometricError\":9,\"root\":{\"refine\":\"ADD\",\"content\":{\"uri\":"
@@ -262,7 +262,7 @@ static inline void make_tileset(void)
     }
 }
 
-/* Columns of floats, of SH degree 1. */
+/* Columns of floats, with SH degree 1. */
 static inline void put_rad_columns(int count)
 {
     static const struct { const char *name; int numbers; } columns[] = {
@@ -288,7 +288,7 @@ static inline void make_rad(void)
 }
 
 #ifdef FXS_WITH_ZLIB
-/* The root has the others as its children. */
+/* All other nodes are children of the root. */
 static inline void make_rad_tree(void)
 {
     rad_begin(1);
@@ -304,7 +304,7 @@ static inline void make_rad_tree(void)
     add_file("a.rad");
 }
 
-/* Its chunks in files beside it. */
+/* The chunks are in separate files. */
 static inline void make_rad_chunks(void)
 {
     rad_begin(1);
@@ -329,7 +329,7 @@ static inline void make_rad_chunks(void)
 }
 #endif
 
-/* Two cells of a Gaussian each, one in the environment, of SH degree 3. */
+/* Two cells with one Gaussian each, a third Gaussian in the environment; SH degree 3. */
 static inline void make_lcc(void)
 {
     put("{\"totalLevel\":1,\"attributes\":[{\"name\":\"scale\",\"min\":[1,2,3],\"max\":[4,5,6]},{\"name\":\"shcoef\",");
@@ -352,7 +352,7 @@ static inline void make_lcc(void)
 #endif
 
 #ifdef FXS_WITH_ZIP
-/* Takes the files from the first on away, and puts them into `bytes` as a zip. */
+/* Removes the files from `first` on, and puts them into `bytes` as a zip. */
 static inline void zip_files(int first)
 {
     char name[] = "/tmp/test_zip_XXXXXX";
@@ -418,7 +418,7 @@ static inline void make_streamed_sog(void)
 }
 
 #ifdef FXS_WITH_ZIP
-/* The files of add_sog, in one. */
+/* The files of add_sog in one zip. */
 static inline void make_sog_zip(void)
 {
     add_sog("");
@@ -468,7 +468,7 @@ static inline void put_gsplat_meta(int has_sh)
     add_file("meta.json");
 }
 
-/* The header of an array, to a multiple of 64 bytes. */
+/* The header of a .npy array, padded to a multiple of 64 bytes. */
 static inline void put_npy(const char *type, const char *order, const char *shape)
 {
     put("%cNUMPY", 0x93);
@@ -478,7 +478,7 @@ static inline void put_npy(const char *type, const char *order, const char *shap
     put("%*s\n", (int)(127 - size), "");
 }
 
-/* The palette is by column, as numpy writes what was transposed. */
+/* is_by_column: the palette in Fortran order, as numpy writes a transposed array. */
 static inline void add_gsplat_sh(int is_by_column)
 {
     const int first = file_count;

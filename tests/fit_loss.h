@@ -1,4 +1,4 @@
-/* The loss of the fit in doubles: SSIM of Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the picture. */
+/* The loss of the fit in doubles: SSIM of Wang et al. 2004, windows of 11x11, sigma 1.5, zeros outside the picture. */
 #ifndef FIT_LOSS_H
 #define FIT_LOSS_H
 
@@ -16,7 +16,7 @@ static inline void fit_window(double window[FIT_WINDOW])
         window[i] /= sum;
 }
 
-/* Of the window's means of a, b, a^2, b^2 and ab. */
+/* SSIM from a window's means of a, b, a^2, b^2 and ab. */
 static inline double fit_similarity(const double m[5])
 {
     const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
@@ -24,7 +24,7 @@ static inline double fit_similarity(const double m[5])
     return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) / ((m[0] * m[0] + m[1] * m[1] + c1) * (variances + c2));
 }
 
-/* Sums of all five over the windows along `step`, where the picture is `size` pixels. */
+/* Convolves all five with the window along one axis: neighbours are `step` apart, lines are `size` pixels long. */
 static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int pixels, int step, int size,
                                    const double *window)
 {
@@ -38,9 +38,9 @@ static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int
     }
 }
 
-/* The sum over the pixels of a channel, the photograph's three bytes apart, of 0.8 |a - b| + 0.2 (1 - SSIM). Pixels for
-   which the mask (or null) has 0 are as those beyond the picture. is_cut: where the photograph is white, the picture may
-   be brighter. */
+/* The sum over the pixels of one channel (the photograph's samples are three bytes apart) of 0.8 |a - b| + 0.2 (1 -
+   SSIM). Pixels masked with 0 (mask may be null) count as outside of the picture. is_cut: where the photograph is
+   white, a brighter picture has no loss. */
 static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int is_cut,
                               int width, int height)
 {

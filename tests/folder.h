@@ -1,4 +1,4 @@
-/* A temporary folder of the test's own, the files that it makes there, and text that is put together for one. */
+/* A temporary folder for a test, files in it, and text built for such a file. */
 #ifndef FOLDER_H
 #define FOLDER_H
 
@@ -13,7 +13,7 @@
 
 static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 
-/* One of the last two that were asked for. */
+/* A path in the folder; valid until the second call after this one. */
 static inline const char *in_folder(const char *name)
 {
     static char path[2][1024];
@@ -35,7 +35,7 @@ static inline void put_file(const char *name, const void *data, size_t size)
 static char text[1 << 16];
 static size_t length;
 
-/* Adds to the text. */
+/* Appends to the text. */
 static inline void say(const char *format, ...)
 {
     va_list arguments;
@@ -44,7 +44,7 @@ static inline void say(const char *format, ...)
     va_end(arguments);
 }
 
-/* The whole of main: the folder is there while `tests` runs. */
+/* The body of main: runs `tests` with the folder, then removes it. */
 static inline int in_a_folder(void (*tests)(void))
 {
     char command[64];

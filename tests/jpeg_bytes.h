@@ -1,5 +1,5 @@
-/* Photographs of 24 x 20 pixels by libjpeg-turbo, quality 85: pixel x, y is 40 + 7 x, 200 - 6 y, 60 + 3 x + 4 y, and
-   40 + 7 x in the grey one. Chroma of the others at half the size; the progressive one has restart markers. */
+/* Photographs of 24 x 20 pixels by libjpeg-turbo, quality 85: pixel x, y is 40 + 7 x, 200 - 6 y, 60 + 3 x + 4 y; in
+   the grey one 40 + 7 x. The others have chroma at half size; the progressive one has restart markers. */
 #ifndef JPEG_BYTES_H
 #define JPEG_BYTES_H
 

@@ -1,4 +1,4 @@
-/* What the test programs take from POSIX, where they are built for Windows: in front of each of them (make/test.mk). */
+/* POSIX functions that the test programs use, for Windows builds; included in front of each program (make/test.mk). */
 #ifndef ON_WINDOWS_H
 #define ON_WINDOWS_H
 
@@ -17,7 +17,7 @@
 #define setenv(name, value, replace) _putenv_s(name, value)
 #define unsetenv(name) _putenv_s(name, "")
 
-/* _mktemp has 26 names for a process, of whose number another had them before. */
+/* A substitute for mkdtemp: _mktemp has only 26 names for a process id, and an earlier process may have used them. */
 static inline char *mkdtemp(char *name)
 {
     char *end = name + strlen(name) - strlen("XXXXXX");
@@ -29,8 +29,8 @@ static inline char *mkdtemp(char *name)
     return NULL;
 }
 
-/* Blocks at multiples of 64, which a free of their own gives back: malloc takes more, and what it returned lies before
-   the block, behind a mark that no block of malloc's has there but by chance. */
+/* Aligned blocks for free: the pointer that malloc returned and a 64-bit mark lie before the block. free_block,
+   which replaces free, recognises the mark; a plain block has it only by chance. */
 #define ALIGNED_MARK 0x7a11ed0b10c5ba5eu
 
 static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
@@ -47,13 +47,14 @@ static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
 
 static inline void free_block(void *memory)
 {
-    uint64_t *volatile where = memory;         /* the compiler knows of no memory before it */
+    uint64_t *volatile where = memory;         /* volatile: keeps the compiler from assuming no memory before the
+                                                  block */
     uint64_t *block = where;
     free(block && (uintptr_t)block % 64 == 0 && block[-1] == ALIGNED_MARK ? (void *)(uintptr_t)block[-2] : memory);
 }
 #define free free_block
 
-/* `to` may be another writing of `from`, with capital letters. */
+/* Replaces an existing `to`. `to` may differ from `from` in case only. */
 static inline int rename_over(const char *from, const char *to)
 {
     if (!rename(from, to))
@@ -63,7 +64,7 @@ static inline int rename_over(const char *from, const char *to)
 }
 #define rename rename_over
 
-/* "rm -r FOLDER", or "rm -rf FOLDER" */
+/* Runs "rm -r FOLDER" or "rm -rf FOLDER". */
 static inline int run_shell(const char *command)
 {
     char line[256];

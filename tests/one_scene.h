@@ -1,4 +1,4 @@
-/* Frames of one scene, as it lies, into one picture: what most tests draw. */
+/* Frames of one unplaced scene into one picture, as most tests draw them. */
 #ifndef ONE_SCENE_H
 #define ONE_SCENE_H
 
@@ -20,7 +20,7 @@ static inline fxs_targets one_target(enum fxs_format format, void *pixels, ptrdi
     return targets;
 }
 
-/* What the arguments say, in one struct. */
+/* Collects the arguments in a request. */
 static inline fxs_request request_for(const fxs_object *objects, uint32_t count, const fxs_options *options,
                                       uint32_t eyes, const fxs_camera *cameras, const fxs_targets *targets, int exact)
 {
@@ -98,7 +98,7 @@ static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *came
     return count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
 }
 
-/* Both pictures have this stride. */
+/* Both pictures have the same stride. */
 static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
                                     const fxs_options *options, enum fxs_format format, int exact, void *memory,
                                     size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)
@@ -108,7 +108,7 @@ static inline int one_render_stereo(const fxs_context *context, const fxs_scene 
     return render_eyes(context, &object, 1, cameras, options, targets, exact, memory, memory_bytes, stats);
 }
 
-/* The camera as the stages of the scene's chunks are given it. */
+/* The view that stages receive for the scene's chunks. */
 static inline int one_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera,
                                 const fxs_options *options)
 {

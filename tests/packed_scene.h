@@ -1,5 +1,6 @@
-/* A packed scene made by a test: headers of zeros but for what is given here, to be filled in, in this processor's byte
- * order; then packed_scene_finish. Rows are filled in as bytes, or by fxs_little_16 and fxs_little_32. */
+/* A packed scene built by a test. packed_scene_make zeroes all but the given values; the test fills in headers in
+ * this processor's byte order, and rows as bytes or by fxs_little_16 and fxs_little_32; then it calls
+ * packed_scene_finish. */
 #ifndef PACKED_SCENE_H
 #define PACKED_SCENE_H
 
@@ -9,16 +10,16 @@
 #include "check.h"
 
 typedef struct packed_scene {
-    unsigned char *data;           /* for free */
+    unsigned char *data;           /* release with free */
     size_t bytes;
     fxs_packed_header *header;
     fxs_chunk *chunks;
     int8_t *palette;               /* null without one */
     unsigned char *rows;
-    fxs_scene scene;               /* open on it */
+    fxs_scene scene;               /* opened on `data` */
 } packed_scene;
 
-/* Between this processor's byte order and that of a packed scene. */
+/* Converts the headers between this processor's byte order and a packed scene's. */
 static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
 {
     for (uint32_t i = 0; i < chunk_count; i++)
@@ -26,7 +27,7 @@ static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
     fxs_packed_header_turn(s->header);
 }
 
-/* Once it is filled in: turns its headers, which are not to be read from here on, and opens it. */
+/* Converts the headers, which must not be read afterwards, and opens the scene. */
 static inline int packed_scene_finish(packed_scene *s)
 {
     packed_scene_turn(s, s->header->chunk_count);

@@ -1,5 +1,5 @@
 #include "scene_writer.h"
-/* A procedural scene, written as .ply, read and packed as a user would. */
+/* A procedural scene, written as .ply, then read and packed as by a user. */
 #ifndef PROCEDURAL_SCENE_H
 #define PROCEDURAL_SCENE_H
 
@@ -11,7 +11,7 @@
 #include <fixsplat/pack.h>
 #include "src/scene/make/procedural.h"
 
-/* *report may be null. Returns 0, or -1 and why not; *packed is for fxs_packed_scene_free. */
+/* *report may be null. Returns 0 and a *packed for fxs_packed_scene_free, or -1 and a message. */
 static inline int procedural_scene_make(const char *name, uint64_t count, int antialiased, fxs_packed_scene *packed,
                                         fxs_pack_report *report, fxs_message *m)
 {

@@ -1,4 +1,4 @@
-/* .rad files of given columns, for tests. */
+/* Builds .rad files from given columns. */
 #ifndef RAD_BYTES_H
 #define RAD_BYTES_H
 
@@ -11,7 +11,7 @@ enum { RAD_COLUMNS = 16, RAD_CHUNKS = 8, RAD_COLUMN_ROOM = 1 << 15 };
 
 static struct rad_column {
     const char *property, *encoding;
-    const char *more;                  /* of its JSON, as ",\"min\":0" */
+    const char *more;                  /* more JSON members, such as ",\"min\":0" */
     uint8_t bytes[RAD_COLUMN_ROOM];
     size_t size;
 } rad_columns[RAD_COLUMNS];
@@ -27,7 +27,7 @@ static inline void rad_begin(int compressed)
     rad_compressed = compressed;
 }
 
-/* The bytes written since `size` was 0 are a column. */
+/* Makes a column of the bytes written since `size` was 0. */
 static inline void rad_add_column(const char *property, const char *encoding, const char *more)
 {
     struct rad_column *c = &rad_columns[rad_column_count++];
@@ -60,7 +60,7 @@ static inline void rad_pad(void)
         put_u8(0);
 }
 
-/* The columns that were added are a chunk. */
+/* Makes a chunk of the columns added. */
 static inline void rad_add_chunk(int base, int count)
 {
     size_t payload = 0;
@@ -88,7 +88,7 @@ static inline void rad_add_chunk(int base, int count)
     size = 0;
 }
 
-/* Puts the whole file into `bytes`; `more` is of the header's JSON, as ",\"maxSh\":1". */
+/* Puts the whole file into `bytes`; `more` is added to the header's JSON, such as ",\"maxSh\":1". */
 static inline void rad_end(int count, int chunk_size, const char *more)
 {
     put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%d,\"chunkSize\":%d,\"allChunkBytes\":%zu%s,\"chunks\":[",

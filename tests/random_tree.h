@@ -1,15 +1,15 @@
-/* Random packed scenes with a tree of any shape, whose nodes have any keys, and their cuts by the processor. */
+/* Random packed scenes with trees of any shape and any keys, and their cuts computed by the processor. */
 #ifndef RANDOM_TREE_H
 #define RANDOM_TREE_H
 
 #include "random_scene.h"
 #include "src/core/cut.h"
 
-/* Nodes over so many leaves in any order: each one's children are nodes behind it, or leaves. `deep`: each hangs on the
-   one before it. `alike`: all keys are the same from the same distance. */
+/* Nodes over `leaves` leaves in any order; children are later nodes or leaves. `deep`: a chain. `alike`: equal keys
+   at equal distance. */
 static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int alike)
 {
-    uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;     /* twice the node, and which child */
+    uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;     /* open child slots: 2 * node + child */
     if (!open)
         abort();
     for (uint32_t i = 0; i < leaves - 1; i++) {
@@ -35,7 +35,7 @@ static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int 
     free(open);
 }
 
-/* A scene of `leaves` chunks, from 2 on, with a tree. Free its data. */
+/* A scene of `leaves` chunks, at least 2, with a tree. Release its data with free. */
 static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves, int deep, int alike)
 {
     const int degree = between(0, 2);
@@ -72,7 +72,7 @@ static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves
     return tree;
 }
 
-/* A camera of any kind, and limits of any size; of scenes with so many chunks. */
+/* A random camera and random limits, for scenes of `chunks` chunks. */
 static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t chunks)
 {
     random_view(camera, options);
@@ -95,7 +95,7 @@ static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t
     options->budget_of_window = between(0, 1);
 }
 
-/* The cut of a frame by the processor. Returns its chunks, for free; null where there is none. */
+/* The cut of a frame, computed by the processor. Returns its chunks (release with free), null if no cut is needed. */
 static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                                   const fxs_options *options, uint32_t *drawn)
 {

@@ -1,4 +1,4 @@
-/* Frames of several objects into every target, by the renderer and by the reference. */
+/* Frames of several objects into every target, drawn by the renderer and by the reference. */
 #ifndef WORLD_H
 #define WORLD_H
 
@@ -16,7 +16,7 @@ enum { WORLD_OBJECTS = 128, WORLD_GUARD = 0xa5 };
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-/* A packed scene and what the reference draws of it. */
+/* A packed scene, and the Gaussians that the reference draws for it. */
 typedef struct part {
     fxs_packed_scene packed;
     fxs_pack_report report;
@@ -32,7 +32,7 @@ static inline void part_free(part *p)
     p->gaussians = 0;
 }
 
-/* The Gaussians as they were before they were packed. */
+/* Keeps the Gaussians unpacked for the reference. */
 static inline int part_make(part *p, const char *name, uint64_t count)
 {
     fxs_message m = {.text = ""};
@@ -47,7 +47,7 @@ static inline int part_make(part *p, const char *name, uint64_t count)
     return 1;
 }
 
-/* A file of the folder of captured scenes. Returns 0 where it is not there. */
+/* Loads a captured scene. Returns 0 if its file is missing. */
 static inline int part_load(part *p, const char *name)
 {
     char path[512];
@@ -69,7 +69,7 @@ static inline int part_load(part *p, const char *name)
     return CHECK(!error && !fxs_scene_open(&p->scene, p->packed.data, p->packed.bytes));
 }
 
-/* The Gaussians as they are packed, in that order. */
+/* Replaces the reference's Gaussians by the decoded packed ones, in packed order. */
 static inline void part_unpack(part *p)
 {
     free(p->gaussians);
@@ -96,7 +96,7 @@ static inline fxs_object *world_add(world *w, const part *p)
     return object;
 }
 
-/* Turned by `angle` radians about an axis, then scaled and moved. */
+/* Rotates by `angle` radians about an axis, then scales and moves. */
 static inline void object_place(fxs_object *object, const double axis[3], double angle, double scale,
                                 const double translation[3])
 {
@@ -114,7 +114,7 @@ static inline void object_place(fxs_object *object, const double axis[3], double
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
-/* Every target of a picture, rows without padding, in one block of memory. */
+/* All targets of a picture, with unpadded rows, in one block of memory. */
 typedef struct picture {
     int width, height;
     size_t bytes;
@@ -173,7 +173,7 @@ static inline fxs_id picture_id(const picture *p, int i)
     return ((const fxs_id *)p->targets.id.pixels)[i];
 }
 
-/* Renders in as much memory as it may take, between guards. */
+/* Renders in the memory of a whole frame, with a guard behind it. */
 static inline int world_render(const fxs_context *context, const world *w, const fxs_camera *camera,
                                const fxs_options *options, const fxs_targets *targets, fxs_stats *stats)
 {
@@ -209,7 +209,7 @@ static inline int is_kept(const fxs_object *object, const float position[3])
     return kept && !left_out;
 }
 
-/* What the reference makes of a world; ids are those of the splats. */
+/* The reference's picture and trace of a world, with the ids of its splats. */
 typedef struct reference_world {
     struct reference_splat *splats;
     fxs_id *ids;
@@ -254,7 +254,7 @@ static inline void reference_world_free(reference_world *r)
     free(r->rgb);
 }
 
-/* The PSNR of a picture of RGBA8; *drawn: the share of pixels whose transmittance is below 1/2. */
+/* PSNR of an RGBA8 picture; *drawn: share of pixels with a transmittance below 1/2. */
 static inline double world_psnr(const picture *p, const reference_world *r, double *drawn)
 {
     struct fxs_metrics metrics = {0};
@@ -276,7 +276,7 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
 
 enum { WORLD_VERSIONS = 6 };
 
-/* Plain C, and every instruction set that this processor has, alone. Returns how many. */
+/* Plain C, then each instruction set of this processor alone. Returns their number. */
 static inline int world_versions(fxs_kernels versions[WORLD_VERSIONS])
 {
     int count = 0;

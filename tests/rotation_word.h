@@ -1,4 +1,4 @@
-/* The rotation word of a packed scene, decoded as docs/format.md has it. */
+/* Decodes the rotation word of a packed scene by docs/format.md. */
 #ifndef ROTATION_WORD_H
 #define ROTATION_WORD_H
 
@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* The bits of X and of Y, from three scale codes of 10 bits. */
+/* The number of bits of X and of Y, from three scale codes of 10 bits. */
 static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scale_step_q24)
 {
     int32_t fall[3];
@@ -23,7 +23,7 @@ static inline int axis_bits_of_word(int is_small, uint32_t scale_word, uint32_t 
     return axis_bits(is_small, scale, scale_step_q24);
 }
 
-/* The upper 16 bits, in two's complement, over 2^15. */
+/* The upper 16 bits in two's complement, divided by 2^15. */
 static inline double in_units(uint32_t word)
 {
     return (word >> 16) / 32768.0 - (word >> 31 ? 2 : 0);
@@ -45,7 +45,7 @@ static inline double word_axes(double axis[3][3], uint32_t word, int bits)
     return square;
 }
 
-/* The quaternion w, x, y, z, whose matrix has the axes as columns; positive in its largest component. */
+/* The quaternion w, x, y, z with the axes as columns of its matrix; its largest component is positive. */
 static inline void word_quaternion(double q[4], uint32_t word, int bits)
 {
     double a[3][3];
@@ -63,8 +63,8 @@ static inline void word_quaternion(double q[4], uint32_t word, int bits)
         q[i] = of[most][i] / (2 * sqrt(squares[most]));
 }
 
-/* The angle in degrees between the axes of a word and those of a quaternion, which may point either way. `order`: of the
-   quaternion's axes, that of the word's axis i. */
+/* The angle in degrees between the axes of a word and of a quaternion; opposite directions count as equal. order[i]:
+   the quaternion's axis for axis i of the word. */
 static inline double angle_of_word(uint32_t word, int bits, const float rotation[4], const int order[3])
 {
     const double w = (double)rotation[0], x = (double)rotation[1], y = (double)rotation[2], z = (double)rotation[3];

@@ -1,14 +1,13 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once, those named in $ALONE one at a time
-# at the end, and adds up their results. A program or script prints "N passed, N failed, N skipped" last, a gate "ok",
-# "FAIL" or "skip" and its name. The output of each comes in one piece, when it ends, and goes into junit.xml, as
-# programs read it. B: the build folder. Each is ended after $LIMIT seconds (600), those named in $LONG after six times
-# as many.
+# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once; the ones in $ALONE run one at a time
+# at the end. Adds up their results. A program or script ends with the line "N passed, N failed, N skipped"; a gate
+# prints "ok", "FAIL" or "skip" and its name. Each output is printed in one piece at its end, and stored in junit.xml.
+# B: build folder. Limit: $LIMIT seconds (600) each, six times that for names in $LONG.
 B=${B:-build}
 results=$B/tests/results
 
-# run_one NAME: its output and "passed failed skipped seconds processor-seconds name", in the folder of results. It is a
-# process group of its own, of which nothing stays behind, and begins with no signal ignored.
+# run_one NAME: stores the output and "passed failed skipped seconds processor-seconds name" in the folder of results.
+# The test runs in its own process group, which is killed afterwards, and starts with default signals.
 run_one() {
     name=$1 log=$results/$1.log limit=${LIMIT:-600} fault=
     set -- "$B/tests/$name"
@@ -50,7 +49,7 @@ if [ "$1" = --one ]; then
     exit 0
 fi
 
-# What scripts make has the variables of this make, and jobs of its own.
+# Scripts that call make get this make's variables, but not its job server.
 MAKEFLAGS=$(printf '%s\n' "$MAKEFLAGS" | sed -e 's/ *-j[0-9]*//' -e 's/ *--jobserver-[a-z]*=[0-9a-zA-Z:,/_-]*//g')
 export MAKEFLAGS
 unset MAKELEVEL
@@ -67,14 +66,14 @@ for name; do
     is_alone "$name" && sh tests/run.sh --one "$name"
 done
 
-# A test that builds what the other tests run takes it from under them.
+# A test must not rebuild the programs that other tests run.
 if [ "$built_before" != "$(built)" ]; then
     echo "FAIL run.sh: a test built $B/fixsplat anew" | tee "$results/run.sh.log"
     echo "0 1 0 0 0 run.sh" >"$results/run.sh.result"
 fi
 
 cd "$results" || exit 1
-# section TITLE: the lines that come in, where there are any, and the title above them.
+# section TITLE: prints its input, if any, below the title.
 section() { awk -v title="== $1" 'NR == 1 { print title } { print }'; }
 awk '/^  skipped: / { why = ": " substr($0, 12); next }
     /^skip / { print FILENAME " " substr($0, 6) why; why = "" }' *.log | sed 's/\.log / /' | section skipped
@@ -83,7 +82,7 @@ cat *.result >all
 sort -k 4rn all | awk 'NR <= 10 { printf "%4.0f (%.0f) %s\n", $4, $5, $6 }' |
     section "slowest, seconds (of a processor)"
 
-# A <testsuite> a log, a <testcase> a line of it that says ok, FAIL or skip; the lines above say why.
+# One <testsuite> for each log, one <testcase> for each line with ok, FAIL or skip; the lines above give the reason.
 awk '{ print $4, $6 }' all | while read -r seconds name; do
     LC_ALL=C tr -d '\000-\010\013-\037' <"$name.log" | LC_ALL=C tr '\177-\377' '?' |
         awk -v suite="$name" -v seconds="$seconds" '

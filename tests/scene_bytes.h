@@ -1,4 +1,4 @@
-/* A scene file made byte by byte, and what reading it gives. */
+/* Builds a scene file byte by byte, and reads it. */
 #ifndef SCENE_BYTES_H
 #define SCENE_BYTES_H
 
@@ -14,7 +14,7 @@
 
 enum { MAX_FILE = 1 << 21 };
 
-static const char path[] = "made/scene";   /* in messages only */
+static const char path[] = "made/scene";   /* for messages only */
 static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
@@ -72,7 +72,7 @@ static inline void put_float(float value)
     size += 4;
 }
 
-/* The file is the first `length` bytes. */
+/* Limits the file to the first `length` bytes. */
 static inline void put_file(size_t length)
 {
     file_size = length;
@@ -82,7 +82,7 @@ static inline void put_file(size_t length)
 
 static char written[] = "/tmp/fixsplat_written_XXXXXX";
 
-/* Makes room for it, empty. */
+/* Creates the empty file to write to. */
 static inline void make_written(void)
 {
     int descriptor = mkstemp(written);
@@ -90,7 +90,7 @@ static inline void make_written(void)
         abort();
 }
 
-/* Its bytes are the file to read. */
+/* Reads the written file back as the file under test. */
 static inline void take_written(void)
 {
     FILE *stream = fopen(written, "rb");
@@ -101,7 +101,7 @@ static inline void take_written(void)
 
 /* ---- Reading it ---- */
 
-/* 0 where the file opens and reads to its end, twice, at two paces; else the error and the message. */
+/* Reads the file to its end twice, with batches of two sizes. Returns 0, or the error with its message. */
 static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
 {
     fxs_scene_file *file;
@@ -121,7 +121,7 @@ static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
     return count < 0 ? (int)count : 0;
 }
 
-/* The file's first `length` bytes must fail with a message of the path, a colon and `text`. */
+/* The first `length` bytes must fail, with a message of the path, a colon and `text`. */
 static inline void check_cut_fails(size_t length, const char *text)
 {
     static fxs_gaussian gaussians[1024];
@@ -148,7 +148,7 @@ static inline double opacity_of(const fxs_gaussian *g)
     return 1 / (1 + exp(-(double)g->opacity));
 }
 
-/* Cosine of half the angle between two rotations; q and -q are the same. */
+/* Cosine of half the angle between two rotations; q and -q count as equal. */
 static inline double rotation_match(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     double dot = 0, norm_a = 0, norm_b = 0;

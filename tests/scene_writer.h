@@ -1,4 +1,4 @@
-/* Begins a scene file of a format by its name. */
+/* Opens a writer of scene files by the format's name. */
 #ifndef SCENE_WRITER_H
 #define SCENE_WRITER_H
 

@@ -1,4 +1,4 @@
-/* .spz files of given codes, for tests. */
+/* Builds .spz files from given codes. */
 #ifndef SPZ_BYTES_H
 #define SPZ_BYTES_H
 
@@ -47,7 +47,7 @@ static inline uint8_t *spz_put_header(const spz_bytes *s, uint8_t *to)
     return to;
 }
 
-/* Versions 1 to 3 without compression. Returns the size. */
+/* Versions 1 to 3, uncompressed. Returns the size. */
 static inline size_t spz_plain(const spz_bytes *s, uint8_t *out)
 {
     uint8_t *to = spz_put_header(s, out);

@@ -1,4 +1,4 @@
-/* The lists of all tiles by the C stages, for tests that look at them. */
+/* The lists of all tiles, computed by the C stages. */
 #ifndef TILE_LISTS_H
 #define TILE_LISTS_H
 
@@ -6,12 +6,12 @@
 
 #include "src/core/parts.h"
 
-/* Tile t's list is counts[t] entries that end before entries[ends[t]]. */
+/* The list of tile t has counts[t] entries and ends before entries[ends[t]]. */
 typedef struct tile_lists {
     uint32_t *counts, *ends, *entries;
 } tile_lists;
 
-/* Of `count` slots; depths: by which they are sorted. */
+/* Lists `count` slots, sorted by `depths`. */
 static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                                  const fxs_box *boxes, const uint32_t *depths, uint32_t count)
 {

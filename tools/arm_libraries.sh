@@ -1,8 +1,8 @@
 #!/bin/sh
-# tools/arm_libraries.sh FOLDER [PACKAGE...]: Debian's packages for AArch64, the newest of this release, as FOLDER/usr:
-# libpng, zlib and libjpeg-turbo, for the pictures of tests/scripts/processors.sh, or others, and nothing that they need.
-# They are fetched again when this machine's own change. By apt, which checks signatures, with lists of its own that know
-# of no other processor; the system's own state stays as it is. Where that fails, the tests are skipped.
+# tools/arm_libraries.sh FOLDER [PACKAGE...]: unpacks Debian's newest AArch64 packages of this release into FOLDER/usr,
+# without their dependencies. Default: libpng, zlib and libjpeg-turbo, for tests/scripts/processors.sh. Fetches them
+# again when this machine's own versions change. apt checks the signatures; it uses separate lists for arm64, so the
+# system's state is unchanged. If fetching fails, the tests are skipped.
 folder=${1:?folder}
 shift
 packages=${*:-libpng-dev zlib1g-dev libjpeg62-turbo-dev}

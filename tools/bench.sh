@@ -1,13 +1,13 @@
 #!/bin/sh
-# bench.sh [PART...]: measures and writes the parts of a document (between their marker lines): tables, gles, sizes, limits, stereo,
-# foveated, levels; without PART, all. FOVEATED: the back ends of that part (cpu gles). The document changes once, when all is measured;
-# where anything fails or it is interrupted, it stays as it is.
-# fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
-# FIT_SIZE: of each (3000, 600).
-# cuts, budgets, steps, boards, only where named: of levels of detail, by tests/web/budgets.mjs (half an hour); CAPTURED: scenes
-# of the first two (all); KEPT: folder of what is made of them (B/levels). boards is a part of docs/boards.md.
+# bench.sh [PART...]: measures, and writes the parts of a document between their marker lines. Default parts: tables,
+# gles, sizes, limits, stereo, foveated, levels. FOVEATED: back ends of that part (cpu gles). The document is replaced
+# once, after all measurements; on a failure or an interrupt it is unchanged.
+# Only by name, half an hour: fit and fit_stages. fit: fits with each cut-off; fit_stages: the stages of a step, with
+# FIT_CPUS. Both take FIT_STEPS and FIT_SIZE (3000, 600).
+# Only by name: cuts, budgets, steps, boards (levels of detail, by tests/web/budgets.mjs, half an hour). CAPTURED:
+# scenes of the first two (all); KEPT: folder of intermediate files (B/levels). boards is a part of docs/boards.md.
 # B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/measured.md, or a copy of it.
-# Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
+# Medians of 10 frames or more, from `fixsplat bench --json`; all rows of a table come from one run.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
 DOCUMENT=${DOCUMENT:-docs/measured.md}
@@ -20,7 +20,7 @@ two=2
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# A table row: the label, then the stages and the frame of a bench run.
+# row LABEL OPTION...: a table row with the stages and the frame time of a bench run.
 row() {
     label=$1
     shift
@@ -92,7 +92,7 @@ scenes() {
     printf '\n| scene | times C, 1 thread | times 1 thread | frames a second, 1280x720 |\n|---|---|---|---|\n%s' "$ratios"
 }
 
-# Milliseconds of the import (median of three) by one thread and by two.
+# import_row NAME FILE: import time by one thread and by two, milliseconds, median of three.
 import_row() {
     for threads in 1 $two; do
         for run in 1 2 3; do
@@ -118,7 +118,7 @@ imports() {
     fi
 }
 
-# Pairs, blend time and distance of the two cut-offs, for one camera.
+# cutoff_rows NAME FILE OPTION...: pairs, blend time and difference of the two cut-offs, for one camera.
 cutoff_rows() {
     name=$1 file=$2
     shift 2
@@ -151,7 +151,7 @@ cutoffs() {
     printf '\nBetween the two pictures:\n\n%s' "$distances"
 }
 
-# The back ends of OpenGL ES, for one camera.
+# gles_rows NAME FILE OPTION...: times of the OpenGL ES back ends and their difference from the CPU, for one camera.
 gles_rows() {
     name=$1 file=$2
     shift 2
@@ -182,7 +182,7 @@ gles() {
     fi
 }
 
-# Rows for a view in 1, 1/2, 1/4 and 1/8 of the memory that fxs_frame_bytes asks for.
+# Rows for a view in 1, 1/2, 1/4 and 1/8 of the memory that fxs_frame_bytes states.
 limit_rows() {
     name=$1 file=$2 all=
     shift 2
@@ -219,7 +219,7 @@ limits() {
     fi
 }
 
-# test_quality measures.
+# Rows from test_quality.
 sizes() {
     printf '960x640, 8-bit pictures against double precision from the floats of the file: mean (worst) of four views.\n\n'
     FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|'
@@ -237,7 +237,7 @@ sizes() {
     mapped
 }
 
-# The first stages read only the chunks that can be seen.
+# The first stages read only visible chunks.
 mapped() {
     printf '\n### A large scene from its file\n\nlandscape of 10,000,000, .fxs of the profile default, mapped; 1920x1080, %s threads, milliseconds.\n\n' $two
     head_row view
@@ -250,8 +250,8 @@ mapped() {
     rm "$work/large.fxs"
 }
 
-# One row: two frames, then both eyes with the order and colours shared; and how far the pictures are from exact.
-# The two take turns, and the fastest frame of three turns counts: they differ by less than the noise of a busy machine.
+# One row: two exact frames, then both eyes with shared order and colours, and the pictures' difference from exact. The
+# two variants alternate and the fastest of three runs counts, because they differ by less than a busy machine's noise.
 stereo_row() {
     name=$1 file=$2
     shift 2
@@ -282,7 +282,8 @@ stereo() {
     fi
 }
 
-# One row: the whole picture and the foveated one in turns, medians; then pixels, milliseconds and PSNR of each ring.
+# One row: median times of the whole and the foveated picture in alternation; then pixels, milliseconds and PSNR of each
+# ring.
 foveated_row() {
     name=$1 backend=$2 size=$3
     shift 3
@@ -322,8 +323,8 @@ foveated() {
     done
 }
 
-# Of a scene, and of what --decimate leaves of it: "equal" for PSNR where that is all. Their frames take turns, and the
-# fastest counts, as in stereo_row.
+# Rows for a scene and its decimated versions; PSNR "equal" for the full one. Runs alternate and the fastest counts, as
+# in stereo_row.
 level_rows() {
     name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
     for share in $shares; do
@@ -361,7 +362,7 @@ budgets() { detail budgets; }
 steps() { detail steps; }
 boards() { detail boards; }
 
-# Stages of a step: of 40 steps, one thread, from where the same fit was saved after FIT_STEPS of them.
+# Stages of a step, over 40 steps on one thread, resumed from the fit saved after FIT_STEPS steps.
 fit_stages() {
     steps=${FIT_STEPS:-3000}
     set -- fit "$PHOTOS/snowmiku" -o "$work/stages.ply" --resolution "${FIT_SIZE:-600}"
@@ -385,7 +386,7 @@ fit_stages() {
     done
 }
 
-# The same fit by either cut-off: milliseconds a step (photographs are read before), and what is held out.
+# The same fit with each cut-off: milliseconds a step without reading, and quality of the held-out photographs.
 fit() {
     printf 'snowmiku at %s pixels, %s steps of the reference recipe, %s threads; 13 photographs held out.\n\n' \
         "${FIT_SIZE:-600}" "${FIT_STEPS:-3000}" $two
@@ -415,7 +416,7 @@ fail() {
     exit 1
 }
 
-# What was measured, when, and where.
+# A line with date, commit and machine.
 stamp() {
     commit=$(git rev-parse --short HEAD 2>/dev/null) || commit=unknown
     [ -z "$(git status --porcelain --untracked-files=no 2>/dev/null)" ] || commit="$commit with changes"
@@ -424,7 +425,7 @@ stamp() {
         "$(${CC:-cc} --version | head -n 1)"
 }
 
-# measure PART: its text. A number that a run did not give leaves two spaces in its cell.
+# measure PART: prints the part's text. A missing number would leave two spaces in its cell.
 measure() {
     case $1 in
     tables | gles | sizes | limits | stereo | foveated | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
@@ -438,7 +439,7 @@ measure() {
     cat "$work/$1"
 }
 
-# put PART: into the copy of the document, between its lines.
+# put PART: inserts the text between the part's marker lines in the copy of the document.
 put() {
     awk -v text="$work/$1" -v begin="<!-- $1: begin" -v end="<!-- $1: end" '
         index($0, begin) == 1 { print; print ""; while ((getline line < text) > 0) print line; skip = 1 }

@@ -1,3 +1,5 @@
+/* Reads the JSON of an earlier `fixsplat bench --json`, checks that it measured the same, and collects the
+   differences that are allowed. */
 #include "bench_earlier.h"
 
 #ifndef FXS_WITH_CJSON
@@ -35,7 +37,7 @@ static int load(const char *path, char text[FILE_MOST + 1])
            : size > FILE_MOST ? fail(EXIT_FAILED, "%s: too long for what bench --json prints", path) : 0;
 }
 
-/* What a fact is there, as words; null where it is none. `room` is for a number. */
+/* The text of a JSON fact, or null if it is neither a text nor a number. `room` holds a number's digits. */
 static const char *words_of(const cJSON *item, char room[32])
 {
     if (cJSON_IsNumber(item))

@@ -1,13 +1,13 @@
-/* Reads what an earlier `fixsplat bench --json` printed, for bench --compare. */
+/* Reads the output of an earlier `fixsplat bench --json`, for bench --compare. */
 #ifndef BENCH_EARLIER_H
 #define BENCH_EARLIER_H
 
 #include "command.h"
 
-/* How an earlier run may differ in a fact: freely, with its ratios marked, or not at all. */
+/* How a differing fact is treated: ignored, marked beside the ratios, or an error. */
 enum { FACT_ASIDE, FACT_MARKED, FACT_SAME };
 
-/* A member of the JSON object: a text, or where that is null a number. */
+/* A member of the JSON object: a text, or a number if the text is null. */
 typedef struct bench_fact {
     const char *name, *text;
     double number;
@@ -18,7 +18,7 @@ typedef struct bench_fact {
 
 typedef struct bench_earlier {
     double stages[FXS_STAGES], frame;       /* median milliseconds */
-    char marks[MARKS_MOST];                 /* what differs but the times, one line, or empty */
+    char marks[MARKS_MOST];                 /* differing facts, in one line; empty: none */
 } bench_earlier;
 
 /* Returns 0, or prints why the file cannot be read or compared, and returns the exit status. */

@@ -18,7 +18,7 @@ const beside_program server_program = {"", "libmicrohttpd"};
 #endif
 
 #ifdef _WIN32
-#define EXE ".exe"                     /* which fxs_program_become adds */
+#define EXE ".exe"                     /* fxs_program_become adds it */
 #else
 #define EXE ""
 #endif

@@ -1,16 +1,16 @@
-/* What of the command needs libraries that are many, and that the rest does without, is a program beside it. */
+/* Subcommands with heavy libraries (SDL, libmicrohttpd) are separate programs in the same folder, started here. */
 #ifndef BESIDE_H
 #define BESIDE_H
 
 typedef struct beside_program {
-    const char *ending;                     /* of its name, behind "fixsplat"; empty where it was not built, */
-    const char *library;                    /* for want of this */
+    const char *ending;                     /* name of the program after "fixsplat"; empty: not built */
+    const char *library;                    /* the library that it needs */
 } beside_program;
 
 extern const beside_program window_program, server_program;
 
-/* Runs it in the place of this program, with the same arguments, argv[0] being the name of the command. Returns only
-   where it cannot: prints why `shown` cannot be shown and returns EXIT_FAILED. */
+/* Replaces this process by the program, with the same arguments; argv[0] is the command's name. Returns only on
+   failure: prints why `shown` cannot be shown and returns EXIT_FAILED. */
 int run_beside(const beside_program *program, const char *shown, char **argv);
 
 #endif

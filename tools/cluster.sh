@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fits a scene in blocks, as jobs on this machine or of Slurm: a coarse fit of the whole, a fit of each block that goes
-# on from there, and one scene of all. See --help.
+# Fits a scene in blocks, as local jobs or Slurm jobs: a coarse fit of the whole, a fit of each block that continues
+# from it, and a merge into one scene. See --help.
 set -u
 
 help() {
@@ -102,12 +102,12 @@ mkdir -p -- "$work" || exit 1
 
 # ---- The jobs --------------------------------------------------------------------------------------------------------
 
-# whole NAME: the path from the root on.
+# whole NAME: the absolute path.
 whole() {
     folder=$(cd -- "$(dirname -- "$1")" && pwd) || exit 1
     printf '%s\n' "$folder/$(basename -- "$1")"
 }
-# words WORD...: as a shell takes them.
+# words WORD...: quotes words for a shell.
 words() {
     for word; do
         printf " '%s'" "$(printf %s "$word" | sed "s/'/'\\\\''/g")"
@@ -115,7 +115,7 @@ words() {
 }
 case $FIXSPLAT in */*) FIXSPLAT=$(whole "$FIXSPLAT") ;; esac
 work=$(cd -- "$work" && pwd) || exit 1
-# A fit that goes on from another one needs a recipe whose course does not adapt to the number of steps.
+# A resumed fit needs a recipe that does not adapt to the number of steps.
 case " $* " in
     *" --recipe"* | *" --quality"*) ;;
     *) set -- --recipe reference "$@" ;;
@@ -123,14 +123,14 @@ esac
 fit=$(words "$FIXSPLAT" fit "$(whole "$photos")" "$@")
 parts=$(seq 0 "$blocks" | sed "s/.*/part-&.ply/" | tr '\n' ' ')
 
-# What was made by other options is not of this scene.
+# Refuses results made with other options.
 settings="blocks $blocks, coarse fit $coarse_steps steps at $coarse_resolution, $steps steps,$fit"
 if [ -e "$work/settings" ] && [ "$(cat "$work/settings")" != "$settings" ]; then
     stop "$work: the jobs there are of other options: $(cat "$work/settings"); remove it, or choose another --work"
 fi
 printf '%s\n' "$settings" >"$work/settings.new" && mv "$work/settings.new" "$work/settings" || exit 1
 
-# The last --resolution counts.
+# The last --resolution on the command line counts.
 cat >"$work/coarse.sh" <<END
 #!/bin/sh
 cd $(words "$work") || exit 1
@@ -154,13 +154,13 @@ END
 chmod +x "$work/coarse.sh" "$work/block.sh" "$work/merge.sh" || exit 1
 [ -z "$dry_run" ] || { printf '%s: coarse.sh, block.sh and merge.sh are written\n' "$work"; exit 0; }
 
-# missing: numbers of the blocks that have no result, with commas.
+# missing: the numbers of blocks without a result, separated by commas.
 missing() {
     for block in $(seq 0 "$blocks"); do
         [ -e "$work/part-$block.ply" ] || printf '%s,' "$block"
     done | sed 's/,$//'
 }
-# A job that failed says why in its log.
+# say_failed: prints the reason from each failed job's log.
 say_failed() {
     for log in coarse $(seq 0 "$blocks") merge; do
         [ ! -s "$work/$log.log" ] || grep -h '^fixsplat: ' "$work/$log.log" | tail -n 1 | sed "s/^/$log.log: /"
@@ -178,8 +178,8 @@ by_parallel() {
 
 # ---- By Slurm --------------------------------------------------------------------------------------------------------
 
-# submit NAME OPTION... SCRIPT: prints the number of the job. Slurm replaces % and \ in the name of an output, but not in
-# that of a folder.
+# submit NAME OPTION... SCRIPT: prints the job's number. Slurm expands % and \ in an output's name but not in a
+# folder's.
 submit() {
     name=$1
     shift

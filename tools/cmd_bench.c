@@ -1,4 +1,4 @@
-/* fixsplat bench: times the stages of a frame. */
+/* fixsplat bench: times the stages of a frame over many frames, and compares them with an earlier run. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,18 +12,17 @@
 typedef struct bench_options {
     frame_options frame;
     int frames, path, json;
-    const char *compare;                    /* file of an earlier run, or null */
+    const char *compare;                    /* output of an earlier run, or null */
     int draws;                              /* DRAW_* */
 } bench_options;
 
-/* Columns of the times: the stages, the whole frame, of that the device of a back end, and foveated the rings and what
-   puts them together. */
+/* Columns of times: the stages, the frame, the device's share, the rings of a foveated frame, and composing them. */
 enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
 
-/* What a ring of a foveated picture shows, of both eyes. */
+/* A ring of a foveated picture, over both eyes. */
 typedef struct ring_picture {
     uint64_t shaded, shown;                 /* pixels */
-    double psnr;                            /* of those shown */
+    double psnr;                            /* of the pixels shown */
 } ring_picture;
 
 static int take_draw(const option_row *row, void *field, const char *value)
@@ -85,7 +84,7 @@ static spread spread_of(double *values, int count)
     return (spread){values[0], (values[(count - 1) / 2] + values[count / 2]) / 2, values[count - 1]};
 }
 
-/* The view of frame i: the one given, or a step of a circle around the middle of the scene. */
+/* The view of frame i: the given one, or a step on an orbit about the scene's middle. */
 static fxs_file_view view_of_frame(const bench_options *o, const world *w, const fxs_file_view *view, int i)
 {
     fxs_file_view turned = *view;
@@ -97,7 +96,7 @@ static fxs_file_view view_of_frame(const bench_options *o, const world *w, const
     return turned;
 }
 
-/* Of a frame of picture `r->foveated`, into column `i` of `frames`. */
+/* Stores the times of a foveated frame in column i. */
 static void take_ring_times(const renderer *r, double *times, int frames, int i)
 {
     const fxs_foveated *f = &r->foveated;
@@ -135,13 +134,13 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
     return status;
 }
 
-/* Whether a pixel lies on one side of the picture in a window and not in its bands. */
+/* True if a coordinate lies in a window and outside its blending bands. */
 static int is_inside(int at, int first, int length, int whole, int band)
 {
     return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
 }
 
-/* The finest ring that is all that a pixel of an eye shows; in a band the coarser one. */
+/* The finest ring that alone determines a pixel of an eye; in a band it is the coarser one. */
 static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
 {
     const fxs_foveated *f = &r->foveated;
@@ -177,7 +176,7 @@ static void compare_rings(ring_picture rings[FXS_RINGS], const renderer *r, cons
     }
 }
 
-/* The view once foveated and once whole. */
+/* Renders the view foveated and whole, and compares them ring by ring. */
 static int measure_rings(ring_picture rings[FXS_RINGS], renderer *r, const bench_options *o, const world *w,
                          const fxs_file_view *view)
 {
@@ -201,7 +200,7 @@ static const char *column_name(int column)
     return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : column == FRAME ? "frame" : "device";
 }
 
-/* ---- What was measured ------------------------------------------------------------------------------------------- */
+/* ---- Facts of a run ---------------------------------------------------------------------------------------------- */
 
 #define SCENES_ROOM 4096
 #define CAMERA_ROOM 640
@@ -212,7 +211,7 @@ typedef struct bench_facts {
     char scenes[SCENES_ROOM], camera[CAMERA_ROOM], foveation[160], processor[128];
 } bench_facts;
 
-/* The files' names without their folders. */
+/* File names without folders. */
 static void name_scenes(char names[SCENES_ROOM], const world *w)
 {
     size_t used = 0;
@@ -232,7 +231,7 @@ static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
              r[2], r[3], r[4], r[5], r[6], r[7], r[8], v->fx, v->fy, v->cx, v->cy, v->near);
 }
 
-/* As the system names it, or "unknown". */
+/* The system's name of the processor, or "unknown". */
 static void name_processor(char name[128])
 {
     FILE *file = fopen("/proc/cpuinfo", "r");
@@ -348,7 +347,6 @@ static void print_json(const spread columns[COLUMNS], const ring_picture rings[F
     puts("}");
 }
 
-/* Of a world that is open. */
 static int bench(renderer *r, const bench_options *o, const world *w, const fxs_file_view *view)
 {
     spread columns[COLUMNS];

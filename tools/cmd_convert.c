@@ -1,4 +1,5 @@
-/* fixsplat convert: writes scene files as another one. */
+/* fixsplat convert: writes one or several scene files as a file of any format. Scenes are read in floats, filtered,
+   placed, merged, and packed or written Gaussian by Gaussian; parts of an .fxs are merged packed. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -23,25 +24,25 @@
 enum { SHAPES_MOST = 256 };
 
 typedef struct convert_options {
-    const char *in, *out;                   /* in: what is placed, by the name of the one file or of its list */
+    const char *in, *out;                   /* in: the placed scenes, named by the one file or the list */
     world_options world;
     fxs_world placed;
-    fxs_placement whole;                    /* how all of it is placed; its rotation follows from these: */
-    double degrees[3], up[3];               /* up all 0: as it is */
-    double level[9];                        /* three points of the ground; has_level: given */
+    fxs_placement whole;                    /* placement of the whole; its rotation follows from: */
+    double degrees[3], up[3];               /* up all 0: unchanged */
+    double level[9];                        /* three points of the ground; valid with has_level */
     int has_level;
     fxs_scene_filter filter;
     fxs_filter_shape shapes[SHAPES_MOST];   /* of the filter */
     load_options load;
-    int spz_version;                        /* 0: none given */
+    int spz_version;                        /* 0: default */
     int spz_fine;
     int has_start;
-    fxs_file_view start;                    /* of --start-view */
-    int start_is_level;                     /* to be, by what is up */
-    int refine_steps;                       /* of --refine; has_refine: given */
+    fxs_file_view start;                    /* --start-view */
+    int start_is_level;                     /* 1: the start view must be levelled by the up direction */
+    int refine_steps;                       /* --refine; valid with has_refine */
     int has_refine;
-    const char *cameras;                    /* of it */
-    uint32_t block, blocks;                 /* of --block; 0: all */
+    const char *cameras;                    /* views of --refine */
+    uint32_t block, blocks;                 /* --block; blocks 0: all */
 } convert_options;
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
@@ -52,7 +53,7 @@ static int take_up(const option_row *row, void *field, const char *value)
     return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
 }
 
-/* up = (b - a) x (c - a), which is 0 where the points lie on one line, within rounding. */
+/* up = (b - a) x (c - a); about 0, and refused, if the points lie on a line. */
 static int take_level(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -171,7 +172,7 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Six numbers or seven: eye, look and field of view; or a file and, after a colon, its view. */
+/* Six or seven numbers: eye, look and field of view; or a camera file, a colon and a view. */
 static int take_start(const option_row *row, void *field, const char *value)
 {
     static const double up[3] = {0, -1, 0};
@@ -279,7 +280,7 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* Whether an option asks for the filter. */
+/* True if an option needs the filter. */
 static int is_filtered(void)
 {
     return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") ||
@@ -324,10 +325,10 @@ static int read_options(convert_options *o, int argc, char **argv)
 
 /* ---- .fxs ------------------------------------------------------------------------------------------------------ */
 
-/* Promises of the profiles. */
+/* Guarantees of the profiles. */
 static const struct promise {
-    double worst;                           /* dB from the floats that every view of most scenes has */
-    int views;                              /* that are compared, in turn middle, close and far */
+    double worst;                           /* PSNR to the floats in dB that every view of most scenes reaches */
+    int views;                              /* views compared, in turn at middle, close and far distance */
     const char *better;
 } promises[] = {
     [FXS_PROFILE_DEFAULT] = {52, 3, "no profile loses less"},
@@ -335,11 +336,11 @@ static const struct promise {
     [FXS_PROFILE_SMALL] = {38, 6, "profile compact loses less"},
 };
 
-/* Notes a view of a packed scene that is farther from its floats than its profile promises, of small views around the
-   scene; or why that is not known. */
+/* Compares small views around a packed scene with its floats, and notes a view below the profile's promise, or why
+   the comparison is impossible. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
-    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* Gaussians: some 3 GB of floats */
+    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* Gaussians, about 3 GB of floats */
     const enum fxs_profile profile = packed->scenes[0].opened->scene->profile;
     const struct promise *promise = &promises[profile];
     load_options again = *load;
@@ -388,7 +389,7 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
     return error ? fail(EXIT_FAILED, "--refine: %s", message.text) : 0;
 }
 
-/* The scene was packed here, in memory of its own. */
+/* Refines a scene packed here, in writable memory. */
 static int refine(const convert_options *o, const fxs_opened *packed, const load_options *load)
 {
     fxs_file_view *views = 0;
@@ -427,7 +428,7 @@ static int to_fxs(const convert_options *o)
     if (!status && scene->profile == FXS_PROFILE_COMPACT && !scene->sh_degree)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
     if (!status && o->has_start && keep_start(o, (void *)(uintptr_t)loaded->opened->data, &message))
-        status = fail(EXIT_FAILED, "--start-view: %s", message.text);   /* packed here, in memory of its own */
+        status = fail(EXIT_FAILED, "--start-view: %s", message.text);   /* packed here, in writable memory */
     if (!status && o->has_refine)
         status = refine(o, loaded->opened, &load);
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
@@ -487,7 +488,7 @@ static int set_start(void *argument, void *header, fxs_message *message)
     return o->has_start ? keep_start(o, header, message) : 0;
 }
 
-/* What parts were made with is not said again. */
+/* Refuses options that belong to the making of parts. */
 static int check_options_of_parts(const convert_options *o)
 {
     for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
@@ -519,7 +520,7 @@ static int merge_parts(convert_options *o)
     return error ? fail_for(&message) : 0;
 }
 
-/* Whether a file of IN is a part. */
+/* True if an input is a part of an .fxs. */
 static int has_part(const convert_options *o)
 {
     fxs_message message;
@@ -529,11 +530,11 @@ static int has_part(const convert_options *o)
     return 0;
 }
 
-/* ---- The others, Gaussian by Gaussian -------------------------------------------------------------------------- */
+/* ---- Formats written Gaussian by Gaussian ---------------------------------------------------------------------- */
 
 enum { BATCH = 256 };
 
-/* Reads the file once for the bounds of its centres, and goes back to its beginning. */
+/* Reads the file once for the bounds of its centres, and rewinds it. */
 static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
@@ -577,7 +578,7 @@ static void note_clamped(const char *out, uint32_t count, const char *what)
         note("%s: clamped %s, of %" PRIu32 " Gaussians", out, what, count);
 }
 
-/* What the format of OUT cannot say. */
+/* Notes properties that the output format cannot store. */
 static void note_losses(const char *out, const double origin[3], const fxs_scene_write_report *report)
 {
     const fxs_spz_clamped *clamped = &report->clamped;
@@ -645,7 +646,7 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
 
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
-/* Turns `up` to the side of the ground where most Gaussians lie; of as many on both sides, to the one nearer to up. */
+/* Turns `up` to the side of the ground with more Gaussians; on a tie, to the side nearer to up. */
 static int find_up(convert_options *o)
 {
     fxs_gaussian batch[BATCH];
@@ -672,7 +673,7 @@ static int find_up(convert_options *o)
     return n < 0 ? fail_for(&message) : 0;
 }
 
-/* Places the whole. Returns 0, or prints why not and returns the exit status. */
+/* Places the whole. Returns 0, or prints the reason and returns the exit status. */
 static int place_whole(convert_options *o)
 {
     fxs_message message;
@@ -704,7 +705,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
-        files_force(FILES_REFUSE);          /* check_views reads IN again */
+        files_force(FILES_REFUSE);          /* check_views reads the input again */
     return files_check();
 }
 

@@ -1,4 +1,4 @@
-/* fixsplat demo: a first picture, by two other commands. */
+/* fixsplat demo: makes a first picture by running two other commands. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +32,7 @@ static void print_command(char **argv)
     fflush(stdout);
 }
 
-/* Runs another command as if it was given, and says so. */
+/* Prints another command and runs it. */
 static int run_command(const command *c, char **argv)
 {
     int argc = 0;

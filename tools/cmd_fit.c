@@ -1,4 +1,4 @@
-/* fixsplat fit: its options. fit_photos.c reads the photographs and opens the fit, fit_steps.c makes the steps, and
+/* fixsplat fit: its options. fit_photos.c reads the photographs and opens the fit, fit_steps.c makes the steps,
    fit_end.c writes, measures and prints the result. */
 #include "cmd_fit.h"
 
@@ -16,10 +16,10 @@ static const char *const qualities[] = {"draft", "good", "best", 0};
 static const struct {
     enum fxs_fit_recipe recipe;
     uint32_t steps;
-    int resolution;                 /* 0: as without --quality */
+    int resolution;                 /* 0: default */
 } by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
-static const char *const exposures[] = {"none", "gain", "affine", 0};   /* of enum fxs_fit_exposure */
-static const char *const alphas[] = {"compose", "ignore", 0};   /* of fxs_photos_options.ignore_transparent */
+static const char *const exposures[] = {"none", "gain", "affine", 0};   /* enum fxs_fit_exposure */
+static const char *const alphas[] = {"compose", "ignore", 0};   /* fxs_photos_options.ignore_transparent */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
@@ -149,7 +149,7 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* The devices of --backend cuda. */
+/* Sets the devices of --backend cuda. */
 static int set_devices(fit_command *c, const fxs_backend *backend)
 {
     fxs_fit_options *o = &c->options;
@@ -170,7 +170,7 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     return 0;
 }
 
-/* What several options make of each other. */
+/* Applies options that depend on each other. */
 static int finish_options(fit_command *c)
 {
     const fxs_backend *backend;
@@ -201,7 +201,7 @@ static int finish_options(fit_command *c)
     return status;
 }
 
-/* Of options that do not go with each other. */
+/* Rejects conflicting options. */
 static int check_options(const fit_command *c)
 {
     if (!c->out && !c->measure)
@@ -255,7 +255,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     return status ? status : finish_options(c);
 }
 
-/* Before hours of work: where it is to go. */
+/* Checks that the outputs can be written, before hours of work. */
 static int check_outputs(fit_command *c)
 {
     int wrong = c->measure ? 0 : result_check(c->out);

@@ -1,4 +1,4 @@
-/* The options of `fixsplat fit`, and the parts that fit what they say. */
+/* The options of `fixsplat fit`, and the functions of its parts. */
 #ifndef CMD_FIT_H
 #define CMD_FIT_H
 
@@ -6,50 +6,50 @@
 #include "fit_progress.h"
 
 typedef struct fit_command {
-    frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
+    frame_options frame;            /* uses background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* OUT.cameras, where they were found */
+    char *found;                    /* OUT.cameras, if its cameras were reconstructed; else null */
     uint32_t frames;
-    int quality;                    /* in by_quality, where it is given */
+    int quality;                    /* row of by_quality, if given */
     int cameras_only, crops;
     char *saved;                    /* OUT.fit */
-    int saves_itself;               /* it is the file of --resume */
-    uint32_t block, blocks;         /* blocks 0: all */
-    uint64_t save_every, metrics_every;   /* 0: never */
+    int saves_itself;               /* 1: --resume names OUT.fit itself */
+    uint32_t block, blocks;         /* blocks 0: the whole set */
+    uint64_t save_every, metrics_every;   /* steps; 0: never */
     int preview;
     uint64_t port;                  /* of the preview */
-    const fit_watcher *watcher;     /* of it; or null */
+    const fit_watcher *watcher;     /* null: no preview */
     int json;
-    char **argv;                    /* of the command, for the one that goes on */
+    char **argv;                    /* the command's, to print the command that resumes */
 } fit_command;
 
-extern const char *const fit_recipes[];    /* the names of enum fxs_fit_recipe */
+extern const char *const fit_recipes[];    /* names of enum fxs_fit_recipe */
 
-/* All but the last return 0, or print what is wrong and return the exit status. */
+/* The functions return 0, or print the error and return the exit status; fit_print_measured returns nothing. */
 
-/* Finds the cameras where there are none yet, reads the photographs, and fits a scene to them, or to those of a block;
-   or measures a scene by them. */
+/* Finds the cameras if they are missing, reads the photographs, and fits a scene to all of them or to a block's; or
+   measures a scene (--measure). */
 int fit_photos(fit_command *c);
 
-/* Makes the steps from where the fit is to the last one, with all that is shown, saved and measured on the way. After
-   a signal the fit is saved, and the program ends by it. Fills in *progress. */
+/* Runs the remaining steps, with progress, saves and measurements. A signal saves the fit and then ends the program.
+   Fills in *progress. */
 int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *progress);
 
-/* Saves the fit in OUT.fit, and prints why and the command that goes on from there. */
+/* Saves the fit in OUT.fit, and prints `why` and the command that resumes it. */
 int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);
 
-/* Writes the scene, measures it and prints the result. `block` or null; a scene that cannot be written is saved for
-   later. */
+/* Writes the scene, measures it and prints the result. `block` may be null. A scene that cannot be written is saved
+   as OUT.fit. */
 int fit_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
             const fit_progress *progress);
 
-/* Writes what the coarse fit has outside of all blocks as it is, and prints that. */
+/* Writes the coarse fit's Gaussians that lie outside of all blocks, unchanged, and prints how many. */
 int fit_write_outside(const fit_command *c, const fxs_fit_block *block);
 
-/* Prints what --measure has measured. */
+/* Prints the result of --measure. */
 void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q);
 
 #endif

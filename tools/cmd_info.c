@@ -1,4 +1,5 @@
-/* fixsplat info: prints what a scene holds, and what a frame of it needs. */
+/* fixsplat info: prints a scene's contents and the memory of a frame; optionally its loss against the original,
+   statistics, and the memory of a small display's frame. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,14 +14,14 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* dB: views of less loss are not compared with a nudged original */
+#define NUDGE_BELOW 65.0    /* dB: only views below it are compared with a nudged original */
 
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */
     const char *original;
-    enum fxs_cutoff original_cutoff;        /* of --compare-cutoff */
-    int views;                              /* 0: none given */
-    int board_width, board_height;          /* 0: not asked for */
+    enum fxs_cutoff original_cutoff;        /* --compare-cutoff */
+    int views;                              /* 0: default */
+    int board_width, board_height;          /* 0: no board */
     int json, stats, backends;
 } info_options;
 
@@ -28,11 +29,12 @@ typedef struct info_options {
 typedef struct board {
     int width, height;
     size_t strip;                           /* 16 rows of RGB565 */
-    fxs_frame_memory memory;                /* of one thread */
-    size_t rows, rows_most;                 /* from where on nothing is sliced, of all turns the least and the most */
+    fxs_frame_memory memory;                /* for one thread */
+    size_t rows, rows_most;                 /* bytes from which rows of tiles are not sliced: least and most over all
+                                               turns */
 } board;
 
-/* What is known of a scene. */
+/* All results for a scene. */
 typedef struct findings {
     world world;
     int width, height;
@@ -44,10 +46,10 @@ typedef struct findings {
     int has_stats;
     scene_stats stats;
     board board;
-    scene_levels *levels;                   /* of each file */
+    scene_levels *levels;                   /* one for each file */
 } findings;
 
-/* A scene as it is, not placed. */
+/* True for a single scene without placement or crops. */
 static int is_one(const world *w)
 {
     return w->count == 1 && fxs_placement_is_plain(w->placed.objects) && !w->placed.objects->crop_count;
@@ -82,7 +84,7 @@ static int is_direction(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* The vertical field of view of a start view, degrees. */
+/* Vertical field of view of a start view, degrees. */
 static double fov_of(const fxs_start *s)
 {
     return atan(s->tangent) * (360 / 3.14159265358979324);
@@ -159,7 +161,8 @@ static void print_board_json(const board *b, size_t scene_bytes)
            b->memory.total, b->memory.least, b->rows, b->rows_most, scene_bytes);
 }
 
-/* How many Gaussians a row of tiles may have with --max-memory: beyond the least, a band takes 88 bytes a splat. */
+/* Largest number of Gaussians in a row of tiles under --max-memory: beyond the least memory, a band takes 88 bytes a
+   splat. */
 static size_t row_of_limit(const fxs_frame_memory *m, size_t limit)
 {
     return (limit - m->least) / 88 / 16 * 16;
@@ -175,7 +178,7 @@ static void print_limit_json(const fxs_frame_memory *m, size_t limit)
         printf("null}, ");
 }
 
-/* Of one scene as it is, its own; of more, a list of scenes and one of objects. */
+/* A single unplaced scene is one object; several scenes are a list of scenes and a list of objects. */
 static void print_json(const findings *f)
 {
     const world *w = &f->world;
@@ -329,7 +332,7 @@ static void print_text(const findings *f)
     }
 }
 
-/* A line for each device, or why there is none. */
+/* One line for each device, or the reason why a back end has none. */
 static void print_backends(void)
 {
     const fxs_backend *b;
@@ -484,14 +487,14 @@ static int compare(findings *f, const info_options *o)
     return status;
 }
 
-/* Ends a frame whose plan is all that is wanted. */
+/* Stops a frame after its plan. */
 static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     (void)argument, (void)strip, (void)first, (void)rows;
     return FXS_ERR_UNSUPPORTED;
 }
 
-/* What the plan of each turn says. `rows` has room for the strip. */
+/* Reads the plan of each of 16 turns. `rows` has room for the strip. */
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;
@@ -546,7 +549,7 @@ static int find_levels(findings *f)
     return status;
 }
 
-/* Of .fxs files, every checksum. */
+/* Verifies every checksum of .fxs files. */
 static int check_files(const world *w)
 {
     fxs_message message;
@@ -558,7 +561,7 @@ static int check_files(const world *w)
     return 0;
 }
 
-/* Of all objects, as they are placed. */
+/* Statistics of all objects, placed. */
 static int find_stats(findings *f, const info_options *o)
 {
     fxs_scene_file *file;
@@ -581,7 +584,7 @@ static int find(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
-    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* only asked for sizes */
+    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* used for sizes only */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_init(&context, &config);

@@ -11,7 +11,7 @@
 
 typedef struct make_options {
     const char *output;
-    uint64_t count, seed;                   /* count 0: the scene's own */
+    uint64_t count, seed;                   /* count 0: the scene's default */
 } make_options;
 
 #define OPTIONS make_options
@@ -60,7 +60,7 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     return result ? fail_for(&message) : 0;
 }
 
-/* By its ending; standard output and devices have none. */
+/* Judged by the name's ending; standard output and devices pass. */
 static int is_of_another_format(const char *name)
 {
     const fxs_scene_format *format = fxs_scene_format_of(name, 1);

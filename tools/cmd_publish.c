@@ -1,5 +1,5 @@
-/* fixsplat publish: a folder for any web server, with scenes, their pictures and the page that shows them; or one file
-   that needs none. */
+/* fixsplat publish: writes a folder for any web server, with scenes, their pictures and the page that shows them; or
+   one file that works without a server. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,14 +19,14 @@
 #include "task.h"
 
 typedef struct publish_options {
-    frame_options frame;           /* the poster's size, how scenes are packed and read */
+    frame_options frame;           /* poster size; packing and reading of scenes */
     const char *title, *site, *settings;
-    char *const *words;            /* of the command */
-    int single;                    /* one .html file, and no folder */
-    char mark[TASK_PATH];          /* a file in the folder while it is not finished */
+    char *const *words;            /* the command line */
+    int single;                    /* one .html file, no folder */
+    char mark[TASK_PATH];          /* marks the folder as unfinished */
     scene_list list;
-    size_t bytes;                  /* of all that was written */
-    made_list made;                /* what was not there before: removed where publish fails */
+    size_t bytes;                  /* of all files written */
+    made_list made;                /* new files and folders, removed if publish fails */
 } publish_options;
 
 #define OPTIONS publish_options
@@ -68,7 +68,7 @@ static int write_scene(publish_options *o, listed_scene *s)
     return error ? fail_for(&why) : 0;
 }
 
-/* From where the page begins. */
+/* Renders the poster from the page's first view. */
 static int write_poster(publish_options *o, const listed_scene *s)
 {
     render_options *r = calloc(1, sizeof *r);
@@ -133,7 +133,7 @@ static int copy_files(publish_options *o, const char *from, const char *to)
     return fxs_folder_each(from, copy_file, &c) ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno)) : c.status;
 }
 
-/* Beside the scene, as the page asks for it. */
+/* In the scene's folder, where the page looks for it. */
 static int copy_settings(publish_options *o)
 {
     fxs_mapping file;
@@ -183,14 +183,14 @@ static void print_list(FILE *file, const char *title, const scene_list *list)
     }
 }
 
-/* A page of one scene, or the list of all. */
+/* The page of a scene, or with a null scene the list. */
 static int write_page(publish_options *o, const char *name, const listed_scene *s)
 {
     fxs_printed printed;
     if (fxs_print_begin(&printed))
         return fail(EXIT_FAILED, "out of memory");
     FILE *file = printed.file;
-    const int is_one = s && o->list.count > 1;     /* of several: --title is that of the list */
+    const int is_one = s && o->list.count > 1;     /* with several scenes, --title names the list */
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
         print_scene(file, title, s->name, o->settings);
@@ -221,8 +221,8 @@ static void count_file(void *files, const char *name)
     *(int *)files += strcmp(name, ".") && strcmp(name, "..");
 }
 
-/* A folder that is not there, is empty, or is of an earlier call, which may have been killed: an empty file marks a
-   folder of publish until all is in it. */
+/* Accepts a folder that is missing, empty, or from an earlier publish, even a killed one: a marker file exists until
+   the folder is complete. */
 static int take_site(publish_options *o)
 {
     char page[TASK_PATH];

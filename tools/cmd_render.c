@@ -9,7 +9,7 @@
 #include "src/base/system.h"
 #include "src/image/depth_file.h"
 
-enum { FRAMES_MOST = 100000 };              /* of a film */
+enum { FRAMES_MOST = 100000 };              /* frames of a film */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
@@ -64,7 +64,7 @@ static int take_format(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Letters of a hash are small, as it is printed. */
+/* A hash has lower-case digits, as printed. */
 static int take_expected(const option_row *row, void *field, const char *value)
 {
     render_options *o = field;
@@ -130,9 +130,9 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* ---- Together ---------------------------------------------------------------------------------------------------- */
+/* ---- Checks of options together ---------------------------------------------------------------------------------- */
 
-/* The picture's name and format. */
+/* Checks the picture's name and format. */
 static int check_picture(render_options *o)
 {
     if (o->output && strcmp(o->output, "-")) {
@@ -174,7 +174,7 @@ static int check_depths(render_options *o)
     return 0;
 }
 
-/* What is asked for against how it is drawn. */
+/* Checks the outputs against the way of drawing. */
 static int check_drawing(const render_options *o)
 {
     const frame_options *f = &o->frame;

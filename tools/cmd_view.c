@@ -1,4 +1,5 @@
-/* fixsplat view: its options. fixsplat-view, a program beside this one, has the window, and fixsplat-web the page. */
+/* fixsplat view: its options. The separate programs fixsplat-view and fixsplat-web open the window and serve the
+   page. */
 #include <string.h>
 
 #include <fixsplat/image_file.h>
@@ -68,7 +69,7 @@ static const option_row page_rows[] = {
     {0}
 };
 
-/* Whether --web takes an option of those that frames have. */
+/* True if --web accepts this option of frames. */
 static int is_for_page(const char *name)
 {
     static const char *const taken[] = {"cameras", "view", "bg", "threads", "profile"};
@@ -78,7 +79,7 @@ static int is_for_page(const char *name)
     return 0;
 }
 
-/* The first option of a table that was given and is not for both window and page; null: none. */
+/* The first given option of a table that the window and the page do not share; null: none. */
 static const char *given_of(const option_row *rows)
 {
     for (; rows->help; rows++)
@@ -101,7 +102,7 @@ static int check_web(const view_options *o)
     return 0;
 }
 
-/* The scenes that are given; a window may wait for one. */
+/* Stores the scenes given. A window may start without one. */
 static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
 {
     world_options *w = &o->frame.world;

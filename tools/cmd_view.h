@@ -7,17 +7,17 @@
 typedef struct view_options {
     frame_options frame;
     const char *screenshot;
-    double rate;                            /* of --fps; 0: none given */
-    int web;                                /* in a page of a browser; the rest is of that: */
+    double rate;                            /* --fps; 0: not given */
+    int web;                                /* 1: in a browser; the following fields are for that: */
     const char *bind, *host, *certificate, *key;
     uint64_t port;
     int no_open, qr;
 } view_options;
 
-/* Returns 0, or prints what is wrong and returns EXIT_USAGE; after --help the program ends. */
+/* Returns 0, or prints the error and returns EXIT_USAGE; --help ends the program. */
 int view_options_take(view_options *options, int argc, char **argv);
 
-/* What each key does, a line each. */
+/* One line for each key and its action. */
 extern const char viewer_keys[];
 
 #endif

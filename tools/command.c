@@ -1,3 +1,4 @@
+/* Shared by the commands: messages, --quiet, suggestions, quoting of JSON and shell words, the progress bar. */
 #include "command.h"
 
 #include <inttypes.h>
@@ -50,9 +51,9 @@ int fail_for(const fxs_message *why)
     return fail(EXIT_FAILED, "%s%s", why->text, needed_bytes(needed, why));
 }
 
-/* ---- What every command takes ---------------------------------------------------------------------------------- */
+/* ---- Messages and --quiet -------------------------------------------------------------------------------------- */
 
-/* In the environment, so that the programs of `view` have it too. */
+/* An environment variable, so that child programs inherit it. */
 static const char quiet_variable[] = "FIXSPLAT_QUIET";
 
 void be_quiet(void)
@@ -92,8 +93,8 @@ void print_version(void)
 
 enum { LONGEST_NAME = 32 };
 
-/* How many letters are to be put in, left out or changed to make one of the other (Levenshtein 1966): row i of the
-   table is of i letters of a. */
+/* Number of letters to insert, delete or change to turn a into b (Levenshtein 1966). Row i of the table belongs to
+   the first i letters of a. */
 static size_t edit_distance(const char *a, size_t length, const char *b)
 {
     size_t row[LONGEST_NAME + 1];
@@ -160,7 +161,7 @@ void write_shell_word(FILE *file, const char *word)
     fputc(FXS_SHELL_QUOTE, file);
 }
 
-/* What was printed has to have arrived, wherever the program ends. */
+/* Reports output that could not be written, at every exit of the program. */
 static void check_printed(void)
 {
     if (fflush(stdout) || ferror(stdout))

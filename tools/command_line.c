@@ -1,3 +1,5 @@
+/* Parses options by tables of rows (with getopt_long), prints --help, suggests an option for a misspelt one, and
+   converts values. */
 #include "command_line.h"
 
 #include <assert.h>
@@ -9,10 +11,10 @@
 #include "src/base/system.h"
 #include "command.h"
 
-/* ---- What every command takes ---------------------------------------------------------------------------------- */
+/* ---- Common options -------------------------------------------------------------------------------------------- */
 
 const command *const *all_commands;
-static const command *parsed;               /* whose options are being taken */
+static const command *parsed;               /* the command being parsed */
 
 static int take_help(const option_row *row, void *field, const char *value)
 {
@@ -48,7 +50,7 @@ const option_row common_rows[] = {
 
 enum { HELP_COLUMN = 22, HELP_WIDTH = 118 };
 
-/* Breaks a text into lines from the column `indent` on, where the first one already is. */
+/* Wraps a text at HELP_WIDTH. Lines begin in column `indent`, where the cursor already is. */
 static void print_wrapped(const char *text, int indent)
 {
     int column = indent;
@@ -72,7 +74,7 @@ static void print_row(const option_row *r)
     column += printf("--%s", r->name);
     if (r->value)
         column += printf(*r->value == '[' ? "%s" : " %s", r->value);
-    if (column > HELP_COLUMN - 2) {         /* two spaces at the least */
+    if (column > HELP_COLUMN - 2) {         /* keep at least two spaces */
         putchar('\n');
         column = 0;
     }
@@ -120,11 +122,11 @@ enum { ROWS_MOST = 96, LONG_OPTION = 256 };   /* getopt_long returns a letter, o
 
 static struct row_taken {
     const option_row *row;
-    char *options;                          /* the struct that the row is of */
+    char *options;                          /* the struct that holds the row's field */
     int given;
 } taken[ROWS_MOST];
 
-/* The rows of a command, and the same for getopt_long, as long options and as letters. */
+/* Lists the rows of a command for getopt_long, as long options and as letters. */
 static void list_rows(const command *c, void *options, struct option table[ROWS_MOST], char letters[2 * ROWS_MOST])
 {
     int count = 0;
@@ -166,7 +168,7 @@ int is_given(const char *name)
     return t->given;
 }
 
-/* The word that getopt_long refused: in the middle of several letters it has not gone on to the next one yet. */
+/* The index of the word that getopt_long refused. Within a group of letters, optind still points at the group. */
 static int wrong_word(char **argv)
 {
     const char *before = argv[optind - 1];
@@ -185,11 +187,11 @@ static const command *command_with(const char *name, size_t length)
     return 0;
 }
 
-/* getopt_long leaves the letter or the number of an option that it knows, with its value missing or one too many. */
+/* For a known option, getopt_long sets optopt to its letter or number; then its value is missing or unexpected. */
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
-    const char *own = parsed->name;          /* argv[0] may be the path of a program */
+    const char *own = parsed->name;          /* not argv[0], which may be a path */
     const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
@@ -208,7 +210,7 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
-/* Paths are made ours (system.h): in the values of options but those of free text, and in all other words. */
+/* Converts a value to the program's path form (system.h), except free text. */
 static void take_path(const option_row *r, char *value)
 {
     if (value && strcmp(r->value, "TEXT"))
@@ -238,7 +240,6 @@ int take_options(const command *c, void *options, int argc, char **argv)
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */
 
-/* "a, b or c" */
 static void join_choices(char *text, size_t room, const char *const *choices)
 {
     size_t used = 0;

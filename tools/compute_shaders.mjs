@@ -1,6 +1,6 @@
-// node tools/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in GLSL
-// ES 3.10 (kernels/compute has these), and STAGE.wgsl, whole as WebGPU takes them, if FOLDER is another one. They are
-// made of kernels/compute/*.wgsl and src/include/fixsplat/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
+// node tools/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in
+// GLSL ES 3.10 (stored in kernels/compute); and STAGE.wgsl, complete for WebGPU, if FOLDER is another one. Sources:
+// kernels/compute/*.wgsl and src/include/fixsplat/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
 import { writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
@@ -10,7 +10,7 @@ const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
 
-// The functions that main needs, in their order.
+// Removes functions that main does not reach; keeps their order.
 function reachable(text)
 {
     const functions = [...text.matchAll(/^(?!const|struct|layout)\w+ (\w+)\([^\n]*\) \{\n[^]*?^\}\n/gm)];
@@ -26,7 +26,8 @@ function reachable(text)
     return functions.reduce((rest, one) => needed.has(one[1]) ? rest : rest.replace(one[0], ""), text);
 }
 
-// An expression of the lines of naga's block: each `type name = value;` put where the name is used, assignments by commas.
+// Joins a block of naga's lines to one expression: a `type name = value;` is substituted at its use, assignments are
+// joined by commas.
 function oneLine(lines, last = "")
 {
     const values = new Map(), done = [];
@@ -40,8 +41,8 @@ function oneLine(lines, last = "")
     return last ? whole(last) : done.join(", ");
 }
 
-// Loops as a driver unrolls them: naga writes each as one without an end, which steps at its beginning but for the first
-// time.
+// Rewrites naga's endless loops, which step at the start of all rounds except the first, as for loops that drivers
+// unroll.
 function loops(glsl)
 {
     return glsl
@@ -51,9 +52,9 @@ function loops(glsl)
                  (_, start, rest, before, test) => `${start}${oneLine(before, test)}; ${rest}`);
 }
 
-// What naga leaves out: the bindings, which a buffer of GLSL ES names in its text. And what it puts in: workgroup memory
-// is set to 0 by one thread alone, which no stage relies on, and an atomic is read and written by atomics that change it,
-// which threads wait for; it can be read and written as it is.
+// Adapts naga's output: adds the bindings, which GLSL ES requires; removes the zeroing of workgroup memory by a single
+// thread, which no stage relies on; and replaces read-modify-write atomics by plain loads and stores of atomics, which
+// threads need not wait for.
 function glslText(wgsl, entry)
 {
     const module = parseWgsl(wgsl), info = validate(module);

@@ -1,9 +1,9 @@
 #!/bin/sh
-# declarations.sh HEADER...: what public headers declare, as cffi takes it: preprocessed by $CC, without the functions
-# that have a body there, and with an enum for each #define of a whole number. Run at the root.
+# declarations.sh HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without inline
+# functions, and with an enum for each integer #define. Run at the root.
 #
-# A #define is looked up by a line "NAME" = NAME; behind the headers: the preprocessor leaves its name and gives its
-# value.
+# Each #define is read from an appended line "NAME" = NAME;, in which the preprocessor keeps the quoted name and
+# replaces the other by its value.
 text=$({
     printf '#include "%s"\n' "$@"
     sed -n 's/^#define \(FXS_[A-Z0-9_]*\) .*/"\1" = \1;/p' "$@"

@@ -1,8 +1,8 @@
 #!/bin/sh
-# tools/dist.sh OUT BUILD: what people install, of the last commit, in the folder OUT: sources, a tarball and a wheel
-# for each processor, a zip and a wheel for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The
-# same bytes for the same commit, tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON
-# WEB_SOURCES. OUT appears when all is made.
+# tools/dist.sh OUT BUILD: builds the release of the last commit in the folder OUT: sources, a tarball and a wheel for
+# each processor, a zip and a wheel for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The
+# same commit, tools and libraries give the same bytes, independent of BUILD. Environment: NVCC PYTHON WEB_SOURCES. OUT
+# appears only once everything is built.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
@@ -21,7 +21,7 @@ mkdir "$out"
 here=$(uname -m)
 git diff --quiet HEAD || echo "dist: of the last commit, without what changed since" >&2
 
-# pack FOLDER FILE: a tarball of what FOLDER holds, in a folder of its name.
+# pack FOLDER FILE: makes a tarball of FOLDER.
 pack() {
     tar -C "${1%/*}" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@"$SOURCE_DATE_EPOCH" --format=gnu \
         -c "${1##*/}" | gzip -9n >"$2"
@@ -39,11 +39,11 @@ npm_package() {
     cp "build/web/$name.tgz" "$out/$name-npm.tgz"
 }
 
-# needs FILE: the shared libraries that it is linked with, but for those of glibc.
+# needs FILE: the shared libraries that it is linked with, except glibc's.
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
 
-# complete ARCHIVE LIBRARIES...: what these hold is added, but for the C++ library, what only the window and the server
-# are linked with, and what another of them holds.
+# complete ARCHIVE LIBRARIES...: adds the objects of the libraries to the archive, except the C++ library, the libraries
+# of the window and the server only, and libraries contained in others.
 complete() {
     archive=$1
     {
@@ -62,7 +62,7 @@ complete() {
     mv "$archive.new" "$archive"
 }
 
-# From where they lie, and with what is inside.
+# relocate FOLDER LIBS: makes the pkg-config and CMake files relative to their folder, with LIBS as private libraries.
 relocate() {
     sed -i -e 's|^prefix=.*|prefix=${pcfiledir}/../..|' -e 's|^libdir=.*|libdir=${prefix}/lib|' \
         -e "s|^Libs.private:.*|Libs.private: $2|" "$1"/lib/pkgconfig/*.pc
@@ -70,12 +70,12 @@ relocate() {
         -e "s|\(INTERFACE_LINK_LIBRARIES \"\)[^\"]*-lm.*\"|\1$2\"|" "$1"/lib/cmake/fixsplat/fixsplat-config.cmake
 }
 
-# documents: with $folder go the words, and the licences of $libraries.
+# documents: copies the documents and the licences of $libraries into $folder.
 documents() {
     documents=$folder/share/doc/fixsplat
     mkdir -p "$documents/licences"
     cp -r LICENSE NEWS.md README.md CONTRIBUTING.md SECURITY.md docs "$documents"
-    # Links to headers and to the page lead to where these are here; what the sources alone have keeps its words.
+    # Points links to headers and to the page at their places here; links to sources become plain text.
     find "$documents" -name '*.md' -exec sed -i -E \
         -e 's#\]\(((\.\./)*)src/include/#](\1../../../include/#g' \
         -e 's#\]\(((\.\./)*)port/web/#](\1../../fixsplat/web/#g' \
@@ -84,7 +84,7 @@ documents() {
     cp tools/package/licences.md "$documents/licences/README.md"
 }
 
-# linux MACHINE ARCHITECTURE: a tarball and a wheel.
+# linux MACHINE ARCHITECTURE: builds a tarball and a wheel.
 linux() {
     machine=$1 arch=$2 libraries=$build/libraries/$1
     sh tools/libraries.sh "$libraries" "$machine"
@@ -93,7 +93,7 @@ linux() {
     folder=$build/tarball/$name-linux-$arch
     rm -rf "$folder"
     nvcc=$NVCC headers="-isystem $libraries/include" linked="-L$libraries/lib"
-    # The window is linked with Debian's shared libraries: those of another processor, without what they need in turn.
+    # The window links Debian's shared libraries. For another processor they come without their own dependencies.
     [ $arch = "$here" ] || {
         nvcc=none window=$libraries/window/usr
         sh tools/arm_libraries.sh "$libraries/window" libsdl2-dev libsdl2-2.0-0 libsdl2-ttf-dev libsdl2-ttf-2.0-0
@@ -104,7 +104,7 @@ linux() {
         LDFLAGS="-s -static-libgcc $linked"
     mv "$folder"/usr/local/* "$folder"
     rmdir "$folder/usr/local" "$folder/usr"
-    # Of programs for another processor nothing can be asked here.
+    # Programs for another processor cannot run here, so their manuals and completions are copied.
     mkdir -p "$folder/share/fixsplat"
     [ $arch = "$here" ] || for part in man bash-completion fish zsh; do
         cp -r "$build/tarball/$name-linux-$here/share/$part" "$folder/share"
@@ -121,10 +121,10 @@ linux() {
         [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
     done
     pack "$folder" "$out/$name-linux-$arch.tar.gz"
-    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # for glibc of Debian 12 or later
+    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # glibc of Debian 12 or later
 }
 
-# wheel LIBRARY PLATFORM: with the library of its tarball or zip, whose licences $documents has.
+# wheel LIBRARY PLATFORM: builds a wheel with a release's library, and the licences in $documents.
 wheel() {
     rm -rf "$build/wheel"
     mkdir "$build/wheel"
@@ -136,7 +136,7 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# The shared libraries that those of mingw-w64 say they need, but for those of Windows.
+# The shared libraries of mingw-w64 that FILE needs, except Windows's own.
 needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
 
 windows() {
@@ -154,7 +154,7 @@ windows() {
     cp -r build/web/package "$folder/share/fixsplat/web"
     complete "$folder/lib/libfixsplat.a" /usr/$machine/lib/libz.a "$libraries"/lib/*.a
     documents
-    # What Debian's compiler brings: zlib, the beginning of each program and the threads, libgcc.
+    # Licences of the parts from Debian's compiler: zlib, start-up code, threads, libgcc.
     for package in libz-mingw-w64 mingw-w64-common gcc-mingw-w64-base; do
         cp /usr/share/doc/$package/copyright "$documents/licences/$package"
     done
@@ -167,7 +167,7 @@ windows() {
     wheel "$folder/bin/libfixsplat-${version%%.*}.dll" win_amd64
 }
 
-# With Debian's shared libraries, so without the CUDA runtime. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.
+# Links Debian's shared libraries, so no CUDA runtime. Version 1.0.0-rc1 becomes 1.0.0~rc1, which sorts before 1.0.0.
 debian() {
     rm -rf "$build/deb"
     mkdir "$build/deb"

@@ -1,3 +1,5 @@
+/* Renders views for the commands: opens a back end, sets up cameras and targets for one or two eyes, foveates, loads
+   missing chunks of paged scenes and draws again, and picks. */
 #include "drawing.h"
 
 #include <inttypes.h>
@@ -20,8 +22,7 @@ void picture_free(picture *p)
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
-/* Where a back end cannot share the order and colours of two eyes, each is rendered as its camera alone would be; said
-   once. */
+/* If the back end cannot share order and colours between the eyes, renders each exactly; notes that once. */
 static void choose_eyes(renderer *r, const frame_options *options)
 {
     static int said;
@@ -104,7 +105,7 @@ static int make_room(const renderer *r, picture *out, int width, int height)
     return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
-/* As many bits as hold every depth of the world from this camera, up to 28. */
+/* Fraction bits of depths, at most 28, so that every depth of the world from this camera fits into 32 bits. */
 static int choose_depth_bits(const world *w, const fxs_file_view *view)
 {
     double farthest = 1;
@@ -119,7 +120,7 @@ static int choose_depth_bits(const world *w, const fxs_file_view *view)
     return exponent < 4 ? 28 : exponent < 31 ? 32 - exponent : 1;
 }
 
-/* The targets of an eye: the whole picture, or its half. */
+/* The targets of one eye: the whole picture, or its half. */
 static void aim(const renderer *r, const picture *out, int eye, fxs_targets *targets)
 {
     const ptrdiff_t width = out->width, first = eye ? width / 2 : 0;
@@ -138,7 +139,7 @@ static void aim(const renderer *r, const picture *out, int eye, fxs_targets *tar
 
 /* ---- Rendering --------------------------------------------------------------------------------------------------- */
 
-/* The scissor is not larger than the picture. */
+/* Crops a camera. The scissor is at most as large as the picture. */
 static void cut(fxs_camera *camera, const int scissor[4])
 {
     camera->whole_width = camera->width;
@@ -149,7 +150,8 @@ static void cut(fxs_camera *camera, const int scissor[4])
     camera->height = scissor[3];
 }
 
-/* The view from `offset` units to the right of its centre; with its field of view turned over, or not. */
+/* The camera moved by `offset` units along its right axis; with `mirrored`, its field of view is flipped left to
+   right. */
 static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset, int mirrored)
 {
     fxs_message message;
@@ -180,7 +182,7 @@ int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *ca
 static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
 {
     char needed[64];
-    if (error == FXS_ERR_STOPPED)      /* who stopped it knows */
+    if (error == FXS_ERR_STOPPED)      /* whoever stopped it reports it */
         return EXIT_FAILED;
     if (error == FXS_ERR_MEMORY && why->bytes_needed && r->max_memory)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu%s", view->name,
@@ -229,7 +231,7 @@ static int is_stopped(const fxs_options *options)
     return options->stop && options->stop(options->stop_argument);
 }
 
-/* Reads all that the last frame wanted; *came: how many chunks there were. */
+/* Loads all chunks that the last frame wanted; counts them in *came. */
 static int read_wanted(const world *w, const fxs_options *options, uint32_t *came, fxs_message *why)
 {
     char label[] = "reading";
@@ -251,7 +253,7 @@ static int read_wanted(const world *w, const fxs_options *options, uint32_t *cam
     return error;
 }
 
-/* What pictures want of a world. */
+/* Chunks that frames want from a world. */
 typedef struct wanting {
     const world *w;
     const fxs_options *options;        /* the caller's */
@@ -265,15 +267,15 @@ static void want(void *argument, const fxs_scene *scene, uint32_t chunk, int the
     FXS_SHARED_WRITE(g->missing, FXS_SHARED_READ(g->missing) + !there);
 }
 
-/* A picture tells what it wants before anything is drawn: where something is missing, drawing would be in vain. */
+/* Stops a frame with missing chunks: wants are known before drawing, and its pixels would be discarded. */
 static int stop(void *argument)
 {
     const wanting *g = argument;
     return FXS_SHARED_READ(g->missing) || is_stopped(g->options);
 }
 
-/* Draws what is there; or where that is not enough, once nothing is missing. Gives up where for several times in a row
-   no less is. */
+/* Draws with the loaded chunks if r->shows_part; otherwise loads and draws until no chunk is missing. Fails after
+   TRIES attempts in a row without progress. */
 static int draw_in_part(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     wanting g = {.w = w, .options = &request->options};
@@ -289,7 +291,7 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
     }
     for (int tries = 0; tries < TRIES; tries++) {
         fxs_pager_state state;
-        world_turn(w, &state, why);                        /* what has come since the last picture */
+        world_turn(w, &state, why);                        /* chunks loaded since the last picture */
         g.missing = 0;
         int error = draw(r, &asking, stats, why);
         if (!error && (g.missing == 0 || r->shows_part))
@@ -329,7 +331,7 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 
-/* By another back end, where the renderer's cannot. */
+/* Picks with the CPU back end, if the renderer's own cannot pick. */
 static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_result *result, fxs_message *why)
 {
     static const fxs_backend_options how;

@@ -1,3 +1,5 @@
+/* Keeps lists of the files read and written, identified by device and inode, or by folder and name for files that do
+   not exist yet; refuses an output that would replace an input or another output. */
 #include "file_guard.h"
 
 #include <pthread.h>
@@ -9,12 +11,12 @@
 #include "src/base/system.h"
 #include "command.h"
 
-/* A regular file, or the place in its folder where one is to be. */
+/* A regular file, existing or not. */
 typedef struct file {
-    uint64_t device, inode;                 /* of the file, or of the folder of one that is not there, */
-    char *place;                            /* and its name in that; null of a file that is there */
-    char *name;                             /* of an output, as it was given */
-    int is_given;                           /* to the command; else the library opened it */
+    uint64_t device, inode;                 /* of the file, or of its folder if it does not exist, */
+    char *place;                            /* and its name in that folder; null for an existing file */
+    char *name;                             /* an output's name as given */
+    int is_given;                           /* 1: named on the command line; 0: opened by the library */
 } file;
 
 typedef struct file_list {
@@ -23,9 +25,9 @@ typedef struct file_list {
 } file_list;
 
 static struct {
-    pthread_mutex_t lock;                   /* photographs are opened by several threads, and frames are written by them */
+    pthread_mutex_t lock;                   /* photographs are opened and frames written by several threads */
     file_list read, written;
-    int incomplete;                         /* no memory for one */
+    int incomplete;                         /* memory ran out, so a file is missing */
     enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
@@ -57,7 +59,7 @@ static char *copy_of(const char *text)
     return copy;
 }
 
-/* Of a file that is not there. Returns 0 where there is no folder for it. */
+/* For a file that does not exist. Returns 0 if its folder does not exist. */
 static int find_place(file *f, const char *name, fxs_file_facts *folder)
 {
     char *target = fxs_output_target(name), *slash = target ? strrchr(target, '/') : 0;
@@ -71,7 +73,7 @@ static int find_place(file *f, const char *name, fxs_file_facts *folder)
     return found;
 }
 
-/* Returns 0 where the name is of a device, or its folder is not there. f->place is allocated. */
+/* Returns 0 for a device, or if the folder does not exist. Allocates f->place. */
 static int find_file(file *f, const char *name, FILE *standard)
 {
     fxs_file_facts facts;
@@ -131,7 +133,7 @@ int files_same(const char *one, const char *other)
     return same;
 }
 
-/* Returns 0, or an error and a message where the output takes the place of a file that is read. */
+/* Returns 0, or an error and a message if the output would replace a file that is read. */
 static int check_output(const file *output, const char *name, fxs_message *message)
 {
     size_t found = 0, given = 0;
@@ -148,7 +150,7 @@ static int check_output(const file *output, const char *name, fxs_message *messa
                     given && known.force == FILES_REFUSE_UNFORCED ? "; --force replaces it" : "");
 }
 
-/* Of every output, also of those that no command told of. */
+/* Called by the library before every output, including unregistered ones. */
 static int check_begun(const char *name, fxs_message *message)
 {
     file f = {.place = 0};
@@ -169,7 +171,7 @@ int files_check(void)
     fxs_message message;
     if (known.incomplete)
         return fail(EXIT_FAILED, "out of memory");
-    for (size_t i = 0; i < written->count; i++)        /* as they were told: inodes are in no order */
+    for (size_t i = 0; i < written->count; i++)        /* in order of registration: the order of inodes is arbitrary */
         if (check_output(&written->files[i], written->files[i].name, &message))
             return fail(EXIT_USAGE, "%s", message.text);
     if (written->count)

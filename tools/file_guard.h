@@ -1,30 +1,29 @@
-/* The files that a command reads and writes: no output takes the place of one that is read, or of another output.
-   Commands tell which these are, so that they are checked before the work begins. Whatever is not told, such as a file
-   that is named on the way, is checked when it is begun: the library asks before each output. */
+/* The files that a command reads and writes. An output must not replace a file that is read, or another output.
+   Commands register their files, so that conflicts show before the work begins. Unregistered files are checked when
+   the library opens them. */
 #ifndef FILE_GUARD_H
 #define FILE_GUARD_H
 
-/* For main to call first: files that the library opens are known then, and each output is checked. */
+/* Call first in main. From then on, files opened by the library are recorded and each output is checked. */
 void files_begin(void);
 
-/* Names of files that the command was given to read, as far as it knows them, and of files that it writes; - is
-   standard input or output, null is nothing. None has to be there. */
+/* Register files that the command reads or writes, as far as it knows them. "-" is standard input or output, null is
+   ignored. The files need not exist. */
 void files_read(const char *name);
 void files_write(const char *name);
 
-/* Whether two names, of an input and of an output, are of one file. */
+/* True if the names of an input and an output denote the same file. */
 int files_same(const char *one, const char *other);
 
-/* Where an output is a file that the command was given to read, it is refused (the default), refused by a message that
-   names --force, or replaced. A file that only belongs to such a file, as a picture of an .sog folder, is never
-   replaced. */
+/* Policy for an output that is an input of the command: refuse (default), refuse with a hint to --force, or replace.
+   A file that belongs to an input, such as a picture of an .sog folder, is never replaced. */
 enum files_force { FILES_REFUSE, FILES_REFUSE_UNFORCED, FILES_FORCED };
 void files_force(enum files_force force);
 
-/* Returns 0, or prints which output is refused and returns the exit status. */
+/* Returns 0, or prints the refused output and returns the exit status. */
 int files_check(void);
 
-/* Forgets the outputs that were told: they are there now. In the place of such a file another may be, which is read. */
+/* Forgets the registered outputs, which now exist, so that they can be read. */
 void files_done(void);
 
 #endif

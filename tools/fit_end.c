@@ -1,4 +1,4 @@
-/* The end of `fixsplat fit`: what is written, measured and printed. */
+/* The end of `fixsplat fit`: crops, writes and measures the scene, and prints tables, JSON or a verdict. */
 #include "cmd_fit.h"
 
 #include <inttypes.h>
@@ -9,9 +9,9 @@
 #include "src/base/system.h"
 #include "fit_result.h"
 
-/* ---- What is printed --------------------------------------------------------------------------------------------- */
+/* ---- Printing ---------------------------------------------------------------------------------------------------- */
 
-/* By the mean PSNR, dB, of photographs that were held out. */
+/* Thresholds: mean PSNR of the held-out photographs, dB. */
 static const struct {
     double least;
     const char *words;
@@ -22,10 +22,10 @@ static const struct {
     {-INFINITY, "Poor: from new places it does not look like the photographs"}
 };
 
-/* dB: beyond these differences the reason is worth a sentence. */
+/* Differences in dB beyond which a sentence names the cause. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
-#define LEAST_OF_EXPOSED 22        /* dB, after the affine map: below, the scene is too unlike to tell */
+#define LEAST_OF_EXPOSED 22        /* dB after the affine map; below, the scene is too poor to blame exposure */
 
 static const char *words_for(double psnr)
 {
@@ -35,8 +35,8 @@ static const char *words_for(double psnr)
     return verdicts[i].words;
 }
 
-/* A sentence on how good the scene is, and another on what would help where that can be told. `fitted`: the mean PSNR
-   of photographs that were fitted, dB, where those that were measured were held out; else 0. */
+/* Prints how good the scene is and, if a cause is known, what would help. `fitted`: mean PSNR of fitted photographs,
+   dB, if `measured` is of held-out ones; else 0. */
 static void print_sentences(const quality *measured, double fitted, int has_exposures)
 {
     char psnr[32], other[32];
@@ -72,7 +72,7 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
-/* The command that leaves out what --crop-to-subject would have left out, which was not given. */
+/* Prints the convert command that crops like --crop-to-subject. */
 static void print_crop(const char *out, const fxs_fit_subject *s)
 {
     char cropped[4096];
@@ -87,7 +87,7 @@ static void print_crop(const char *out, const fxs_fit_subject *s)
     printf("%.4g\n", s->radius);
 }
 
-/* How good it is, and what to do next. */
+/* Prints the quality and the next commands to run. */
 static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                          const quality *measured)
 {
@@ -113,7 +113,7 @@ static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_pho
     return 0;
 }
 
-/* Milliseconds a step. */
+/* Milliseconds a step, averaged over the reported steps. */
 static void print_json_stages(const fit_progress *p)
 {
     static const char *const names[FIT_STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
@@ -141,7 +141,7 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
-/* `photos`: those that `scene` was measured by. */
+/* `photos`: the photographs that `scene` was measured by. */
 static int print(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                  const fit_result *result, const fit_progress *p)
 {
@@ -167,9 +167,10 @@ void fit_print_measured(const fit_command *c, const fxs_photos *photos, const wo
     quality_print_text(q);
 }
 
-/* ---- What is written --------------------------------------------------------------------------------------------- */
+/* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
-/* `whole`: packed before, to be measured. Where the cameras look at nothing, the scene stays as it is. */
+/* Crops to the subject. `whole` gets the uncropped scene packed, for measuring. If the cameras face no common point,
+   the scene is unchanged. */
 static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
 {
     fxs_fit_subject s;
@@ -192,7 +193,7 @@ static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
     return 0;
 }
 
-/* A scene that cannot be written is not lost. */
+/* If writing fails, the fit is saved. */
 static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                        fxs_packed_scene *whole, fit_result *result)
 {

@@ -1,4 +1,5 @@
-/* From photographs to the end of `fixsplat fit`: cameras, photographs and the fit of them. */
+/* Runs `fixsplat fit`: finds the cameras, reads the photographs, opens or resumes the fit (also of a block), then
+   calls fit_make_steps and fit_end. */
 #include "cmd_fit.h"
 
 #include <stdlib.h>
@@ -25,7 +26,7 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
          photos->held_out_count, width, height, begins);
 }
 
-/* Photographs without a camera were named when cameras were looked for here. */
+/* Skips photographs without a camera if the reconstruction already listed them. */
 static void say_left_out(void *argument, const char *why)
 {
     const fit_command *c = argument;
@@ -34,7 +35,7 @@ static void say_left_out(void *argument, const char *why)
         note("left out: %s", why);
 }
 
-/* A bar on a terminal, else a line every ten seconds. */
+/* A bar on a terminal, otherwise a line every ten seconds. */
 static int show_reading(void *argument, double done)
 {
     static char label[] = "reading";
@@ -89,7 +90,7 @@ static void say_photos(const fit_command *c, const fxs_photos *photos, size_t be
 
 /* ---- The fit ----------------------------------------------------------------------------------------------------- */
 
-/* The options that were given are to be those of the file. */
+/* Checks that the options given match the resumed file. */
 static int check_resumed(const fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
@@ -142,7 +143,7 @@ static void say_sky(const fit_command *c, const fxs_fit *fit)
         note("%s: no sky: wherever a photograph looks, points lie", c->in);
 }
 
-/* Pictures are drawn as the fit draws them: a resumed one has the options of its file. */
+/* Renders with the fit's cut-off and background: a resumed fit has its file's. */
 static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *o = fxs_fit_options_of(fit);
@@ -150,14 +151,14 @@ static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
     memcpy(c->frame.render.background, o->background, sizeof o->background);
 }
 
-/* `block`: what the photographs are of, or null. */
+/* `block`: the block of the photographs, or null. */
 static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_block *block)
 {
     fxs_fit *fit = 0;
     fit_progress progress;
     if (c->compare)
         result_tell_pictures(photos, c->compare);
-    int status = files_check();     /* photographs are known now */
+    int status = files_check();     /* the photographs' names are known now */
     if (!status)
         status = open_fit(c, photos, block, &fit);
     if (!status) {
@@ -214,7 +215,7 @@ static int measure_scene(fit_command *c)
     return status;
 }
 
-/* As if the whole set were what the block needs of it. */
+/* Fits block c->block as if its photographs and points were the whole set. */
 static int fit_block(fit_command *c)
 {
     fxs_fit_block block;
@@ -241,7 +242,7 @@ static int fit_block(fit_command *c)
     return status;
 }
 
-/* Where there are none yet. */
+/* Reconstructs cameras unless the input has them. */
 static int find_cameras(fit_command *c)
 {
     const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
@@ -255,7 +256,7 @@ static int find_cameras(fit_command *c)
         return status;
     c->in = c->found;
     if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* they are in the folder, white where photographs count */
+        c->reading.masks = 0;      /* now masks of the found folder, white where photographs count */
     c->reading.invert_masks = 0;
     return 0;
 }

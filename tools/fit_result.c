@@ -1,3 +1,5 @@
+/* Writes the result of a fit (.fxs, .ply, .fit, cameras.json), and measures a scene against its photographs: PSNR,
+   SSIM, PSNR after an affine map of colours, and comparison pictures. */
 #include "fit_result.h"
 
 #include <errno.h>
@@ -51,7 +53,7 @@ static int copy(fxs_scene_writer *writer, fxs_scene_file *file, fxs_message *mes
     return 0;
 }
 
-/* The filter keeps its upper edges, the block does not. */
+/* The filter includes its upper bounds, a block excludes its own. */
 static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
 {
     for (int k = 0; k < 3; k++) {
@@ -60,7 +62,8 @@ static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
     }
 }
 
-/* Those that can be drawn: no other number is written. A file of none is for convert to merge. */
+/* Filters to drawable Gaussians, so that all numbers written are finite. An empty block's file is still written, for
+   convert to merge. */
 static int keep_drawable(fxs_scene_file *file, const fxs_fit_block *block, fxs_scene_file_info *info,
                          fxs_message *message)
 {
@@ -154,7 +157,7 @@ int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
     return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
 }
 
-/* What one measurement after the other goes through. */
+/* State shared by successive measurements. */
 typedef struct gauge {
     renderer renderer;
     const world *world;
@@ -197,7 +200,7 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare)
     }
 }
 
-/* The photograph left, what is ignored of it darkened; what was drawn right. */
+/* Writes the photograph (ignored pixels darkened) and the rendered picture side by side. */
 static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, uint8_t *photograph)
 {
     const fxs_file_view *view = &photo->view;

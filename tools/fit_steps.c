@@ -1,4 +1,5 @@
-/* The steps of `fixsplat fit`: what is saved, measured and told on the way, and signals. */
+/* The steps of `fixsplat fit`, with saves, measurements, log and progress between them; a signal saves the fit and
+   ends the program. */
 #include "cmd_fit.h"
 
 #include <inttypes.h>
@@ -17,14 +18,14 @@ static int save(const fit_command *c, fxs_fit *fit)
     return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
 }
 
-/* The command that goes on from what is saved. */
+/* Prints the command that resumes the saved fit. */
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps)
 {
     if (is_quiet())
         return;
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat fit", why, step, steps);
-    for (char **word = c->argv + 1; *word; word++)   /* argv[0] may be the path of a program */
+    for (char **word = c->argv + 1; *word; word++)   /* not argv[0], which may be a path */
         write_shell_word(stderr, *word);
     if (!c->saves_itself) {
         fputs(" --resume", stderr);
@@ -48,14 +49,15 @@ static int is_measured(const fit_command *c, const fit_progress *p, uint32_t ste
     return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
 }
 
-/* A device works on while it is not asked: it is some times a second, for the log, and for the last step. */
+/* A report makes a device wait, so it is requested only five times a second, for the log, for measurements and at
+   the last step. */
 static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
            fit_log_wants(c->log, step) || is_measured(c, p, step);
 }
 
-/* A fit that a step failed in is not to be saved: what is left of it is the last save. */
+/* A fit with a failed step is not saved; the last save remains. */
 static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made, const fxs_message *why)
 {
     char needed[64];
@@ -65,7 +67,7 @@ static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made,
     return EXIT_FAILED;
 }
 
-/* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
+/* Packs and measures the current scene as at the end. A failure does not stop the fit. */
 static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fit_progress *p)
 {
     fxs_photos posed = *photos;
@@ -92,7 +94,7 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     fxs_packed_scene_free(&packed);
 }
 
-/* Where a save fails, the last one is still there, and the fit goes on. */
+/* Runs steps until the last one or a signal. If a save fails, the previous one remains and the fit goes on. */
 static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
 {
     fxs_fit_report report;
@@ -126,7 +128,7 @@ static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos 
         c->watcher->begin(fit, photos, &c->frame, !c->metrics_every, &now);
 }
 
-/* The end that was asked for, once the fit is saved. */
+/* Saves the fit, then ends the program by the signal. */
 static int stop(const fit_command *c, fxs_fit *fit)
 {
     if (c->watcher)

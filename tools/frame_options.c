@@ -1,3 +1,5 @@
+/* The option tables that render, view, bench and other commands share, with the checks between options and the
+   choice of back end, devices and instruction sets. */
 #include "frame_options.h"
 
 #include <math.h>
@@ -12,7 +14,7 @@
 
 /* ---- Taking ------------------------------------------------------------------------------------------------------ */
 
-/* One number, or one for each file. */
+/* One level, or a list with one for each file. */
 static int take_lod(const option_row *row, void *field, const char *value)
 {
     load_options *o = field;
@@ -233,7 +235,7 @@ const option_row pool_rows[] = {
     {0}
 };
 
-/* ---- Together ---------------------------------------------------------------------------------------------------- */
+/* ---- Checks of options together ---------------------------------------------------------------------------------- */
 
 void frame_options_default(frame_options *options)
 {
@@ -274,7 +276,7 @@ int frame_options_check(const frame_options *options)
 }
 
 #ifdef FXS_WITH_KERNELS
-/* The flag of a name in a list, up to its comma; 0 for "c", ~0 for "all"; -1 for anything else. */
+/* The flag of a name of `length` characters; 0 for "c", all bits for "all"; -1 for an unknown name. */
 static long cpu_flag(const char *name, size_t length)
 {
     if (length == 1 && *name == 'c')
@@ -287,7 +289,7 @@ static long cpu_flag(const char *name, size_t length)
     return -1;
 }
 
-/* The instruction sets that --cpu does not name. */
+/* Finds the instruction sets that --cpu leaves out. */
 static int choose_cpu(const char *list, unsigned *without)
 {
     unsigned allowed = 0;

@@ -1,4 +1,4 @@
-/* The options that render, view and bench share (cameras, scenes, how frames are rendered), and their rows. */
+/* The options that render, view and bench share: cameras, scenes and how frames are rendered; and their rows. */
 #ifndef FRAME_OPTIONS_H
 #define FRAME_OPTIONS_H
 
@@ -11,42 +11,43 @@
 
 typedef struct foveate_options {
     int on;
-    int given;                              /* 0, or of the numbers those that are: 2, 4 or 5 */
+    int given;                              /* numbers given: 0 (defaults), 2, 4 or 5 */
     double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
 } foveate_options;
 
 typedef struct frame_options {
     const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
-    int orbit, frames;                      /* pictures of a turn, and of a way through the views; 0: neither */
+    int orbit, frames;                      /* frames of an orbit; frames of a path through the views; 0: neither */
     point_option eye, look, up;
-    int auto_up;                            /* up is found in the scene */
-    int framed;                             /* without a camera the scene is framed whole, so that measures compare */
-    double fov;                             /* degrees; 0: none given */
+    int auto_up;                            /* 1: find the up direction in the scene */
+    int framed;                             /* 1: without a camera, frame the whole scene, so that measurements
+                                               compare */
+    double fov;                             /* degrees; 0: default */
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
-    double near;                            /* near plane, scene units; 0: as --help says */
-    int lens;                               /* views of a file are drawn through its lenses */
-    int panorama;                           /* the camera is in the scene's middle where none is given, and level */
-    int width, height;                      /* 0: the camera's own size, or 1280x720, or 2048x1024 of a panorama */
+    double near;                            /* near plane, scene units; 0: default, see --help */
+    int lens;                               /* 1: draw a camera file's views through their lenses */
+    int panorama;                           /* 1: a level panorama, by default from the scene's middle */
+    int width, height;                      /* 0: the camera's own size, or 1280x720, or 2048x1024 for a panorama */
     int has_tangents;
-    double tangents[4];                     /* left, right, up, down; of two eyes those of the left one */
-    double stereo;                          /* between the two eyes, scene units; 0: one picture */
+    double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
+    double stereo;                          /* distance of the two eyes, scene units; 0: mono */
     int stereo_exact;
     foveate_options foveate;
     fxs_options render;
     const char *cpu, *backend;
-    int devices[DEVICES_MOST];              /* the first device_count, 0: all that there are */
+    int devices[DEVICES_MOST];              /* device_count of them are set; 0: all devices */
     int device_count;
     uint32_t threads;
-    size_t max_memory;                      /* of a frame, bytes; 0: as much as it takes */
+    size_t max_memory;                      /* bytes for a frame; 0: unlimited */
     load_options load;
     world_options world;
 } frame_options;
 
-/* The rows of cameras, of scenes and where they are, of how frames are rendered, of which levels of detail, and of how
-   scenes are read; and all of them, for a command whose options have frame_options as their member `frame`. */
+/* Rows by topic: cameras, scenes and placement, rendering, levels of detail, reading of scenes. FRAME_TABLES lists
+   them all for a command whose options contain frame_options as the member `frame`. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
-/* Of load_options: --pool, for commands whose frames take what is not in memory as it comes. */
+/* The row --pool of load_options, for commands that load chunks on demand. */
 extern const option_row pool_rows[];
 #define POOL_TABLE(options) {pool_rows, offsetof(options, frame.load)}
 #define FRAME_TABLES(options) \
@@ -54,22 +55,23 @@ extern const option_row pool_rows[];
     {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \
     {load_rows, offsetof(options, frame.load)}
 
-/* For rows of other commands, whose offset is that of frame_options: --size, --device, and --threads from 1 to 64. */
+/* For rows of other commands with the offset of frame_options: --size, --device, and --threads from 1 to 64. */
 take_option take_frame_size, take_devices, take_threads;
 
-/* Of enum fxs_cutoff. */
+/* Names of enum fxs_cutoff. */
 extern const char *const cutoff_names[];
 
 void frame_options_default(frame_options *options);
 
-/* Checks the options against each other. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+/* Checks the options against each other. Returns 0, or prints the error and returns EXIT_USAGE. */
 int frame_options_check(const frame_options *options);
 
-/* The back end that the options name, and how it is to be opened on a device. Returns 0, or prints what is wrong and
-   returns EXIT_USAGE. */
+/* Finds the back end that the options name, and its options for a device. Returns 0, or prints the error and returns
+   EXIT_USAGE. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
-/* Fills in the devices that the options ask for; the first alone where the back end has no more. Returns how many. */
+/* Lists the devices that the options ask for, or the first only if the back end drives a single one. Returns their
+   number. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
 #endif

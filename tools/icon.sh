@@ -1,11 +1,11 @@
 #!/bin/sh
-# tools/icon.sh PICTURE.svg ICON.ico: an icon of Windows, with a .png of each size inside (rsvg-convert makes them).
+# tools/icon.sh PICTURE.svg ICON.ico: makes a Windows icon with a .png for each size (by rsvg-convert).
 svg=${1:?picture} ico=${2:?icon}
 sizes='16 24 32 48 64 256'
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# bytes COUNT NUMBER: the least significant first.
+# bytes COUNT NUMBER: a little-endian number.
 bytes() {
     number=$2
     for i in $(seq "$1"); do
@@ -14,7 +14,7 @@ bytes() {
     done
 }
 
-# A row says width, height (0: 256), planes, bits a pixel, and where its picture is and how long.
+# Rows of the directory: width, height (0: 256), colours, planes, bits a pixel, length and offset of the picture.
 rows() {
     at=$((6 + 16 * $#))
     for size; do

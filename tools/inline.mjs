@@ -1,7 +1,7 @@
-// The files of the npm package as texts. Run as
-// node tools/inline.mjs style STYLE.css: the module that has the text of a style sheet.
-// node tools/inline.mjs files NAME=FILE...: the module that gives the package these files. A module of WebAssembly is
-// compressed by gzip and in base64, a script is as it is.
+// Turns files of the npm package into modules:
+// node tools/inline.mjs style STYLE.css: a module with the text of a style sheet.
+// node tools/inline.mjs files NAME=FILE...: a module that gives these files to the package, WebAssembly as gzip in
+// base64, scripts as text.
 import { readFileSync } from 'node:fs'
 import { gzipSync } from 'node:zlib'
 

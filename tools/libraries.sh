@@ -1,20 +1,19 @@
 #!/bin/sh
-# tools/libraries.sh FOLDER MACHINE: the libraries that `make dist` and `make windows` link in, as FOLDER/include and
-# FOLDER/lib, for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu, x86_64-w64-mingw32). From Debian's
-# sources with its patches, each by its own build, and anew when those installed here change: Debian's own archives are
-# not for shared libraries (no -fPIC), its libzip needs OpenSSL and its libmicrohttpd GnuTLS, cJSON and qrencode have no
-# archive, and for Windows there is zlib alone (libz-mingw-w64-dev). The sources come from this system's Debian
-# repositories, by apt, which checks signatures, and whose own state stays as it is. FOLDER/licences has what their
-# packages say of rights. Of each library that cannot be had a line is printed; without qrencode, whose header says so
-# too, the rest is still of use.
+# tools/libraries.sh FOLDER MACHINE: builds the static libraries for `make dist` and `make windows` in FOLDER/include
+# and FOLDER/lib, for the target of MACHINE-gcc (x86_64-linux-gnu, x86_64-w64-mingw32). They come from Debian's sources
+# with Debian's patches, and are rebuilt when the installed versions change. Reasons against Debian's own archives: they
+# lack -fPIC; libzip needs OpenSSL and libmicrohttpd GnuTLS; cJSON and qrencode have no archive; Windows has only zlib
+# (libz-mingw-w64-dev). apt fetches the sources from this system's Debian repositories and checks signatures; apt's own
+# state is unchanged. FOLDER/licences gets the packages' copyright files. A library that cannot be built is reported on
+# a line; the others remain usable.
 folder=${1:?folder} machine=${2:?machine}
-unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # a caller's, for other machines
+unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # a caller's values are for other machines
 names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
     *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb
-               # The window's, which for Linux are Debian's shared libraries.
+               # For the window; on Linux it links Debian's shared libraries.
                names="$names freetype libsdl2 libsdl2-ttf"
                packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
@@ -45,8 +44,8 @@ list_sources() {
             'Created-By: Packages' | sort -ru >"$work/sources.list" && apt apt-get update
 }
 
-# The newest version that the repositories still have all files of. Of qrencode Debian changes nothing in the library,
-# and one of its mirrors lacks those changes: then what was published is enough.
+# fetch SOURCE: the newest version with all files in the repositories. For qrencode the original source is enough,
+# because Debian does not patch the library and a mirror lacks the patch file.
 fetch() {
     for version in $(apt apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -ruV); do
         apt apt-get source --only-source "$1=$version" && return
@@ -56,7 +55,7 @@ fetch() {
         cp /usr/share/doc/libqrencode-dev/copyright "$original/debian/"
 }
 
-# made_by_cmake SOURCE OPTION..., made_by_configure SOURCE OPTION...: build and install.
+# made_by_cmake SOURCE OPTION..., made_by_configure SOURCE OPTION...: build and install a library.
 made_by_cmake() {
     source=$1
     shift
@@ -81,7 +80,7 @@ build_zlib() {
         ./configure --static --prefix="$there" && make -j "$(nproc)" libz.a && make install)
 }
 build_cjson() { made_by_cmake "$1" -DENABLE_CJSON_TEST=OFF -DENABLE_CUSTOM_COMPILER_FLAGS=OFF; }
-# A patch of Debian's asks for the value of XML_DTD, which the CMake file gives it none of.
+# Debian's patch uses XML_DTD's value, which the CMake template leaves undefined.
 build_expat() {
     sed -i 's/^#cmakedefine XML_DTD$/& 1/' "$1/expat/expat_config.h.cmake" &&
         made_by_cmake "$1/expat" $(printf -- '-DEXPAT_%s=OFF ' SHARED_LIBS BUILD_TOOLS BUILD_EXAMPLES BUILD_TESTS)
@@ -94,7 +93,7 @@ build_libwebp() {
     made_by_cmake "$1" $(printf -- '-DWEBP_BUILD_%s=OFF ' ANIM_UTILS CWEBP DWEBP GIF2WEBP IMG2WEBP VWEBP WEBPINFO \
         LIBWEBPMUX WEBPMUX EXTRAS)
 }
-# Its configure is not in the source.
+# The source has no configure script.
 build_libexif() {
     (cd "$1" && : >config.h && echo '#include <stdint.h>' >libexif/_stdint.h &&
         $machine-gcc -O2 $flags -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c libexif/*/*.c &&
@@ -121,7 +120,7 @@ build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
 build_freetype() {
     made_by_cmake "$1" -DFT_REQUIRE_ZLIB=ON $(printf -- '-DFT_DISABLE_%s=ON ' BZIP2 PNG HARFBUZZ BROTLI)
 }
-# A window, its events and its pixels, and nothing that draws in another way or makes sound. Nothing of it is C++.
+# Only windows, events and pixels: no sound, joysticks or other renderers; no C++.
 build_libsdl2() {
     sed -i 's/^project(SDL2 C CXX)/project(SDL2 C)/' "$1/CMakeLists.txt" &&
         made_by_cmake "$1" -DSDL_SHARED=OFF -DSDL_STATIC=ON -DSDL_TEST=OFF -DSDL2_DISABLE_SDL2MAIN=ON \
@@ -132,7 +131,7 @@ build_libsdl2_ttf() {
         -c SDL_ttf.c && $machine-ar rcs "$there/lib/libSDL2_ttf.a" SDL_ttf.o && cp SDL_ttf.h "$there/include/SDL2/")
 }
 
-# Headers of Debian's that are the same for every processor, of libraries that are opened at run time, and of stb.
+# Links processor-independent headers of Debian: stb, and the libraries opened at run time.
 link_headers() {
     for header in $headers; do
         [ ! -d "/usr/include/$header" ] || ln -sfn "/usr/include/$header" "$there/include/${header##*/}" || return

@@ -1,3 +1,4 @@
+/* Opens scene files: from disk, a server or standard input; filters and decimates; packs, maps or pages them. */
 #include "load_scene.h"
 
 #include <errno.h>
@@ -14,22 +15,22 @@
 #include "src/base/system.h"
 #include "file_guard.h"
 
-#define LARGE ((size_t)64 << 20)    /* bytes of an .fxs from which on it is worth to read it in part */
+#define LARGE ((size_t)64 << 20)    /* bytes from which paging an .fxs is worthwhile */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* that a pool is for by itself */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic pool */
 
 static int is_standard_input(const char *path)
 {
     return !strcmp(path, "-");
 }
 
-/* For messages. */
+/* The name in messages. */
 static const char *shown(const char *path)
 {
     return is_standard_input(path) ? "standard input" : path;
 }
 
-/* The share of what is seen is told from 3 per mille on. */
+/* The visible share is printed from 0.3 % on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
     const uint64_t dropped = d->not_finite + d->rotation;
@@ -51,7 +52,7 @@ void note_packed(const char *path, const fxs_pack_report *report)
              report->brought_in);
 }
 
-/* A message about a scene, which may or may not begin with its name. */
+/* Prints a message about a scene, with its name in front if the message lacks it. */
 static int fail_scene(const char *path, const fxs_message *message)
 {
     const char *name = shown(path);
@@ -92,7 +93,7 @@ static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_
     return error;
 }
 
-/* What a file is made into before it is packed or written. */
+/* Changes to a file before it is packed or written. */
 typedef struct preparation {
     const char *path;
     const load_options *options;
@@ -148,9 +149,9 @@ int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, 
 
 /* ---- Standard input ---------------------------------------------------------------------------------------------- */
 
-/* All of it, as the path - stands for; read once, and kept. */
+/* All of standard input, for the path "-"; read once and kept. */
 static struct {
-    uint8_t *bytes;                         /* aligned to 64 */
+    uint8_t *bytes;                         /* aligned to 64 bytes */
     size_t size, room;
 } standard_input;
 
@@ -218,7 +219,7 @@ static int open_file(const char *path, const fxs_scene_file_options *options, fx
                : fxs_scene_file_open(path, options, file, info, message);
 }
 
-/* The level at which a file is read: one of several that has one level only is read at that. */
+/* The level to read; a file with a single level ignores --lod in a list of several files. */
 static int level_of(const char *path, const load_options *o, const fxs_scene_file_options *options)
 {
     fxs_scene_file_options finest = *options;
@@ -259,8 +260,8 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-/* The pool for pictures of an open scene that are a small part of it: for four of them, so that none of several is read
-   twice. 0 where they are not, or the scene is better mapped, as it is small. */
+/* The pool for pictures that need a small part of an open scene: PICTURES_HELD of them, so that alternating pictures
+   are read once. 0 if they need more than half, or the scene is small enough to map. */
 static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 {
     const fxs_scene *scene = opened->scene;
@@ -269,7 +270,7 @@ static size_t pool_for(const fxs_opened *opened, uint32_t budget)
     return budget && scene->nodes && opened->bytes >= LARGE && pool <= opened->bytes / 2 ? (size_t)pool : 0;
 }
 
-/* Opens a mapped scene again, to be read in part. */
+/* Reopens a mapped scene with a pager. */
 static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options *options, size_t pool,
                         fxs_message *message)
 {
@@ -281,7 +282,7 @@ static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options
     return error;
 }
 
-/* Opens the file, or where that is null the path, and says what packing left out. */
+/* Opens `file`, or the path if it is null, and notes what packing left out. */
 static int open_to_render(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file,
                           const fxs_scene_file_info *info)
 {

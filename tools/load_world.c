@@ -1,3 +1,5 @@
+/* Loads the scenes of a command and places them as --scene or --place says; finds the world's bounds; opens several
+   scenes as one merged scene. */
 #include "load_world.h"
 
 #include <inttypes.h>
@@ -22,7 +24,7 @@ int take_scenes(world_options *o, const char *name, int count, char *const *scen
     return 0;
 }
 
-/* Whether a scene's path is the name (2), or ends in it behind a slash (1). */
+/* 2 if `name` is the scene's whole path, 1 if it is the end of the path after a slash, else 0. */
 static int is_called(const char *scene, const char *name, size_t length)
 {
     const size_t size = strlen(scene);
@@ -31,7 +33,7 @@ static int is_called(const char *scene, const char *name, size_t length)
     return size == length ? 2 : scene[size - length - 1] == '/';
 }
 
-/* The number of the scene that --place names, up to its colon; -1: none, or several in different folders. */
+/* The number of the scene that --place names before its colon. -1: no scene, or several in different folders. */
 static int find_scene(const world_options *o, const char *place, size_t length)
 {
     char name[16];
@@ -53,7 +55,7 @@ static int find_scene(const world_options *o, const char *place, size_t length)
     return parse_count(name, 0, (uint64_t)o->scene_count - 1, &number) ? (int)number : -1;
 }
 
-/* The numbers of --place behind the colon. */
+/* The numbers of --place after the colon. */
 static int parse_placement(const char *text, fxs_placement *p)
 {
     double numbers[8];
@@ -70,7 +72,7 @@ static int parse_placement(const char *text, fxs_placement *p)
     return 1;
 }
 
-/* Adds scene `number` as the options place it, or as it is. */
+/* Adds scene `number`, placed by the options or unplaced. */
 static int add_scene(fxs_world *placed, const world_options *o, int number)
 {
     fxs_message message;
@@ -159,7 +161,7 @@ static void add_box(double low[3], double high[3], const double l[3], const doub
     }
 }
 
-/* The boxes of the objects that are visible, or of all of them where none is. */
+/* Bounds of the visible objects, or with visible_only 0 of all. */
 static int find_bounds(world *w, int visible_only)
 {
     int found = 0;
@@ -199,7 +201,6 @@ static int place_objects(world *w)
     return 0;
 }
 
-/* Room for what is placed. */
 static int make_room(world *w)
 {
     w->count = w->placed.count;
@@ -263,7 +264,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     return filter_scene(name, load, *file, info);
 }
 
-/* One file that stays as it is. */
+/* True if the world is one unplaced, uncropped file. */
 static int is_plain(const fxs_world *placed)
 {
     return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&
@@ -291,7 +292,7 @@ int open_merged(const fxs_world *placed, const char *name, const load_options *l
     return status;
 }
 
-/* Begins a world of one scene as it is. */
+/* Begins a world of one unplaced scene. */
 static int begin_plain(world *w, const char *name)
 {
     fxs_message message;
@@ -346,7 +347,7 @@ int world_check(const world *w)
     return 0;
 }
 
-/* Of file i, or null. */
+/* Pager of file i, or null. */
 static fxs_pager *pager_of(const world *w, uint32_t i)
 {
     return w->scenes[i].opened->pager;

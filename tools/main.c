@@ -124,7 +124,7 @@ static int wrong_command(const char *name)
                   : fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
 }
 
-/* For programs: completions are made of it. */
+/* For programs, such as the generator of completions. */
 static void help_table(void)
 {
     for (int i = 0; i < COMMANDS; i++)

@@ -1,5 +1,5 @@
 #!/bin/sh
-# man.sh PROGRAM FOLDER: a manual page for the command and one for each of its words, of what --help prints, by help2man.
+# man.sh PROGRAM FOLDER: makes a manual page for the program and one for each command from --help, by help2man.
 program=$1 folder=$2
 if ! command -v help2man >/dev/null; then
     echo "no manual pages: no help2man here"
@@ -12,7 +12,7 @@ pages="fixsplat $(printf 'fixsplat-%s ' $commands)"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# page NAME DOES [WORD]: help2man takes the name of a page from the file that it runs.
+# page NAME DOES [WORD]: help2man names a page after the file that it runs, hence the script NAME.
 page() {
     printf '#!/bin/sh\nexec "%s" %s "$@"\n' "$program" "$3" >"$work/$1"
     chmod +x "$work/$1"

@@ -1,3 +1,5 @@
+/* MSE, PSNR, SSIM (Wang et al. 2004, separable Gaussian window, rows filtered on the fly) and PSNR after the best
+   affine map of colours (least squares by normal equations). */
 #include "metrics.h"
 
 #include <math.h>
@@ -10,10 +12,10 @@
 #define WINDOW 11
 #define SIGMA 1.5
 
-/* The maps whose local means SSIM needs. */
+/* Maps with local means that SSIM needs. */
 enum { A, B, SQUARES, PRODUCT, MAPS };
 
-/* A Gaussian of unit sum over at most WINDOW pixels of a side; returns their number. */
+/* Gaussian weights of sum 1 over at most WINDOW pixels of a side. Returns their number. */
 static int window(int side, double weights[WINDOW])
 {
     int taps = side < WINDOW ? side : WINDOW;
@@ -33,7 +35,7 @@ static void add_scaled(double *restrict out, const double *restrict in, double w
         out[i] += weight * in[i];
 }
 
-/* One channel of a row as the four maps, each of `width`. */
+/* Computes the four maps for one channel of a row. */
 static void fill_maps(const uint8_t *a, const uint8_t *b, size_t width, double *maps)
 {
     for (size_t i = 0; i < width; i++) {
@@ -45,7 +47,7 @@ static void fill_maps(const uint8_t *a, const uint8_t *b, size_t width, double *
     }
 }
 
-/* The sum of SSIM over a row of windows, given the four local means, of those that are whole (null: all are). */
+/* Sums SSIM over a row of windows from the four local means. are_whole marks the windows to count; null: all. */
 static double ssim_row(const double *means, size_t count, const uint8_t *are_whole)
 {
     const double c1 = 0.01 * 255 * 0.01 * 255, c2 = 0.03 * 255 * 0.03 * 255;
@@ -60,8 +62,8 @@ static double ssim_row(const double *means, size_t count, const uint8_t *are_who
     return sum;
 }
 
-/* The sum of SSIM of one channel over its windows; memory: (WINDOW + 2) * MAPS * width doubles. Rows are filtered across
-   as they come and kept for as long as a window reaches. */
+/* Sums SSIM of one channel over its windows. memory: (WINDOW + 2) * MAPS * width doubles. Each row is filtered
+   horizontally once and kept while a window reaches it. */
 static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *are_whole, size_t width, size_t height,
                            double *memory)
 {
@@ -86,7 +88,7 @@ static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *ar
     return sum;
 }
 
-/* Marks the windows all of whose pixels count, row by row, and returns their number. */
+/* Marks, row by row, the windows without ignored pixels. Returns their number. */
 static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t height, size_t *below, uint8_t *are_whole)
 {
     double weights[WINDOW];
@@ -95,15 +97,15 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     memset(below, 0, width * sizeof *below);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
-            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* pixels that count, up the column from this one */
-            beside = below[x] >= taps_y ? beside + 1 : 0;          /* such columns, to the left from this one */
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* run of counting pixels up this column */
+            beside = below[x] >= taps_y ? beside + 1 : 0;          /* run of such columns to the left */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }
     return found;
 }
 
-/* The mean SSIM of the channels. Returns 0, or -1 when out of memory. */
+/* Mean SSIM of the channels. Returns 0, or -1 if memory runs out. */
 static int find_ssim(const uint8_t *a, const uint8_t *b, const uint8_t *mask, size_t width, size_t height, double *ssim)
 {
     double weights[WINDOW], *memory = malloc((WINDOW + 2) * MAPS * width * sizeof *memory);
@@ -153,9 +155,9 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
 
 /* ---- The best affine map of colours ------------------------------------------------------------------------------ */
 
-enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* 1, red, green, blue; and beside them what they are to become */
+enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* 1, red, green, blue; then the three target colours */
 
-/* The sums of products, which are whole numbers below 2^53. */
+/* Sums of products, exact: integers below 2^53. */
 static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *mask, size_t pixels,
                          double sums[TERMS][COLUMNS])
 {
@@ -173,8 +175,8 @@ static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *
             sums[k][c] = (double)whole[k][c];
 }
 
-/* Solves the normal equations by elimination. A term that follows from those before it, as in a grey picture, has a
-   factor of 0. */
+/* Solves the normal equations by elimination. A term that depends on earlier ones, as in a grey picture, gets the
+   factor 0. */
 static void solve_map(double sums[TERMS][COLUMNS], double map[TERMS][3])
 {
     double whole[TERMS];

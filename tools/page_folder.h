@@ -1,14 +1,14 @@
-/* Where the page lies that shows scenes: the folder of the npm package. */
+/* Finds the folder of the npm package, which contains the viewer's page. */
 #ifndef PAGE_FOLDER_H
 #define PAGE_FOLDER_H
 
 enum { PAGE_PATH = 4096 };
 
-/* Where FIXSPLAT_WEB says, else beside this program, as it is built or installed. Returns 0, or prints that it is not
-   there and returns EXIT_FAILED. */
+/* Looks in FIXSPLAT_WEB if set, otherwise near this program as built or installed. Returns 0, or prints that it was
+   not found and returns EXIT_FAILED. */
 int page_folder_find(char folder[PAGE_PATH]);
 
-/* The same without a word: whether it is there. */
+/* The same without messages. Returns 1 if found, else 0. */
 int page_folder_look(char folder[PAGE_PATH]);
 
 #endif

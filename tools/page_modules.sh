@@ -1,7 +1,7 @@
 #!/bin/sh
-# tools/page_modules.sh FOLDER [SOURCE [part]]: what the tests of the viewer's page and of convert need of npm: the very
-# files of tests/web/package-lock.json, or of another folder's, of which none is run to install it; with `part` but its
-# devDependencies. Where npm or the network is missing, they are skipped.
+# tools/page_modules.sh FOLDER [SOURCE [part]]: installs the npm modules that tests of the viewer's page and of convert
+# need, exactly as in the package-lock.json of tests/web or SOURCE, without running install scripts. With `part`, leaves
+# out devDependencies. Without npm or network the tests are skipped.
 folder=$1 source=${2:-tests/web} part=${3:+--omit=dev}
 stamp=$folder/package-lock.json${part:+.part}
 command -v npm >/dev/null || { echo "setup: no npm here, so tests of the page, and some of convert, are skipped"; exit 0; }

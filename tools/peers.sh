@@ -1,8 +1,8 @@
 #!/bin/sh
-# peers.sh [ROUNDS [SCENE...]]: the page beside @playcanvas/supersplat-viewer and @sparkjsdev/spark, the newest of npm, in
-# headless Chromium without a GPU, 1280x720: download, first complete picture, time of a frame in motion. Prints a table;
-# pictures lie in B/peers/pictures. VIEWERS="fixsplat Spark" for some; docs/measured.md says how it is measured.
-# B: build folder, with `make all web`; SCENES: folder of real scenes.
+# peers.sh [ROUNDS [SCENE...]]: compares the page with the newest @playcanvas/supersplat-viewer and @sparkjsdev/spark of
+# npm, in headless Chromium without a GPU, 1280x720: download, first complete picture, frame time in motion. Prints a
+# table; pictures go to B/peers/pictures. VIEWERS="fixsplat Spark" selects some. Method: docs/measured.md. B: build
+# folder after `make all web`; SCENES: folder of real scenes.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes}
 cores=

@@ -1,3 +1,5 @@
+/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG in batches on all threads,
+   finds masks, and groups photographs by size and lens. */
 #define _XOPEN_SOURCE 700          /* strdup */
 
 #include "photo_folder.h"
@@ -14,7 +16,7 @@ enum { BATCH = 16 };
 
 static const char skips[] = "--skip-bad leaves such photographs out";
 
-/* ---- Which there are --------------------------------------------------------------------------------------------- */
+/* ---- Listing ----------------------------------------------------------------------------------------------------- */
 
 static int compare_names(const void *a, const void *b)
 {
@@ -64,7 +66,7 @@ int photographs_list(photographs *p, const char *path)
     return l.fits;
 }
 
-/* ---- What COLMAP reads ------------------------------------------------------------------------------------------- */
+/* ---- Files for COLMAP -------------------------------------------------------------------------------------------- */
 
 typedef struct conversion {
     const char *folder, *to, *const *names;        /* of a batch */
@@ -116,14 +118,14 @@ static int convert(task *t, conversion *c, size_t count, uint32_t threads, int s
     return status;
 }
 
-/* A folder of links, and of what is converted. */
+/* Makes a folder of links and converted photographs. */
 static int make_mixed(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
 {
     static conversion c;
     char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
     const char **names = malloc(p->count * sizeof *names);
-    fxs_file_unlink(to);       /* what would be written into a folder that it names is someone else's */
+    fxs_file_unlink(to);       /* `to` may link to someone else's folder, which must not be written to */
     int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < p->count && !status; i++) {
         if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
@@ -156,7 +158,7 @@ int photo_folder_make(task *t, const photographs *p, const char *from, const cha
     return status;
 }
 
-/* ---- What they are of -------------------------------------------------------------------------------------------- */
+/* ---- Sizes, lenses and masks ------------------------------------------------------------------------------------- */
 
 typedef struct seen {
     int width, height;
@@ -184,7 +186,7 @@ int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PAT
     return fxs_photograph_kind_of(original) == FXS_PHOTOGRAPH_HEIF && fxs_photo_mask_in(masks, original, path);
 }
 
-/* Where the photograph has a mask: whether it is one of it. */
+/* If the photograph has a mask, checks that the mask fits it. */
 static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
 {
     fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};
@@ -195,7 +197,7 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
     return error;
 }
 
-/* COLMAP reads a list of names: a line each, without the blanks at its ends. */
+/* COLMAP reads a list of names, one a line, and strips blanks at their ends. */
 static int check_name(const char *name, const char *path, fxs_message *why)
 {
     return strchr(" \t\v\f\r", *name) || strchr(name, '\n')

@@ -1,6 +1,7 @@
-# awk -v plot=NAME -f tools/plot.awk docs/measured.md: an SVG of a table that tools/bench.sh wrote there.
-# sizes: bytes a Gaussian against PSNR, of each form. growth: milliseconds a frame against Gaussians. levels: milliseconds
-# a frame against PSNR, of what is left of each scene. budgets, times: PSNR and milliseconds of a frame against its budget.
+# awk -v plot=NAME -f tools/plot.awk docs/measured.md: draws a table of tools/bench.sh as SVG.
+# sizes: bytes a Gaussian against PSNR, for each form. growth: milliseconds a frame against Gaussians. levels:
+# milliseconds a frame against PSNR, for decimated scenes. budgets, times: PSNR and milliseconds of a frame against its
+# budget.
 BEGIN {
     FS = " *[|] *"
     if (plot == "sizes") {
@@ -77,7 +78,7 @@ function line(x1, y1, x2, y2, class) {
 function px(x) { return left + (x - low_x) / (high_x - low_x) * (right - left) }
 function py(y) { return bottom - (y - low_y) / (high_y - low_y) * (bottom - top) }
 
-# A shape for each series, so that colour is not all that tells them apart.
+# Series differ in shape as well as in colour.
 function mark(x, y, s,    shape) {
     shape = s % 6
     if (shape == 1)
@@ -90,7 +91,7 @@ function mark(x, y, s,    shape) {
 
 function floor_of(v) { return v < int(v) ? int(v) - 1 : int(v) }
 
-# The axis from a multiple of the step to one, linear from 0 where the numbers begin near it.
+# An axis from one multiple of the step to another; a linear axis starts at 0 if the values come near it.
 function ends(values, axis, is_log,    i, low, high, step) {
     low = high = values[1]
     for (i = 2; i <= points; i++) {

@@ -1,8 +1,8 @@
 #!/bin/sh
-# tools/probe.sh BUILD: what the compiler $CC makes programs for, and which optional libraries it compiles and links
-# with, as BUILD/probe.mk for the Makefile. BUILD/with/NAME changes when that library comes, goes or has other headers.
-# Probed anew where the compiler, its flags, the installed packages or the folders that it searches are not those of
-# last time. From the environment: CC CPPFLAGS CFLAGS LDFLAGS NVCC.
+# tools/probe.sh BUILD: finds the target of the compiler $CC and the optional libraries that it can compile and link
+# with, and writes BUILD/probe.mk for the Makefile. BUILD/with/NAME changes when that library appears, disappears or has
+# new headers. Probes again only if the compiler, its flags, the installed packages or its search folders changed.
+# Environment: CC CPPFLAGS CFLAGS LDFLAGS NVCC.
 build=${1:?build folder}
 mkdir -p "$build/with" "$build/tests" || exit 1
 
@@ -27,7 +27,7 @@ GLES GLES3/gl3.h -ldl
 EGL EGL/egl.h
 OSMESA GL/osmesa.h'
 
-# compile ARGUMENT...: by a shell of its own, as a recipe of make does, since flags may hold quotes.
+# compile ARGUMENT...: evaluates the flags like a recipe of make, since they may contain quotes.
 compile() { eval "$CC $CPPFLAGS $CFLAGS" '"$@"'; }
 link() { eval "$CC $CPPFLAGS $CFLAGS $LDFLAGS" '"$@"'; }
 search_folders() {
@@ -51,7 +51,7 @@ key() {
 state=$(key 2>/dev/null)
 [ -e "$build/probe.mk" ] && printf '%s\n' "$state" | cmp -s - "$build/probe.key" && exit
 
-# found NAME HEADERS YES: keeps BUILD/with/NAME where it says so already.
+# found NAME HEADERS YES: writes BUILD/with/NAME only if its content changes.
 found() {
     [ "$3" ] && echo "FOUND += $1" && set -- "$1" "$(cat $2 </dev/null 2>/dev/null | cksum)"
     echo "$2" | cmp -s - "$build/with/$1" || echo "$2" >"$build/with/$1"
@@ -72,7 +72,7 @@ probe() {
     found KERNELS '' "$(ls kernels/*.c 2>/dev/null)"
     echo 'int main(void) { return 0; }' >"$source"
 
-    # As kernels/kernels.c asks.
+    # The same conditions as in kernels/kernels.c.
     printf '%s\n' '#if defined(__x86_64__) || defined(__i386__)' folder_x86 \
         '#elif defined(__aarch64__) && !defined(__AARCH64EB__)' folder_arm '#endif' |
         compile -E -P -x c - | sed -n 's/^folder_/KERNEL_FOLDER := /p'
@@ -80,13 +80,13 @@ probe() {
     printf '%s\n' '#ifdef _WIN32' system_win32 '#else' system_posix '#endif' | compile -E -P -x c - |
         sed -n 's/^system_/SYSTEM := /p'
 
-    # What it takes for floats to be no wider than they are written, as a fit wants them: on i686, and on s390x.
+    # Flags without excess precision of floats, which a fit needs: for i686 and s390x.
     printf '%s\n' '#include <float.h>' '#if FLT_EVAL_METHOD != 0' '#error' '#endif' >"$source.h"
     for singles in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do
         compile -std=c99 $singles -E -x c "$source.h" >/dev/null && echo "SINGLES := $singles" && break
     done
 
-    # Machine code for another processor than CC's does not link. CUB begins with the streams of C++.
+    # Libraries for another processor than CC's do not link. CUB includes C++ streams, hence libstdc++.
     cuda=$([ "$nvcc" ] && "$nvcc" --dryrun -x cu /dev/null 2>&1 | sed -n 's/"//g; s/.*LIBRARIES= *//p')
     cuda="$cuda -lcudart_static -lstdc++ -lpthread -ldl -lrt"
     if [ "$nvcc" ] && [ -d kernels/cuda ] && eval "link '$source' -o '$object' $cuda" 2>/dev/null; then

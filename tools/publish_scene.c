@@ -1,3 +1,5 @@
+/* Loads the scene that `fixsplat publish` writes, and packs it again if its profile or levels of detail are not the
+   wanted ones. */
 #include "publish_scene.h"
 
 #include <stdio.h>
@@ -8,7 +10,7 @@
 #include "src/base/system.h"
 #include "command.h"
 
-#define WORTH_SAYING 1.5           /* times smaller */
+#define WORTH_SAYING 1.5           /* smallest ratio of sizes to report */
 
 static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
 {
@@ -34,7 +36,8 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
             return EXIT_FAILED;
     }
     if (anew || !was_packed)
-        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so no file's */
+        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, not a mapped
+                                                                                          file */
     return 0;
 }
 

@@ -1,3 +1,5 @@
+/* Writes a page as one HTML file: the viewer's scripts and WebAssembly and the scene, gzipped and in base64, and a
+   picture to show first. */
 #include "publish_single.h"
 
 #include <errno.h>
@@ -14,7 +16,8 @@
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Browsers hold a text of less than 2^29 characters, and these are 2^29 in base64 where gzip gains nothing. */
+/* Browsers limit a text to less than 2^29 characters. SCENE_MOST bytes give 512,000,000 in base64 if gzip does not
+   shrink them. */
 enum { SCENE_MOST = 384 * 1000 * 1000, CARRIED_MOST = 256, CARRIED_NAME = 128 };
 
 /* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */
@@ -33,7 +36,7 @@ static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
     }
 }
 
-/* Returns 0, or prints that memory ran out and returns EXIT_FAILED. */
+/* Writes gzip in base64. Returns 0, or prints that memory ran out and returns EXIT_FAILED. */
 static int write_packed(FILE *file, const void *bytes, size_t size)
 {
     z_stream stream = {0};
@@ -53,9 +56,9 @@ static int write_packed(FILE *file, const void *bytes, size_t size)
     return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-/* ---- What the page carries --------------------------------------------------------------------------------------- */
+/* ---- Files of the page ------------------------------------------------------------------------------------------- */
 
-/* What a page without threads and without a server does not need, of the files with these endings. */
+/* True for scripts, WebAssembly and styles of the package, except those for threads and servers. */
 static int is_carried(const char *name)
 {
     static const char *const endings[] = {".js", ".wasm", ".css"};
@@ -133,7 +136,7 @@ static int carry_folder(carrier *c, const char *inside)
     return status;
 }
 
-/* A file of the package as it is, in an element of the page. */
+/* Copies a file of the package into an element of the page. */
 static int print_file(FILE *file, const char *package, const char *name, const char *before)
 {
     char path[TASK_PATH];
@@ -184,7 +187,7 @@ static int print_page(FILE *file, const single_page *page, const fxs_opened *ope
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
 
-/* The bytes of a file without a name, of which a stream in memory would not say that there was no room for them. */
+/* Writes the content of a temporary file to `out`. A stream in memory would not report that memory ran out. */
 static int write_printed(FILE *file, const char *out, size_t *bytes)
 {
     fxs_message why;

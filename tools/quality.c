@@ -1,3 +1,5 @@
+/* Measures the loss of a scene against its original: both are drawn from a set of views and compared; the original
+   optionally once more with nudged Gaussians. */
 #include "quality.h"
 
 #include <inttypes.h>
@@ -8,16 +10,16 @@
 #include "src/fit/float_scene.h"
 #include "views.h"
 
-#define FARTHEST 134000000.0        /* a camera may be within 2^27 units */
+#define FARTHEST 134000000.0        /* below the limit of camera positions, 2^27 units */
 
-/* Of a scene and its original, to be compared. */
+/* A scene and its original, to be compared. */
 typedef struct pair {
     const world *scene;
     fxs_pool *pool;
-    fxs_float_scene *floats[2];             /* of the scene null where it is rendered as it is packed */
+    fxs_float_scene *floats[2];             /* the scene's is null if its packed form is rendered */
     enum fxs_cutoff original_cutoff;
     double nudge_below;
-    picture pictures[3];                    /* the last one of the nudged original */
+    picture pictures[3];                    /* scene, original, nudged original */
 } pair;
 
 static int read_floats(fxs_float_scene **floats, const pair *p, const float_files *files, uint32_t threads)
@@ -66,7 +68,7 @@ static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum 
     return fxs_float_scene_draw(floats, view, cutoff, out->pixels, &message) ? fail_for(&message) : 0;
 }
 
-/* Compares picture i with the one of the original. */
+/* Compares picture i with the original's. */
 static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_file_view *view)
 {
     return fxs_metrics_compare(p->pictures[i].pixels, p->pictures[1].pixels, view->width, view->height, out)
@@ -107,8 +109,8 @@ static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_
     return status;
 }
 
-/* View i of q->count: one of the file, or the only one, turned about the middle of the scene, nearer to it or farther
-   off. */
+/* View i of q->count: from the camera file; or the first view turned about the scene's middle, at one of three
+   distances. */
 static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const frame_options *options,
                             const world *scene)
 {
@@ -132,7 +134,7 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
     return turned;
 }
 
-/* The mean of those that are not infinite, else infinity. */
+/* The mean of the finite PSNR; infinity if all are infinite. */
 static double mean_psnr(const quality *q, int is_affine)
 {
     long different = 0;
@@ -145,7 +147,7 @@ static double mean_psnr(const quality *q, int is_affine)
     return different ? sum / (double)different : INFINITY;
 }
 
-/* nudged_psnr above psnr, dB; infinity where the original was not nudged. */
+/* nudged_psnr - psnr, dB; infinity if the original was not nudged. */
 static double headroom(const quality_view *v)
 {
     return isinf(v->nudged_psnr) ? INFINITY : v->nudged_psnr - v->metrics.psnr;
@@ -226,7 +228,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     return status;
 }
 
-/* Two PSNR as text: the second, with a space before it, only where there is one. */
+/* One or two PSNR as text; the second only if views have one. */
 static const char *print_psnr(char text[80], const quality *q, double psnr, double affine)
 {
     char plain[32], mapped[32] = "";

@@ -1,3 +1,6 @@
+/* Structure from motion for `fixsplat fit`: takes frames of a film, lists photographs and masks in OUT.cameras, runs
+   COLMAP (features, matches, GLOMAP or else its own mapper), keeps the largest model, and
+   reports. An interrupted run is continued. */
 #define _XOPEN_SOURCE 700          /* strdup */
 
 #include "reconstruct.h"
@@ -17,21 +20,22 @@
 #include "film_frames.h"
 #include "photo_folder.h"
 
-/* Up to how many photographs, and frames of a film, each is matched with each. */
+/* LEAST: fewest photographs. Up to ALL_PHOTOGRAPHS photographs, or ALL_FRAMES frames of a film, all pairs are
+   matched. */
 enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
 
 typedef struct work {
     const reconstruct_options *options;
     task t;
     int is_film;
-    char source[TASK_PATH];        /* the film, or the folder in which the photographs are */
-    char masked[TASK_PATH];        /* the folder of masks that were given, or empty; links to them are in `masks` */
+    char source[TASK_PATH];        /* the film, or the folder of photographs */
+    char masked[TASK_PATH];        /* folder of the given masks, or empty; `masks` holds links to them */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
-    uint64_t looked_at;            /* photographs, for features */
-    uint32_t points;               /* of the model, and its error in pixels; 0: COLMAP did not say */
+    uint64_t looked_at;            /* photographs with features, until now */
+    uint32_t points;               /* points of the model and its error in pixels; 0: COLMAP did not print them */
     double error;
 } work;
 
@@ -40,7 +44,7 @@ static int no_memory(void)
     return fail(EXIT_FAILED, "out of memory");
 }
 
-/* A text file is there whole or not at all, also on a full disk. */
+/* Writes a text file whole or not at all, even on a full disk. */
 static int write_text(const char *path, fxs_printed *printed)
 {
     fxs_message why;
@@ -52,8 +56,8 @@ static int write_text(const char *path, fxs_printed *printed)
     return error ? fail_for(&why) : 0;
 }
 
-/* Reads numbers of up to nine digits out of a line of another program, one for each % of the pattern. Returns whether
-   the line begins as the pattern says. */
+/* Reads numbers of up to nine digits from another program's line, one for each % of the pattern. Returns 1 if the
+   line begins as the pattern says, else 0. */
 static int take_numbers(const char *line, const char *pattern, uint32_t *numbers)
 {
     for (; *pattern; pattern++) {
@@ -67,9 +71,9 @@ static int take_numbers(const char *line, const char *pattern, uint32_t *numbers
     return 1;
 }
 
-/* ---- What there is ----------------------------------------------------------------------------------------------- */
+/* ---- Input ------------------------------------------------------------------------------------------------------- */
 
-/* The photographs lie in a folder, or in its folder images. Returns how many. */
+/* Finds photographs in `in` or its subfolder images, and stores that folder. Returns their number. */
 static size_t find_photographs(char folder[TASK_PATH], const char *in)
 {
     photographs p = {0};
@@ -115,7 +119,7 @@ static int link_photographs(work *w)
     return status;
 }
 
-/* The mask in black and white, white where the photograph counts. */
+/* Writes an inverted mask in black and white: white where the photograph counts. */
 static int write_inverse(const char *from, const char *to)
 {
     uint8_t *rgba;
@@ -147,7 +151,7 @@ static int take_mask(const work *w, const char *from, const char *name)
     return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
-/* All by COLMAP's names, in OUT.cameras, where those of an earlier run may be. */
+/* Links or converts all masks into OUT.cameras under COLMAP's names, replacing earlier ones. */
 static int take_masks(const work *w)
 {
     size_t taken = 0;
@@ -209,7 +213,8 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* COLMAP makes photographs of one call one camera, of the focal length that EXIF has of the first. */
+/* Runs COLMAP once for each lens: it assumes one camera in a call, with the focal length from the first photograph's
+   EXIF data. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {
@@ -229,7 +234,7 @@ static int find_features(work *w)
     return status ? status : write_list(w, EVERY_LENS);
 }
 
-/* All pairs, of which COLMAP says blocks that have nearly as many each; or each photograph with those near it. */
+/* Exhaustive matching reports blocks with about equally many pairs; sequential matching reports photographs. */
 static void look_at_matches(task *t, const char *line)
 {
     enum { ROW, ROWS, COLUMN, COLUMNS };
@@ -285,7 +290,7 @@ static int map_cameras(work *w, const char *models)
     return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
 }
 
-/* The photographs of a model: images.bin begins with their number. */
+/* The number of photographs in a model, from the head of images.bin. */
 static uint64_t size_of_model(const char *models, const char *name)
 {
     char path[TASK_PATH], folder[TASK_PATH];
@@ -302,7 +307,7 @@ static uint64_t size_of_model(const char *models, const char *name)
     return read == 8 ? count : 0;
 }
 
-/* On a full disk a mapper leaves files cut short, and may still exit with 0. */
+/* Reads the model's files: on a full disk a mapper may truncate them and still exit with 0. */
 static int check_model(const work *w, const char *model)
 {
     char path[TASK_PATH];
@@ -317,7 +322,7 @@ static int check_model(const work *w, const char *model)
                         "command goes on", why.text, w->log_name) : 0;
 }
 
-/* The largest model becomes sparse/0. */
+/* Moves the largest model to sparse/0. */
 static int keep_largest(work *w, const char *models)
 {
     char sparse[TASK_PATH], from[TASK_PATH], to[TASK_PATH], best[16] = "", name[16];
@@ -344,12 +349,12 @@ static int find_cameras(work *w)
     join_path(models, w->folder, "models");
     int status = find_features(w);
     status = status ? status : find_matches(w);
-    remove_models(models);         /* of a mapper that was stopped */
+    remove_models(models);         /* left by a mapper that was stopped */
     status = status ? status : make_folder(models);
     if (status)
         return status;
     status = map_cameras(w, models);
-    /* COLMAP's mapper fails too where no pair is good enough to begin with, and then it leaves no model. */
+    /* COLMAP's mapper also fails if no pair is good enough to start from; then it leaves no model. */
     status = task_is_cut(status) || (status && size_of_model(models, "0"))
                  ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
     remove_models(models);
@@ -417,7 +422,7 @@ static int report(work *w)
 
 /* ---- The folder -------------------------------------------------------------------------------------------------- */
 
-/* A number for what the cameras are of, names and sizes of files: FNV-1a. */
+/* FNV-1a hash of the names and sizes of the photographs or the film. */
 static uint64_t number_of(const work *w, const photographs *p)
 {
     fxs_file_facts facts;
@@ -434,7 +439,7 @@ static uint64_t number_of(const work *w, const photographs *p)
     return number;
 }
 
-/* The folder of the masks, if there is one; OUT.cameras may have some of its own. */
+/* Finds the folder of masks, if any. OUT.cameras/masks is refused, since masks are written there. */
 static int find_masks(work *w)
 {
     const char *given = w->options->masks;
@@ -452,7 +457,7 @@ static int find_masks(work *w)
     return 0;
 }
 
-/* What lies there is of the same photographs, and of as many frames where their number is given. */
+/* Checks that the folder belongs to the same photographs and, if given, the same number of frames. */
 static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t frames)
 {
     if (of != number)
@@ -463,7 +468,7 @@ static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t fr
     return 0;
 }
 
-/* A new folder, or what lies there is of this. */
+/* Claims a new folder, or checks the existing one. */
 static int claim_folder(const work *w)
 {
     photographs p = {0};
@@ -488,7 +493,7 @@ static int claim_folder(const work *w)
     return write_text(path, &text);
 }
 
-/* For as long as this process runs: the fit reads the photographs there. */
+/* Locks the folder for the life of this process, since the fit reads its photographs. */
 static int lock_folder(const work *w)
 {
     char path[TASK_PATH];
@@ -504,7 +509,7 @@ static int open_folder(work *w)
     const size_t room = TASK_PATH - 64;
     if (strlen(w->options->out) > room || strlen(w->options->in) > room)
         return fail(EXIT_FAILED, "a name of more than %zu characters", room);
-    /* COLMAP takes no name that begins as an option. */
+    /* COLMAP rejects a path that begins like an option. */
     snprintf(w->folder, TASK_PATH, "%s%s.cameras", *w->options->out == '-' ? "./" : "", w->options->out);
     strcpy(w->source, w->options->in);
     if (!w->is_film && !find_photographs(w->source, w->options->in))
@@ -535,7 +540,7 @@ int reconstruct(const reconstruct_options *options, char **folder)
     memset(&w, 0, sizeof w);
     w.options = options;
     w.is_film = film_is_named(options->in);
-    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP's commands open a window's library, also without one */
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP's commands load Qt even without a window */
     int status = open_folder(&w);
     join_path(found, w.folder, "sparse/0");
     const int are_placed = !status && is_folder(found);

@@ -1,10 +1,10 @@
-/* Prints what --stats and --pick of `fixsplat render` ask for. */
+/* Prints the results of --stats and --pick of `fixsplat render`. */
 #include "cmd_render.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 
-/* In the memory of a frame on one thread, whatever --max-memory says: pairs are counted without slices. */
+/* Counts pairs in the memory of a whole frame on one thread, without slices; --max-memory does not apply. */
 static int count_pairs(const render_options *o, const world *w, const fxs_camera *camera, uint64_t *evaluated,
                        uint64_t *blended)
 {

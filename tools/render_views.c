@@ -1,4 +1,5 @@
-/* Renders the views of `fixsplat render`: a round of them is written and compared while the next one is rendered. */
+/* Renders the views of `fixsplat render` in rounds. While a round is rendered, a thread encodes, writes and compares
+   the previous one. */
 #include "cmd_render.h"
 
 #include <inttypes.h>
@@ -16,7 +17,7 @@
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
 
-/* The name has exactly one % conversion, a %d with an optional zero-padded width. */
+/* True if the name has exactly one % conversion, a %d with an optional zero-padded width. */
 static int is_pattern(const char *name)
 {
     const char *percent = strchr(name, '%');
@@ -32,7 +33,7 @@ static void output_name(char *name, size_t size, const char *pattern, long index
     snprintf(name, size, "%.*s%0*ld%s", (int)(percent - pattern), pattern, width, index, strchr(percent, 'd') + 1);
 }
 
-/* The name of a view's file: the pattern's, or just the name. */
+/* The file name of a view: the expanded pattern, or the name itself. */
 static void name_file(char *name, size_t size, const char *pattern, long index)
 {
     if (is_pattern(pattern))
@@ -43,11 +44,11 @@ static void name_file(char *name, size_t size, const char *pattern, long index)
 
 /* ---- Views ------------------------------------------------------------------------------------------------------- */
 
-/* A view that is drawn, to be written. */
+/* A rendered view, to be written. */
 typedef struct drawn_view {
     picture picture;
     int status, unwritten, unexpected;
-    fxs_message why;                        /* unwritten or unexpected */
+    fxs_message why;                        /* message for unwritten or unexpected */
     fxs_stats stats;
     uint64_t hash;
     double range;                           /* of depths, as written */
@@ -55,14 +56,15 @@ typedef struct drawn_view {
     char depth_name[4096];
 } drawn_view;
 
-enum { DRAWN_MOST = 64 };                   /* as many as threads, at most */
+enum { DRAWN_MOST = 64 };                   /* upper limit of views in a round */
 
-/* A picture a thread: each device renders some of them, then they are written while the next round is rendered. */
+/* One picture for each thread. Each device renders some of them; then they are written while the next round is
+   rendered. */
 typedef struct drawn_round {
     drawn_view *drawn;
-    long first, count;                      /* views; 0: none */
+    long first, count;                      /* views; count 0: empty */
     pthread_t writer;
-    int writing;                            /* the writer is to be joined */
+    int writing;                            /* 1: the writer must be joined */
 } drawn_round;
 
 /* All views of a run. */
@@ -70,18 +72,18 @@ typedef struct batch {
     const render_options *o;
     const world *world;
     const fxs_file_view *views;
-    const fxs_lens *lenses;                 /* null: none is drawn */
+    const fxs_lens *lenses;                 /* null: lenses are not drawn */
     long view_count;
     renderer renderers[DEVICES_MOST];
-    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* or in the first the picture before a lens */
-    int devices;                            /* renderers, one on each */
+    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* with a lens, the first is the picture before warping */
+    int devices;                            /* number of renderers, one for each device */
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
-    long round_most;                        /* views of a round: threads */
+    long round_most;                        /* views in a round: the number of threads */
     enum fxs_image_format encoding;
-    fxs_film *film;                         /* null: each view has a file */
-    int failed;                             /* a view could not be drawn, and that was said */
-    int unexpected;                         /* a view was */
+    fxs_film *film;                         /* null: each view has its own file */
+    int failed;                             /* a view could not be drawn, and that was reported */
+    int unexpected;                         /* a view differed from the expected one */
 } batch;
 
 typedef struct round_of_batch {
@@ -89,7 +91,7 @@ typedef struct round_of_batch {
     drawn_round *round;
 } round_of_batch;
 
-/* Rows of a panorama, one job each 16. */
+/* Joins the faces of a panorama, 16 rows a job. */
 typedef struct panorama {
     picture *out;
     uint8_t *faces[FXS_PANORAMA_FACES];
@@ -105,7 +107,7 @@ static void join_rows(void *argument, uint32_t job)
                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
-/* Makes room for the pixels of a picture. Returns 0, or prints why not and returns EXIT_FAILED. */
+/* Allocates the pixels of a picture. Returns 0, or prints the reason and returns EXIT_FAILED. */
 static int make_pixels(picture *out, int width, int height)
 {
     const size_t bytes = (size_t)width * (size_t)height * 4;
@@ -138,7 +140,7 @@ static int draw_panorama(batch *b, int device, long number, picture *out)
     return 0;
 }
 
-/* A picture through a lens: one job each 16 rows. */
+/* Warps a picture through a lens, 16 rows a job. */
 typedef struct bent {
     fxs_lens_warp warp;
     const uint8_t *straight;
@@ -200,7 +202,7 @@ static void draw_views(void *argument, uint32_t device)
     }
 }
 
-/* ---- What is expected -------------------------------------------------------------------------------------------- */
+/* ---- Expected pictures ------------------------------------------------------------------------------------------- */
 
 static uint64_t fnv1a64(const uint8_t *bytes, size_t count)
 {
@@ -215,7 +217,7 @@ static size_t bytes_of(const picture *p)
     return (size_t)p->width * (size_t)p->height * 4;
 }
 
-/* Says how the picture differs from one of its size. */
+/* Describes the difference from the expected picture, which has the same size. */
 static void say_difference(drawn_view *d, const char *name, const uint8_t *expected)
 {
     const picture *p = &d->picture;
@@ -312,7 +314,7 @@ static void write_view(void *argument, uint32_t i)
         compare_with_hash(o, d);
 }
 
-/* What follows a frame that cannot be written is not. */
+/* After a frame that fails, no later frame is written. */
 static void *write_round(void *argument)
 {
     round_of_batch *r = argument;
@@ -328,7 +330,7 @@ static void *write_round(void *argument)
     return 0;
 }
 
-/* What is printed of a view, in the order of the views. */
+/* Prints a view's results; called in the order of the views. */
 static int report_view(batch *b, const drawn_view *d, const fxs_file_view *view)
 {
     const render_options *o = b->o;
@@ -359,14 +361,14 @@ static void draw_round(batch *b, drawn_round *round, long first)
     for (long i = 0; i < round->count; i++)
         round->drawn[i].status = EXIT_FAILED;   /* until it is drawn */
     if (b->devices == 1)
-        draw_views(&argument, 0);               /* on this thread, whose a GL context is */
+        draw_views(&argument, 0);               /* on this thread, which owns the GL context */
     else
         fxs_pool_run(b->pool, draw_views, &argument, (uint32_t)(round->count < b->devices ? round->count : b->devices));
     for (long i = 0; i < round->count; i++)
         b->failed |= round->drawn[i].status;
 }
 
-/* Waits until a round is written. */
+/* Waits until a round is written, and reports its views. */
 static int finish_round(batch *b, drawn_round *round)
 {
     int status = 0;
@@ -379,7 +381,7 @@ static int finish_round(batch *b, drawn_round *round)
     return status;
 }
 
-/* One round is written while the next one is rendered. */
+/* Alternates two rounds: one is written while the other is rendered. */
 static int render_rounds(batch *b)
 {
     round_of_batch arguments[2] = {{b, &b->rounds[0]}, {b, &b->rounds[1]}};
@@ -414,7 +416,7 @@ static int check_patterns(const batch *b, int film)
     return 0;
 }
 
-/* What the library has not opened yet is the expected picture. */
+/* Registers the files of a view; the expected picture is the only one not opened yet. */
 static void tell_files(const batch *b, int film, long index)
 {
     const render_options *o = b->o;
@@ -431,7 +433,7 @@ static void tell_files(const batch *b, int film, long index)
     }
 }
 
-/* All frames have one size. */
+/* Opens the film. All frames must have one size. */
 static int open_film(batch *b)
 {
     const render_options *o = b->o;

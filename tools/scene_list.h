@@ -1,4 +1,4 @@
-/* Scenes that a page lists: those that are given, and those of folders. */
+/* Scenes that a page lists: given files, and the scenes of given folders. */
 #ifndef SCENE_LIST_H
 #define SCENE_LIST_H
 
@@ -8,22 +8,22 @@ enum { LISTED_NAME = 80 };
 
 typedef struct listed_scene {
     char *path;
-    char name[LISTED_NAME];        /* of its files, without an ending: letters, digits and dashes, each name once */
-    char title[LISTED_NAME];       /* the last part of its path, without the ending */
+    char name[LISTED_NAME];        /* unique name for its files, without an ending: letters, digits and dashes */
+    char title[LISTED_NAME];       /* last component of its path, without the ending */
 } listed_scene;
 
-/* All 0: none. */
+/* All fields 0: empty. */
 typedef struct scene_list {
     listed_scene *scenes;
     size_t count, room;
 } scene_list;
 
-/* Adds a scene, or the scenes of a folder in the order of their names. A folder that is one scene of several files (it
-   has a tileset.json, say) counts as a scene. Returns 0, or prints why not and returns EXIT_FAILED: a folder without a
-   scene. */
+/* Adds a scene, or the scenes of a folder sorted by name. A folder that is itself a scene of several files (for
+   example with a tileset.json) counts as one scene. Returns 0, or prints the reason and returns EXIT_FAILED if a
+   folder has no scene. */
 int scene_list_add(scene_list *list, const char *path);
 
-/* Whether that adds the scenes of a folder. */
+/* True if scene_list_add would add the scenes inside of the path. */
 int is_folder_of_scenes(const char *path);
 
 void scene_list_free(scene_list *list);

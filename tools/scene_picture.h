@@ -1,4 +1,4 @@
-/* A picture of a scene in memory, from where the viewer's page begins. */
+/* Renders a picture of an open scene from the start view of the viewer's page. */
 #ifndef SCENE_PICTURE_H
 #define SCENE_PICTURE_H
 
@@ -7,8 +7,8 @@
 
 enum { PICTURE_WIDTH = 1280, PICTURE_HEIGHT = 720, PICTURE_QUALITY = 85 };
 
-/* Renders it and encodes it as .jpg. `threads` 0: one a processor; `background`: red, green and blue. Returns 0, with
-   an `encoded` for fxs_encoded_free, or an error and a message. */
+/* Encodes the picture as .jpg. `threads` 0: one for each processor; `background`: red, green, blue. Returns 0 and an
+   `encoded` for fxs_encoded_free, or an error and a message. */
 int scene_picture(const fxs_opened *opened, int width, int height, const uint8_t background[3], uint32_t threads,
                   fxs_encoded *encoded, fxs_message *message);
 

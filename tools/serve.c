@@ -1,4 +1,4 @@
-/* fixsplat-web: what `fixsplat view --web` and `fixsplat fit --preview` run, with the same arguments. */
+/* fixsplat-web: the program behind `fixsplat view --web` and `fixsplat fit --preview`, with the same arguments. */
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -18,8 +18,8 @@
 
 typedef struct site {
     fxs_http_site served;
-    fxs_http_file *files;                   /* of the scenes, then views and the list where there are any */
-    const char **starts;                    /* of the only scene; or of the list, then of each scene */
+    fxs_http_file *files;                   /* of the scenes, then the views and the list, if any */
+    const char **starts;                    /* start pages: of the only scene, or of the list and then each scene */
     scene_list list;
     served_options how;
     served_scenes *scenes;
@@ -42,7 +42,7 @@ char *text_of(const char *format, ...)
     return text;
 }
 
-/* ---- What it shows ----------------------------------------------------------------------------------------------- */
+/* ---- Files of the site ------------------------------------------------------------------------------------------- */
 
 int keep_written(FILE *file)
 {
@@ -69,7 +69,7 @@ static int add_kept(site *s, const char *name, const char *of, int descriptor)
     return descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", of, strerror(errno)) : 0;
 }
 
-/* The views of any camera file as a cameras.json, from the one that --view names. */
+/* Serves the views of any camera file as cameras.json, beginning with the one that --view names. */
 static int add_views(site *s, const frame_options *o)
 {
     fxs_message message;
@@ -91,7 +91,7 @@ static int add_views(site *s, const frame_options *o)
     return add_kept(s, "/cameras.json", o->cameras, keep_written(file));
 }
 
-/* The same as a part of an address: what is not plain as %XX. Room for three times its length and a 0. */
+/* Escapes a text for an address: bytes that are not plain become %XX. `out` needs 3 times the text's length + 1. */
 static void escape(char *out, const char *text)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.~/";
@@ -100,7 +100,7 @@ static void escape(char *out, const char *text)
     *out = 0;
 }
 
-/* The page of a scene; null: out of memory. */
+/* The address of a scene's page; null: out of memory. */
 static char *page_of(const site *s, int scene, const frame_options *o)
 {
     const uint8_t *bg = o->render.background;
@@ -138,7 +138,8 @@ static int add_list(site *s, int scenes)
     return status ? status : add_start(s, "/list.html");
 }
 
-/* Whether it is looked at before anything is served: what was named by itself, and is not one of a folder. */
+/* True if the path was named on the command line. Such scenes are read before serving; scenes found in a folder are
+   not. */
 static int is_named(const world_options *given, const char *path)
 {
     for (int i = 0; i < given->scene_count; i++)
@@ -195,7 +196,8 @@ static int fill_site(site *s, const frame_options *o)
 /* ---- Serving ----------------------------------------------------------------------------------------------------- */
 
 typedef struct told {
-    char near[128], far[128];               /* addresses of this machine alone, and of others too; empty: none */
+    char near[128], far[128];               /* first address of this machine only, and first address for others;
+                                               empty: none */
 } told;
 
 static void tell(void *self, const char *address, int is_local)
@@ -207,7 +209,7 @@ static void tell(void *self, const char *address, int is_local)
     printf("%s/\n", address);
 }
 
-/* What only people want, and no script: a browser, and a code for a phone's camera. */
+/* Interactive extras, which scripts do not get: a browser window and a QR code. */
 static void tell_people(const told *t, const view_options *o)
 {
     const int is_terminal = fxs_is_terminal(stdout);
@@ -228,7 +230,7 @@ static void tell_all(const fxs_http_server *server, const view_options *o)
     tell_people(&t, o);
 }
 
-/* Until it is asked to end, or until the only scene turns out to be none. */
+/* Runs until shutdown is requested, or the only scene fails. */
 static int work(site *s)
 {
     int did;
@@ -252,7 +254,7 @@ static int serve(site *s, const view_options *o)
     return status;
 }
 
-/* By its option, or the beginning of that: emulators have another argv[0]. */
+/* Recognises `fit` by its option --preview or an abbreviation: under emulators argv[0] differs. */
 static int is_fit(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {

@@ -1,4 +1,4 @@
-/* What the parts of fixsplat-web share. */
+/* Shared by the parts of fixsplat-web. */
 #ifndef SERVE_H
 #define SERVE_H
 
@@ -7,21 +7,21 @@
 
 #include <fixsplat/message.h>
 
-/* The descriptor (src/base/system.h) of what was written to a temporary file, which it closes. Returns -1, with errno,
-   where that or the file (null) failed. */
+/* Closes a temporary file and returns a descriptor (src/base/system.h) of its content. Returns -1 and sets errno if
+   the file is null, or writing it failed. */
 int keep_written(FILE *file);
 
-/* The same of bytes. */
+/* Writes bytes to a temporary file and returns its descriptor, as keep_written does. */
 int keep(const void *data, size_t bytes);
 
-/* A text of a format, for free; null: out of memory. */
+/* Formats a string, which the caller frees. Returns null if memory runs out. */
 char *text_of(const char *format, ...) FXS_PRINTF(1, 2);
 
-/* Prints the QR code of an address, for terminals of either brightness. Returns 0, or -1 where this was built without
+/* Prints the QR code of an address, readable on dark and light terminals. Returns 0, or -1 in a build without
    libqrencode. */
 int print_qr_code(const char *address);
 
-/* `fixsplat fit --preview`: returns its exit status. */
+/* Runs `fixsplat fit --preview`. Returns its exit status. */
 int serve_fit(int argc, char **argv);
 
 #endif

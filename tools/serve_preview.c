@@ -1,4 +1,5 @@
-/* What `fixsplat fit --preview` runs: the fit, and a server of the page that shows it. */
+/* `fixsplat fit --preview`: runs the fit, and serves a page that shows it. Every few seconds the fit packs its scene
+   into a temporary file and writes its numbers to /fit.json; the server's thread sends both to the page. */
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
@@ -21,18 +22,18 @@
 
 #define SECOND ((uint64_t)1000000000)
 enum {
-    SCENE_SECONDS = 3,              /* between two scenes, at least */
-    SHARE = 40,                     /* scenes take up to one part in so many of the time, and so do points */
-    POINTS = 20,                    /* of the curve, of a whole fit */
-    MEASURED_MOST = 4,              /* photographs of a point */
-    PAGE_SECONDS = 3,               /* without a question of the page, and it is not there any more */
-    GOODBYE_SECONDS = 5             /* that the end waits until the page has the last scene */
+    SCENE_SECONDS = 3,              /* least time between two scenes */
+    SHARE = 40,                     /* packing scenes takes at most 1/SHARE of the time; so does measuring points */
+    POINTS = 20,                    /* of the curve, in a whole fit */
+    MEASURED_MOST = 4,              /* photographs that a point is measured by */
+    PAGE_SECONDS = 3,               /* a page silent for this time is gone */
+    GOODBYE_SECONDS = 5             /* longest wait at the end, until the page has loaded the last scene */
 };
 
-/* A file of the site, of which there is another from time to time. */
+/* A served file that is replaced from time to time. */
 typedef struct live_file {
-    int descriptor;                 /* or -1: there is none yet */
-    uint32_t asked;                 /* so often, since there is this one */
+    int descriptor;                 /* -1: no version yet */
+    uint32_t asked;                 /* requests for the current version */
     uint64_t asked_at;
 } live_file;
 
@@ -43,33 +44,33 @@ typedef struct point {
     double psnr, ssim;
 } point;
 
-/* There is one fit in a program. */
+/* The state of the preview; a program runs one fit. */
 static struct preview {
     fxs_http_server *server;
     fxs_http_site site;
     fxs_http_file files[FILES];
     char folder[PAGE_PATH];
-    pthread_mutex_t lock;           /* of: */
+    pthread_mutex_t lock;           /* guards `live` */
     live_file live[FILES];
 
     const char *out, *state;
-    int has_failed;                 /* and that was said */
-    int is_written;                 /* the scene, and what follows is of that */
-    const fxs_photos *photos;       /* until the scene is written */
-    int held_out;                   /* whether it is measured by photographs that are not fitted */
+    int has_failed;                 /* a failure was reported */
+    int is_written;                 /* the final scene is written; further measurements are of it */
+    const fxs_photos *photos;       /* valid until the scene is written */
+    int held_out;                   /* measured by held-out photographs */
     frame_options frame;
-    fxs_photos few;                 /* of the photographs, those that are measured between two steps; all 0: none */
+    fxs_photos few;                 /* photographs measured at each point of the curve; all 0: none */
     fit_now now;
-    uint64_t began, told, packed;   /* nanoseconds: when the fit began, when numbers and a scene were last given out */
+    uint64_t began, told, packed;   /* times in nanoseconds: start of the fit, last numbers served, last scene served */
     uint64_t spent_on_scenes, spent_on_points;
-    uint32_t version;               /* of the scene, from 1 on; 0: there is none */
-    uint32_t measured;              /* the last step that was measured */
+    uint32_t version;               /* of the scene, from 1; 0: no scene yet */
+    uint32_t measured;              /* last step measured */
     point *points;
     size_t point_count, point_room;
-    quality result;                 /* of all photographs, at the end: means and their number alone */
+    quality result;                 /* of all photographs, at the end: count and means only */
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
 
-/* ---- What is served ---------------------------------------------------------------------------------------------- */
+/* ---- Served files ------------------------------------------------------------------------------------------------ */
 
 static int open_live(void *file)
 {
@@ -83,7 +84,7 @@ static int open_live(void *file)
     return descriptor;
 }
 
-/* The descriptor is the file's from now on; -1, with errno: said once. */
+/* Takes ownership of the descriptor. -1, with errno set: a failure, which is reported once. */
 static void give(struct preview *p, int which, int descriptor)
 {
     live_file *live = &p->live[which];
@@ -111,7 +112,7 @@ static uint32_t asked_for_numbers(struct preview *p, uint64_t *at)
     return asked;
 }
 
-/* A number that JSON may not have becomes null. */
+/* Writes null for a number that JSON cannot hold. */
 static void write_number(FILE *file, const char *before, double number)
 {
     fprintf(file, isfinite(number) ? "%s%.4f" : "%snull", before, number);
@@ -129,7 +130,7 @@ static void write_points(FILE *file, const struct preview *p)
     putc(']', file);
 }
 
-/* /fit.json, as docs/web.md has it. */
+/* Writes /fit.json, described in docs/web.md. */
 static void tell(struct preview *p)
 {
     FILE *file = fxs_stream_temporary();
@@ -158,7 +159,7 @@ static void tell(struct preview *p)
     give(p, NUMBERS, keep_written(file));
 }
 
-/* Those that the scene is measured by, for the page to look from. */
+/* Serves the views of the photographs that measure the scene, so that the page can show them. */
 static void tell_views(struct preview *p)
 {
     FILE *file = fxs_stream_temporary();
@@ -176,8 +177,8 @@ static void tell_views(struct preview *p)
 
 /* ---- The scene --------------------------------------------------------------------------------------------------- */
 
-/* That of the first photograph that is held out, or else of the first; none, where that is no start view. Up is that of
-   all that are fitted. */
+/* Sets the start view to the first held-out photograph's, or else the first photograph's, if it can be one. Up is
+   the mean of the fitted photographs'. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
@@ -209,7 +210,7 @@ static void add_point(struct preview *p, uint32_t step, const quality *q)
     p->points[p->point_count++] = (point){step, q->psnr, q->ssim};
 }
 
-/* Every n-th of the photographs, so that a point does not take long. */
+/* Chooses every n-th photograph, to keep a point cheap. */
 static void choose_few(struct preview *p)
 {
     const fxs_photos *all = p->photos;
@@ -240,7 +241,7 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->spent_on_points += fxs_clock(0) - start;
 }
 
-/* The first, the last, and between them as many as there is time for. */
+/* At the first scene, at the final one, and between them as the time share allows. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;
@@ -249,7 +250,7 @@ static int wants_point(const struct preview *p)
     return (p->few.held_out || p->few.fit) && (!p->point_count || is_due || p->is_written);
 }
 
-/* `measured`: what points of the curve are of. `start`: when it was begun to pack. */
+/* `measured`: the scene that the curve's point measures. `start`: when packing began. */
 static void show(struct preview *p, fxs_packed_scene *packed, fxs_packed_scene *measured, uint64_t start)
 {
     give_scene(p, packed);
@@ -369,7 +370,8 @@ static void tell_stopped(void)
     tell(&preview);
 }
 
-/* Until a page that is there has the last scene: it asks once more after it has loaded what it was told of. */
+/* Waits until a page that is still open has loaded the last scene. The page asks for the numbers once more
+   afterwards. */
 static void wait_for_page(struct preview *p)
 {
     const uint64_t end = fxs_clock(0) + GOODBYE_SECONDS * SECOND;

@@ -1,3 +1,6 @@
+/* Packs and serves the scenes of `fixsplat view --web`. Pages ask for a scene's facts as JSON and for its file; the
+   questions mark the scene as wanted, and scenes_work packs wanted scenes into temporary files. A changed file
+   is packed again once it has settled. */
 #include "serve_scenes.h"
 
 #include <ctype.h>
@@ -13,18 +16,17 @@
 #include "serve.h"
 
 #define SECOND ((uint64_t)1000000000)
-#define SETTLED (SECOND * 3 / 4)            /* without a change, and a file is complete */
-#define LOOKS (5 * SECOND)                  /* after a question of a page, it is still there */
-#define KEPT_MOST ((uint64_t)1 << 30)       /* bytes of packed scenes that no page looks at */
-enum { SMALL = 64 };                        /* bytes a Gaussian that packing does not make fewer */
+#define SETTLED (SECOND * 3 / 4)            /* a file unchanged for this time is complete */
+#define LOOKS (5 * SECOND)                  /* a page that asked within this time is still open */
+#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes kept of packed scenes that no page shows */
+enum { SMALL = 64 };                        /* files of at most this many bytes a Gaussian are sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
-/* Of two versions that follow each other each has an address of its own, so that a page that shows the one goes on
-   reading it. */
+/* Successive versions alternate between two addresses, so that a page can go on reading the version it shows. */
 enum { VERSIONS = 2, FILES = SCENE_FILES };
 
-/* In the place of a descriptor. AS_IT_LIES: what has the name of the scene when it is sent, on a system where a file
-   that is kept open could not be replaced. */
+/* Special values of descriptors. AS_IT_LIES: the scene's file is opened by name for each request, on systems where
+   an open file cannot be replaced. */
 enum { NONE = -1, AS_IT_LIES = -2 };
 
 enum scene_state { WAITS, PACKS, READY, FAILED, GONE };
@@ -32,22 +34,22 @@ static const char *const state_names[] = {"waits", "packs", "ready", "failed", "
 
 typedef struct served_scene {
     served_scenes *all;
-    const char *given;                      /* its path, for messages */
-    char *path;                             /* and with links followed */
-    char *names[FILES];                     /* versions, facts, picture */
-    int number, is_twice;                   /* another scene has the same name */
-    fxs_file_facts taken, seen;             /* of the file: as it is served, and as it was last looked at */
+    const char *given;                      /* path as given, for messages */
+    char *path;                             /* absolute path with links resolved */
+    char *names[FILES];                     /* addresses: versions, facts, picture */
+    int number, is_twice;                   /* is_twice: another scene has the same base name */
+    fxs_file_facts taken, seen;             /* of the file: when served, and at the last check */
     uint64_t seen_at;
 
-    /* Under the lock: */
+    /* Guarded by the lock: */
     enum scene_state state;
-    int descriptors[VERSIONS];              /* or NONE, or AS_IT_LIES */
-    int picture;                            /* or NONE */
-    uint64_t kept;                          /* bytes that were packed, and are no file's */
-    uint32_t version;                       /* from 1 on; 0: there was none yet */
-    double done;                            /* of packing */
-    uint64_t asked_at;                      /* by a page that shows it; 0: never */
-    char words[256];                        /* why not */
+    int descriptors[VERSIONS];              /* a descriptor, NONE or AS_IT_LIES */
+    int picture;                            /* a descriptor or NONE */
+    uint64_t kept;                          /* bytes of a scene packed into a temporary file */
+    uint32_t version;                       /* from 1; 0: no version yet */
+    double done;                            /* packing progress, 0 to 1 */
+    uint64_t asked_at;                      /* last request of a page that shows it; 0: never */
+    char words[256];                        /* reason of a failure */
 } served_scene;
 
 struct served_scenes {
@@ -55,7 +57,7 @@ struct served_scenes {
     served_scene *scenes;
     int count;
     pthread_mutex_t lock;
-    uint64_t listed_at;                     /* when a list last asked; 0: never */
+    uint64_t listed_at;                     /* last request of a list; 0: never */
 };
 
 static int slot_of(const served_scene *s)
@@ -63,7 +65,7 @@ static int slot_of(const served_scene *s)
     return (int)(s->version + VERSIONS - 1) % VERSIONS;
 }
 
-/* The last part of a path. Returns its length. */
+/* Sets *base to the last component of a path, and returns its length. */
 static int base_of(const char **base, const char *path)
 {
     const char *end = path + strlen(path);
@@ -74,7 +76,7 @@ static int base_of(const char **base, const char *path)
     return (int)(end - *base);
 }
 
-/* ---- What is told ------------------------------------------------------------------------------------------------ */
+/* ---- Facts as JSON ----------------------------------------------------------------------------------------------- */
 
 static void write_facts(FILE *file, const served_scene *s)
 {
@@ -123,7 +125,8 @@ static int open_again(const served_scene *s, int descriptor)
          : descriptor == AS_IT_LIES ? fxs_descriptor_open(s->path) : fxs_descriptor_again(descriptor);
 }
 
-/* A version, or where it is not there the one that is; a scene that is not there at all is wanted from now on. */
+/* Opens a version, or the current one if that version is gone. If the scene has no version, the request marks it as
+   wanted. */
 static int open_version(served_scene *s, int slot)
 {
     pthread_mutex_lock(&s->all->lock);
@@ -168,9 +171,9 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
     *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
 }
 
-/* ---- Taking a scene ---------------------------------------------------------------------------------------------- */
+/* ---- Packing a scene --------------------------------------------------------------------------------------------- */
 
-/* Returns 0, or -1 where there is nothing that could be a scene: no file, a link, a FIFO. */
+/* Returns 0, or -1 if the path cannot be a scene: missing, a link, a FIFO. */
 static int look_at_file(const char *path, fxs_file_facts *facts)
 {
     const enum fxs_file_kind kind = fxs_file_look_at_name(path, facts);
@@ -185,7 +188,7 @@ static int is_same(const fxs_file_facts *a, const fxs_file_facts *b)
     return a->device == b->device && a->inode == b->inode && a->size == b->size && a->modified == b->modified;
 }
 
-/* Whether it is one file, and none in JSON, which names others. */
+/* True for a single file. A JSON file is not: it names others. */
 static int is_one_file(const char *path)
 {
     if (fxs_file_kind(path) != FXS_FILE_REGULAR)
@@ -199,9 +202,10 @@ static int is_one_file(const char *path)
     return c != '{';
 }
 
-/* What a scene's file says at first sight. */
+/* Facts about a scene's file before it is loaded. */
 typedef struct first_look {
-    int is_fxs, is_sent;                    /* is_sent: as it is, since packing gains nothing and is not asked for */
+    int is_fxs, is_sent;                    /* is_sent: the file is sent unchanged, since it is an .fxs, or packing
+                                               would gain nothing and no option needs it */
 } first_look;
 
 static int look_first(const char *path, const load_options *o, first_look *look)
@@ -219,7 +223,7 @@ static int look_first(const char *path, const load_options *o, first_look *look)
     return 0;
 }
 
-/* Shows it here and to pages; a request to end ends the program. */
+/* Shows progress on the terminal and to pages. A shutdown request ends the program. */
 static int tell_progress(void *scene, double done)
 {
     served_scene *s = scene;
@@ -250,7 +254,7 @@ static int picture_of(const served_scene *s, const loaded_scene *scene)
     return descriptor;
 }
 
-/* Of a scene under the lock. */
+/* Call with the lock held if the descriptor belongs to a scene. */
 static void replace(int *descriptor, int by)
 {
     if (*descriptor >= 0)
@@ -259,7 +263,7 @@ static void replace(int *descriptor, int by)
 }
 
 typedef struct taken {
-    int descriptor, picture;                /* as those of a scene */
+    int descriptor, picture;                /* like the fields of served_scene */
     uint64_t kept;
 } taken;
 
@@ -269,13 +273,15 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
         t->picture = picture_of(s, scene);
     if (look->is_sent)
         return 0;
-    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so no file's */
+    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so not a mapped
+                                                                                      file */
     t->kept = scene->opened->bytes;
     t->descriptor = keep(scene->opened->data, scene->opened->bytes);
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
 }
 
-/* What is sent, and a picture. That it can be read is found out here and not first by the page. */
+/* Prepares the file to send and a picture. Loads the scene in any case, so that errors show up here and not in the
+   page. */
 static int take_file(served_scene *s, taken *t)
 {
     load_options o;
@@ -309,7 +315,7 @@ static void set_state(served_scene *s, enum scene_state state, const char *words
     pthread_mutex_unlock(&s->all->lock);
 }
 
-/* Under the lock. */
+/* Call with the lock held. */
 static void drop(served_scene *s)
 {
     for (int i = 0; i < VERSIONS; i++)
@@ -318,7 +324,7 @@ static void drop(served_scene *s)
     s->state = WAITS;
 }
 
-/* Closes packed scenes that no page looks at, until there are few bytes of them. */
+/* Drops the packed scenes that no page shows, oldest request first, until they take at most KEPT_MOST bytes. */
 static void make_room(served_scenes *all)
 {
     const uint64_t now = fxs_clock(0);
@@ -341,7 +347,7 @@ static void make_room(served_scenes *all)
     pthread_mutex_unlock(&all->lock);
 }
 
-/* Pages of other machines need not know where a scene lies. */
+/* Removes the scene's path from a message, since pages on other machines may see it. */
 static const char *without_path(const served_scene *s, const char *words)
 {
     const size_t length = strlen(s->path);
@@ -372,9 +378,9 @@ static int take(served_scene *s, const fxs_file_facts *now)
     return 0;
 }
 
-/* ---- Which, and when --------------------------------------------------------------------------------------------- */
+/* ---- Scheduling -------------------------------------------------------------------------------------------------- */
 
-/* Takes it again where its file has changed and then stayed as it is. */
+/* Packs a scene again after its file has changed and settled. */
 static void follow(served_scene *s)
 {
     const uint64_t time = fxs_clock(0);
@@ -401,7 +407,7 @@ static int take_first(served_scene *s)
     return fail(EXIT_FAILED, "%s: there is no such file", s->given);
 }
 
-/* Whether a page shows it, or has it in a list without a picture. */
+/* Whether a page shows the scene, or lists it before its picture exists. */
 enum interest { NOBODY, LISTED, SHOWN };
 
 static enum interest interest_in(served_scene *s, enum scene_state *state)
@@ -463,7 +469,7 @@ static int name_scene(served_scene *s, int is_sent)
     return 0;
 }
 
-/* Those with the same last part are called by their whole paths. */
+/* Scenes with the same base name are listed by their whole paths. */
 static void find_twins(served_scenes *all, served_scene *s)
 {
     const char *base, *other;
@@ -485,13 +491,14 @@ int scenes_add(served_scenes *all, const char *path, int is_sure)
     s->picture = s->descriptors[0] = s->descriptors[1] = NONE;
     if (is_sure && look_first(path, &all->options->load, &look))
         return EXIT_FAILED;
-    s->path = fxs_path_whole(path);   /* links are followed now, not later */
+    s->path = fxs_path_whole(path);   /* links are resolved once, now */
     if (!s->path && !(is_sure ? 0 : (s->path = strdup(path))))
         return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     find_twins(all, s);
     if (name_scene(s, look.is_sent))
         return EXIT_FAILED;
-    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* there is nothing to wait for */
+    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* nothing to pack, so it is
+                                                                                        ready at once */
 }
 
 const char *scenes_address(const served_scenes *all, int scene)

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the Debian packages named that are not there yet; asks for root by sudo where needed.
+# setup.sh PACKAGE...: installs the Debian packages that are missing, as root or by sudo.
 installed=$(dpkg-query -W -f='${Status} ${Package} \n' "$@" 2>/dev/null | sed -n 's/^[a-z]* ok installed//p')
 missing=
 for package in "$@"; do
@@ -11,7 +11,7 @@ root=
 [ "$(id -u)" = 0 ] || root=sudo
 echo "setup: installing$missing"
 apt() { $root env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
-# `update` has a lock of its own, for which apt-get does not wait.
+# `update` has its own lock, and apt-get does not wait for that one.
 tries=0
 until said=$(apt update 2>&1); do
     case $said in *"Could not get lock"*) ;; *) tries=60 ;; esac

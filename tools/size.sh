@@ -1,5 +1,5 @@
 #!/bin/sh
-# tools/size.sh BUILD: bytes of code and data of each part, without debugging information.
+# tools/size.sh BUILD: prints the bytes of code and data of each part, without debugging information.
 build=${1:?build folder}
 stripped=$(mktemp) || exit 1
 objects=$(mktemp -d) || exit 1
@@ -7,7 +7,7 @@ trap 'rm -rf "$stripped" "$objects"' EXIT
 
 row() { printf '%-24s %9s %9s %9s\n' "$@"; }
 
-# part NAME SIZE FILE...: the sum, of the files that there are
+# part NAME SIZE FILE...: one row with the sum over the existing files.
 part() {
     name=$1 size=$2
     shift 2
@@ -22,7 +22,7 @@ part() {
     fi
 }
 
-# The objects of a folder's sources.
+# objects_of FOLDER: the object files of a folder's sources.
 objects_of() {
     for source in "$1"/*.c; do
         echo "$build/${source%.c}.o"

@@ -1,13 +1,13 @@
-// The compute shaders as WebGPU takes them: of kernels/compute/*.wgsl and src/include/fixsplat/pixel.h. Run as
-// node tools/stages.mjs FILE, writes the module stages.js of the npm package: the texts of the parts, without comments,
-// and of each stage the names of those that it is made of.
+// Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/pixel.h.
+// node tools/stages.mjs FILE writes the module stages.js of the npm package: the parts' texts without comments, and the
+// names of each stage's parts.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 export const room = "kernels/compute/";
 export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
 
-// pixel.h is written in so few words of C that these make it WGSL.
+// pixel.h uses so small a subset of C that these replacements turn it into WGSL.
 function pixelHeader()
 {
     return readFileSync("src/include/fixsplat/pixel.h", "utf8")

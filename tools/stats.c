@@ -1,3 +1,4 @@
+/* Statistics of a scene's attributes: reads all Gaussians into columns, sorts each column, and counts a histogram. */
 #include "stats.h"
 
 #include <inttypes.h>
@@ -10,12 +11,12 @@
 #include "command.h"
 
 
-enum { OF_ALL = 10 };                       /* attributes without SH above degree 0, one a degree */
+enum { OF_ALL = 10 };                       /* attributes without SH above degree 0, which add one for each degree */
 
 static const char *const names[STATS_MOST] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "opacity", "red", "green",
                                               "blue", "sh_1", "sh_2", "sh_3"};
 
-/* The root of the mean of the squares. */
+/* Root mean square. */
 static float size_of(const float *values, int count)
 {
     double sum = 0;
@@ -42,7 +43,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The values are sorted, and those that are no numbers left out. */
+/* Sorts the finite values; leaves out the others. */
 static void measure(attribute_stats *a, float *values, uint64_t count)
 {
     double sum = 0;
@@ -116,7 +117,7 @@ int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_inf
 
 /* ---- Printing ---------------------------------------------------------------------------------------------------- */
 
-/* A character a bin: a space for none, then by how full it is beside the fullest. */
+/* One character a bin: a space if empty, otherwise by its share of the fullest. */
 static void print_bins(const attribute_stats *a)
 {
     static const char levels[] = " .:-=+*#%@";

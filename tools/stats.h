@@ -8,9 +8,9 @@ enum { STATS_BINS = 40, STATS_MOST = 13 };
 
 typedef struct attribute_stats {
     const char *name;
-    uint64_t count, not_finite;             /* Gaussians where it is a number, which the rest is of; the others */
-    double least, median, mean, most;       /* 0 where there is none */
-    uint64_t bins[STATS_BINS];              /* of equal width, from the least to the most */
+    uint64_t count, not_finite;             /* finite values, which the statistics cover; the others */
+    double least, median, mean, most;       /* 0 if count is 0 */
+    uint64_t bins[STATS_BINS];              /* of equal width, from least to most */
 } attribute_stats;
 
 typedef struct scene_stats {
@@ -23,7 +23,7 @@ int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_inf
 
 void stats_print_text(const scene_stats *s);
 
-/* As the value of a key: a list of objects. */
+/* A JSON list of objects. */
 void stats_print_json(const scene_stats *s);
 
 #endif

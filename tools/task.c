@@ -1,3 +1,5 @@
+/* Runs external programs step by step: their output goes to a log, progress to stderr, and a missing program gives a
+   hint how to install it. */
 #include "task.h"
 
 #include <errno.h>
@@ -27,7 +29,7 @@ void task_show(task *t, uint64_t done, uint64_t all)
     const double seconds = (double)(now - t->start) * 1e-9;
     if (is_quiet() || (t->shown && now - t->shown < (is_line ? 200000000u : 10000000000u)))
         return;
-    done = all && done > all ? all : done;         /* as another program counted */
+    done = all && done > all ? all : done;         /* the other program may count further */
     if (done && all)
         snprintf(left, sizeof left, ", some %.0f s left", seconds / (double)done * (double)(all - done));
     snprintf(text, sizeof text, all ? "%s: %" PRIu64 " of %" PRIu64 "%s" : "%s: %" PRIu64, t->doing, done, all, left);

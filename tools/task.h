@@ -1,4 +1,5 @@
-/* A task of several steps, most of which other programs do: what they print is kept in a log, and progress is shown. */
+/* A task of several steps, most of them done by external programs, with a log of their output and progress on
+   stderr. */
 #ifndef TASK_H
 #define TASK_H
 
@@ -10,54 +11,54 @@
 
 enum { TASK_LINE = 512, TO_INSTALL = 64 };
 
-#define TO_PATH ", in a folder of PATH"      /* what to do with a program */
+#define TO_PATH ", in a folder of PATH"      /* hint where to put a program */
 
 typedef struct task task;
 struct task {
-    const char *of;                /* what it is done with, for messages */
+    const char *of;                /* input of the task, for messages */
     const char *log_name;
     FILE *log;
     const char *doing;             /* the step, as in "failed while looking for features" */
-    void (*look)(task *t, const char *line);   /* at a line that a program has printed; may be null */
+    void (*look)(task *t, const char *line);   /* called for each line that a program prints; may be null */
     void *argument;
     char line[TASK_LINE];
     size_t length;
-    uint64_t start, shown;         /* nanoseconds: of the step, and when it was last shown, or 0 */
+    uint64_t start, shown;         /* nanoseconds: start of the step; last progress shown, or 0 */
 };
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));
 
-/* On a terminal a line that changes, else one at first and then every ten seconds; with the time that is left where all
-   is not 0. */
+/* Shows progress: on a terminal a line in place, otherwise a line at first and then every ten seconds. Includes the
+   remaining time unless `all` is 0. */
 void task_show(task *t, uint64_t done, uint64_t all);
 
-/* Runs a program of PATH with these arguments, the first its name and the last null. It reads nothing; its errors go to
-   the log, its output to `take`, piece by piece, or where that is null to the log and to look. Returns as
+/* Runs a program from PATH; `arguments` begin with its name and end with null. Its input is empty, and its errors go
+   to the log. Its output goes piece by piece to `take` or, if that is null, to the log and to t->look. Returns as
    fxs_program_run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
 
-/* Whether the program did not come to an end of its own: it is missing, could not be run, or a signal ended it. */
+/* True if the program did not finish by itself: missing, not executable, or ended by a signal. */
 int task_is_cut(int status);
 
-/* "apt install " and the package where there is apt, else "install it" and what is given. Returns `words`. */
+/* "apt install " and the package on systems with apt, otherwise "install it" and `otherwise`. Returns `words`. */
 const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise);
 
-/* Prints why a program failed, by what task_run returned. Returns the exit status of the command. */
+/* Prints why a program failed, from the status of task_run. Returns the exit status of the command. */
 int task_failed(const task *t, const char *program, int status);
 
-/* Where a path is too long, the joined one is empty. */
+/* Joins two paths. The result is empty if it would be too long. */
 enum { TASK_PATH = 4096 };
 void join_path(char path[TASK_PATH], const char *folder, const char *name);
 
 int is_folder(const char *path);
 
-/* Makes a folder, or leaves it as it is. Returns 0, or prints why not and returns EXIT_FAILED. */
+/* Makes a folder unless it exists. Returns 0, or prints the reason and returns EXIT_FAILED. */
 int make_folder(const char *path);
 
-/* The same with the folders that it is in. */
+/* The same, with its parent folders. */
 int make_folders(const char *path);
 
-/* Removes a folder and the files in it, but no folders. Of a link, the link alone. */
+/* Removes a folder and its files, but no subfolders. For a link, removes only the link. */
 void remove_folder(const char *path);
 
 #endif

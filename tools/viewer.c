@@ -1,3 +1,5 @@
+/* The window's thread of `fixsplat view`: opens and installs scenes, turns keys, pointer and wheel into camera
+   motion, adapts the budget to the frame rate, and queues requests for the renderer's thread (viewer_frame.c). */
 #include "viewer.h"
 
 #include <math.h>
@@ -16,7 +18,8 @@ enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS
 
 /* ---- Scene and views --------------------------------------------------------------------------------------------- */
 
-/* Shows a view as it came. The pivot is the point looked at, or the one ahead that is nearest to the scene's middle. */
+/* Shows a view of v->views. The pivot is the --look point, or else the point ahead that is nearest to the scene's
+   middle. */
 static void show_view(viewer *v, long index)
 {
     const double *low = v->world.inner_low, *high = v->world.inner_high;
@@ -36,7 +39,7 @@ static void show_view(viewer *v, long index)
     v->changed = 1;
 }
 
-/* Up in the scene: as given, or as its file says, or the mean of the views' where they come from a file. */
+/* The up direction, in this order: --up, the scene's file, the mean of a camera file's views, the default. */
 static void find_up(viewer *v)
 {
     double mean[3];
@@ -47,7 +50,7 @@ static void find_up(viewer *v)
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 
-/* A corner of a chunk, as the object is placed: p = R o s + t */
+/* A chunk's origin in the world: p = R o s + t */
 static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
 {
     fxs_chunk header;
@@ -61,7 +64,7 @@ static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
     }
 }
 
-/* Chunks hold the same number of Gaussians: so every so many of them stand for the scene. */
+/* Samples the scene at every n-th chunk. Chunks hold equally many Gaussians, so the sample is even. */
 static void find_points(viewer *v)
 {
     uint64_t chunks = 0, number = 0;
@@ -81,7 +84,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* How far away the nearest twentieth of the scene is, between a hundredth of its radius and twice that. */
+/* The distance to the nearest twentieth of the scene, within 0.01 to 2 scene radii. */
 static double reach(const viewer *v)
 {
     double distances[NEAR_POINTS];
@@ -96,7 +99,7 @@ static double reach(const viewer *v)
 
 /* ---- Opening scenes ---------------------------------------------------------------------------------------------- */
 
-/* A scene that was opened alone is kept among the recent ones; that it cannot be is said once. */
+/* Saves a scene that was opened alone in the recent list. Reports only the first failure. */
 static void keep_recent(loading *l)
 {
     fxs_message message;
@@ -104,7 +107,7 @@ static void keep_recent(loading *l)
         note("recent scenes are not kept: %s", message.text);
 }
 
-/* On a pager's thread. */
+/* Called on a pager's thread. */
 static void note_arrived(void *viewer_)
 {
     viewer *v = viewer_;
@@ -112,7 +115,7 @@ static void note_arrived(void *viewer_)
         fxs_window_wake();
 }
 
-/* The message of what failed, with the path's last name alone. */
+/* Stores the failure's message, with the path shortened to its last component. */
 static void note_why(loading *l)
 {
     const world_options *given = &l->options.world;
@@ -122,7 +125,7 @@ static void note_why(loading *l)
     snprintf(l->why, sizeof l->why, "%.255s", why);
 }
 
-/* On the loader's thread: the scenes and their views, as v->loading says. */
+/* On the loader's thread: opens the scenes and views that v->loading names. */
 static void load(void *argument)
 {
     viewer *v = argument;
@@ -159,7 +162,7 @@ static void start_loading(viewer *v)
     fxs_worker_do(v->loader, load, v);
 }
 
-/* A file in place of what there is; where another is on its way, after that. */
+/* Opens a dropped file in place of the current scenes, or after the one being opened. */
 static void drop(viewer *v, const char *path)
 {
     char **place = v->loading.on ? &v->loading.next : &v->loading.path;
@@ -185,8 +188,8 @@ static void end_loading(viewer *v)
     free(next);
 }
 
-/* What failed leaves the scenes that there are. Without any, of those given, there is nothing to show: the program ends,
-   unless its words end with it. */
+/* A dropped file that fails leaves the current scenes on show. If the scenes of the command line fail, the program
+   ends, unless it owns its terminal and the messages would vanish with it. */
 static void collect_loaded(viewer *v)
 {
     if (!v->loading.on || v->installing || fxs_worker_busy(v->loader))
@@ -314,7 +317,7 @@ static void toggle_measure(viewer *v, int key)
         snprintf(v->note, sizeof v->note, "measure: click one end");
 }
 
-/* Takes the camera's way, then writes it as a film; while that is written, drops it. */
+/* Starts recording the camera's path, then writes it as a film; a third press cancels the writing. */
 static void toggle_film(viewer *v, int key)
 {
     (void)key;
@@ -333,7 +336,7 @@ static void toggle_film(viewer *v, int key)
     }
 }
 
-/* The view as it is, for each frame since the last step. */
+/* Records the current view for each frame due since the last step. */
 static void take_way(viewer *v, uint64_t now)
 {
     v->filmed = v->way_count ? v->filmed : now;
@@ -353,7 +356,7 @@ int viewer_has_levels(const viewer *v)
     return 0;
 }
 
-/* Half of a pool is for what comes next, and what was seen just before. */
+/* Half of each pool is left for prefetched and recently visible chunks. */
 uint32_t viewer_budget_most(const viewer *v)
 {
     uint64_t most = 0;
@@ -363,7 +366,7 @@ uint32_t viewer_budget_most(const viewer *v)
     return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
 }
 
-/* As many as there are is no budget, where all of them are in memory. */
+/* The largest budget means no budget, unless scenes are paged. */
 static void set_budget(viewer *v, double gaussians)
 {
     const uint32_t most = viewer_budget_most(v);
@@ -394,7 +397,7 @@ static void toggle_levels(viewer *v, int key)
     v->changed = 1;
 }
 
-/* By a quarter at most a frame, and only where the budget is what limits the frame. */
+/* Changes by a factor of 0.8 to 1.25 a frame, and grows only if the budget limits the frame. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
 {
     const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
@@ -411,7 +414,7 @@ static void toggle_theme(viewer *v, int key) { (void)key; v->light = !v->light; 
 
 static void toggle_help(viewer *v, int key) { (void)key; v->help = !v->help; }
 
-/* What goes on ends, at last the viewer. */
+/* Ends the innermost activity: writing, cropping, or the viewer itself. */
 static void leave(viewer *v, int key)
 {
     (void)key;
@@ -426,7 +429,7 @@ static void leave(viewer *v, int key)
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key, of_scene;                  /* without a scene, it does nothing */
+        int key, of_scene;                  /* ignored without a scene */
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
                 {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
@@ -443,7 +446,7 @@ static void press(viewer *v, int pressed)
         }
 }
 
-/* The handle of the crop box that the pointer is on, or drags. Returns whether it drags one. */
+/* Hovers over or drags a handle of the crop box. Returns whether one is dragged. */
 static int point_at_handle(viewer *v, const fxs_window_event *event)
 {
     v->dragged = v->dragged && event->left;
@@ -457,7 +460,7 @@ static int point_at_handle(viewer *v, const fxs_window_event *event)
     return v->dragged;
 }
 
-/* Half a turn across the window's height; what is seen keeps up with the pointer. */
+/* Dragging across the window's height turns by half a turn; a look or pan keeps the scene under the pointer. */
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
@@ -518,7 +521,7 @@ static void open_recent(viewer *v, int i)
         drop(v, v->recent.paths[i]);
 }
 
-/* In the window without a scene. */
+/* Handles the pointer in the window without a scene. */
 static void choose_recent(viewer *v, const fxs_window_event *event)
 {
     if (event->type == FXS_EVENT_WHEEL || v->help)
@@ -569,7 +572,7 @@ static int milliseconds_until(uint64_t now, uint64_t then)
     return then > now ? (int)((then - now) / 1000000) + 1 : 0;
 }
 
-/* How long to wait for events: as asked, but not beyond what is due by itself. */
+/* Milliseconds to wait for events: as asked, limited by the next timed action. */
 static int time_to_wait(const viewer *v, int milliseconds)
 {
     const uint64_t now = fxs_clock(0);
@@ -585,7 +588,7 @@ static int time_to_wait(const viewer *v, int milliseconds)
     return milliseconds;
 }
 
-/* Events and flight. */
+/* Handles events and flight. */
 static void move(viewer *v, int milliseconds)
 {
     const fxs_file_view view = v->view;
@@ -601,7 +604,8 @@ static void move(viewer *v, int milliseconds)
     v->clock = now;
     if (v->moving)
         v->moved = now;
-    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* moved out of the renderer's range */
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* out of the renderer's range: undo the
+                                                                             motion */
         v->view = view;
         v->distance = distance;
     }
@@ -617,14 +621,14 @@ static void move(viewer *v, int milliseconds)
     }
 }
 
-/* What the last frame lacked is drawn once more of it has come. */
+/* Draws a new frame after missing chunks were loaded. */
 static void take_arrived(viewer *v)
 {
     if (v->missing && !v->request_count && __atomic_exchange_n(&v->arrived, 0, __ATOMIC_ACQ_REL))
         v->changed = 1;
 }
 
-/* Whether what was drawn smaller in motion is to be drawn whole. */
+/* True if the last frame had a reduced size and the camera has rested for STILL_MS. */
 static int is_still(const viewer *v)
 {
     return v->coarse && v->clock >= v->moved + STILL_MS * 1000000;
@@ -719,7 +723,7 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* before the window: its pagers wake that */
+    world_close(&v->world);                             /* before the window: pagers wake it */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

@@ -1,4 +1,5 @@
-/* The crop box of the window and its six handles. */
+/* The crop box of the window and its six handles. Dragging a handle moves it along its axis to the point nearest to
+   the pointer's ray. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +7,7 @@
 
 /* ---- The box ----------------------------------------------------------------------------------------------------- */
 
-/* Rounded so that few digits name it exactly. */
+/* Rounded so that few digits print it exactly. */
 static double crop_side(double x)
 {
     return fabs(x) < 4096 ? (double)(float)x : floor(x * 1024 + 0.5) / 1024;
@@ -22,7 +23,7 @@ void crop_begin(viewer *v)
     v->face = CROP_NONE;
 }
 
-/* The axis of an object that lies along an axis of the world, or -1. */
+/* The axis of an object that is parallel to an axis of the world, or -1. */
 static int axis_along(const double row[3], double scale)
 {
     for (int k = 0; k < 3; k++)
@@ -31,7 +32,7 @@ static int axis_along(const double row[3], double scale)
     return -1;
 }
 
-/* Crop boxes are the objects' own: one of the world can be theirs where the axes lie along its. */
+/* Crop boxes belong to objects, so a world box can be applied only if all objects' axes are parallel to the world's. */
 static int can_crop(const world *w)
 {
     for (uint32_t i = 0; i < w->count; i++) {
@@ -83,7 +84,7 @@ static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
     return box;
 }
 
-/* Returns 0 where they have nothing in common. */
+/* Returns 0 if the intersection is empty. */
 static int intersect(fxs_world_crop *crop, const fxs_world_crop *box)
 {
     int common = 1;
@@ -95,7 +96,7 @@ static int intersect(fxs_world_crop *crop, const fxs_world_crop *box)
     return common;
 }
 
-/* The part of a placement in the box; not visible where that is nothing. */
+/* Cuts the crops of a placement by the box; makes it invisible if nothing is left. */
 static void crop_placement(fxs_placement *p, const crop_box *crop)
 {
     const fxs_world_crop box = box_in(p, crop);
@@ -115,7 +116,7 @@ static void crop_placement(fxs_placement *p, const crop_box *crop)
         p->visible = 0;
 }
 
-/* Placements that were placed when they were loaded are so again. */
+/* Starts from the loaded placements, so that repeated calls do not accumulate. */
 void crop_world(world *w, const crop_box *crop)
 {
     fxs_message message;
@@ -150,7 +151,7 @@ int crop_face_at(const viewer *v, double x, double y)
     return found;
 }
 
-/* What the view that is shown sees at a place of the window: from a point, in a direction. */
+/* The ray of a window position in the last frame's view: origin `from`, direction `along`. */
 static void find_ray(const viewer *v, double x, double y, double from[3], double along[3])
 {
     const fxs_file_view *view = &v->seen;
@@ -171,8 +172,8 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Where the axis through the handle h is nearest to the ray o + s d: t = (b (d w) / d^2 - e w) / (1 - b^2 / d^2), with
-   e along the axis, b = e d and w = h - o. Returns 0 where the two are too nearly parallel to say. */
+/* The point on the axis through the handle h that is nearest to the ray o + s d: t = (b (d w) / d^2 - e w) / (1 -
+   b^2 / d^2), with e along the axis, b = e d and w = h - o. Returns 0 if the two are nearly parallel. */
 static int nearest_on_axis(const double h[3], int axis, const double o[3], const double d[3], double *t)
 {
     const double w[3] = {h[0] - o[0], h[1] - o[1], h[2] - o[2]}, b = d[axis], square = dot(d, d);

@@ -1,4 +1,5 @@
-/* The work of the renderer's thread for the window. */
+/* The jobs of the renderer's thread: frames, picks, screenshots, films, cropped scenes, change of the back end. Each
+   ask_... function queues one; its `work` part runs on the renderer's thread, its `done` part on the window's. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +22,7 @@ int eyes_of(const viewer *v)
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
 
-/* A view at a size. */
+/* The view with another picture size. */
 static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int height)
 {
     fxs_message message;
@@ -32,7 +33,7 @@ static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int hei
     return view;
 }
 
-/* The view on show at the window's size, or a fraction of it; of two eyes, one of them. */
+/* One eye's view at the window's size divided by `divisor`. */
 static fxs_file_view fit_view(const viewer *v, int divisor)
 {
     int width, height;
@@ -43,7 +44,7 @@ static fxs_file_view fit_view(const viewer *v, int divisor)
     return fit(v, v->view, width, height);
 }
 
-/* Returns the request, with the view as it is now, or null. */
+/* Queues a request with the current view. Returns it, or null if the queue is full. */
 static request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor)
 {
     if (v->request_count == REQUESTS_MOST)
@@ -108,7 +109,7 @@ void ask_open(viewer *v)
     ask(v, open_renderer, end_without, 1);
 }
 
-/* The next of the back ends that can be had, maybe the same again. */
+/* Opens the next available back end, possibly the same one again. */
 static void open_next(viewer *v, request *r)
 {
     int now = 0, count = 0;
@@ -159,7 +160,7 @@ int ask_install(viewer *v)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* Before the objects are drawn or picked. */
+/* Applies the crop box before objects are drawn or picked. */
 static void crop_objects(viewer *v, const crop_box *crop)
 {
     if (crop->on || v->cropped)
@@ -185,7 +186,7 @@ static void render(viewer *v, request *r)
 
 static void take_frame(viewer *v, request *r)
 {
-    if (r->status && fxs_worker_stopped(v->drawer))     /* the next one is wanted */
+    if (r->status && fxs_worker_stopped(v->drawer))     /* stopped for the next frame */
         return;
     if (r->status) {
         tell(v, "not rendered: see the terminal");
@@ -231,7 +232,7 @@ void stop_frame(viewer *v)
 
 /* ---- Screenshots ------------------------------------------------------------------------------------------------- */
 
-/* STEM-001 and on: the first number that is free. Returns 0, or not 0 and a message where none is. */
+/* The first free name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
 static int name_file(request *r, const char *stem, const char *ending)
 {
     for (int i = 1; i < 1000; i++) {
@@ -292,7 +293,7 @@ static void print_eyes(const viewer *v)
         printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
 }
 
-/* Whether it is the view of the camera file that it started as. */
+/* True if the view is unchanged from the camera file's. */
 static int is_of_file(const viewer *v, const fxs_file_view *view)
 {
     const fxs_file_view *start = &v->views[v->index];
@@ -301,7 +302,7 @@ static int is_of_file(const viewer *v, const fxs_file_view *view)
            view->width * (int64_t)start->height == start->width * (int64_t)view->height;
 }
 
-/* Eye, look and up, and the field of view. */
+/* Prints eye, look, up and field of view. */
 static void print_camera(const viewer *v, const fxs_file_view *view)
 {
     const double *e = view->position, *down = view->rotation + 3, *ahead = view->rotation + 6, d = v->distance;
@@ -315,7 +316,8 @@ static void print_camera(const viewer *v, const fxs_file_view *view)
         printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
 }
 
-/* The command that renders the picture again, to the byte where pixels are square and the axis in the middle. */
+/* Prints the command that renders the picture again, byte for byte if pixels are square and the principal point is
+   central. */
 static void print_command(const viewer *v, const fxs_file_view *view, const fxs_options *render_options,
                           const char *path)
 {
@@ -374,7 +376,7 @@ void ask_screenshot(viewer *v)
 
 /* ---- Films ------------------------------------------------------------------------------------------------------- */
 
-/* The frames of the way, one behind the other. Returns 0, or not 0 with r->status or a message. */
+/* Renders and writes the frames of the path. Returns 0, or nonzero with r->status or a message. */
 static int write_frames(viewer *v, request *r, fxs_film *film)
 {
     fxs_encoded encoded = {0};
@@ -430,7 +432,7 @@ void ask_film(viewer *v)
 
 /* ---- Cropped scenes ---------------------------------------------------------------------------------------------- */
 
-/* The ending of the source, where scenes are written Gaussian by Gaussian so, or .ply. */
+/* The source's file ending if that format can be written, else .ply. */
 static const char *cropped_ending(const viewer *v)
 {
     const fxs_scene_format *format = v->world.placed.file_count == 1 ? fxs_scene_format_of(v->path, 1) : 0;
@@ -439,7 +441,7 @@ static const char *cropped_ending(const viewer *v)
     return v->path + strlen(v->path) - strcspn(format->endings, " ");
 }
 
-/* SCENE-cropped-001.ply beside the scene. */
+/* SCENE-cropped-001.ply in the scene's folder. */
 static int name_cropped(const viewer *v, request *r)
 {
     const char *ending = cropped_ending(v), *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
@@ -471,7 +473,7 @@ static void write_cropped(viewer *v, request *r)
         r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);
 }
 
-/* The command that writes the same. */
+/* Prints the convert command that writes the same file. */
 static void print_conversion(const viewer *v, const request *r)
 {
     const load_options *o = &v->options.load;
@@ -521,7 +523,7 @@ static void ask_pick(viewer *v, void (*done)(viewer *, request *), double x, dou
     request *r = ask(v, pick, done, 1);
     if (!r)
         return;
-    x = fmod(x, r->view.width);              /* of two eyes, in either */
+    x = fmod(x, r->view.width);              /* either eye */
     r->x = (int)fmax(x, 0);
     r->y = (int)fmin(fmax(y, 0), r->view.height - 1);
 }
@@ -538,7 +540,7 @@ static double units(int64_t q32)
     return (double)q32 / 4294967296.0;
 }
 
-/* The point comes to the middle, at the depth that it has, and becomes what the camera turns about. */
+/* Moves the picked point to the middle of the picture, at its depth, and makes it the pivot. */
 static void take_focus(viewer *v, request *r)
 {
     double seen[3] = {0, 0, 0};

@@ -1,4 +1,4 @@
-/* Words, panels and marks over the picture in the window. */
+/* Draws text, panels and marks over the frame in the window. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,17 +8,17 @@
 #include "cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* pixels of words */
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: font size, pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
     int count;
-    int width, height, scale;               /* of the window, pixels; pixels a point */
+    int width, height, scale;               /* window size in pixels; scale: pixels a point */
     const fxs_theme *theme;
     fxs_words *words;
 } panels;
 
-/* Returns the panel, or null where there is no room. */
+/* Returns the panel, or null if no panel is free. */
 static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius, uint32_t colour)
 {
     if (p->count == PANELS_MOST || fxs_panel_make(&p->list[p->count], x, y, width, height, radius, colour))
@@ -28,7 +28,7 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
 
 enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM };
 
-/* A line of words on a panel, smaller until it fits; nothing without words. */
+/* Adds one line of text on a panel, in the largest size that fits; an empty text adds nothing. */
 static void add_words(panels *p, enum place place, const char *text)
 {
     const int pad = 10 * p->scale, edge = 12 * p->scale, room = p->width - 2 * (pad + edge);
@@ -47,17 +47,17 @@ static void add_words(panels *p, enum place place, const char *text)
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-/* A key and what it does. */
+/* A key and its action. */
 typedef struct key_line {
     char key[32], does[96];
 } key_line;
 
-/* How the lines lie on a panel, in words of one size. */
+/* Layout of a list on a panel, in one font size. */
 typedef struct key_table {
     int size, line, pad, rows, columns, key_width, column_width, width, height, left, top;
 } key_table;
 
-/* In as few columns as the height of the window allows. */
+/* Uses the fewest columns that the window's height allows. */
 static key_table lay_out(const panels *p, const key_line *lines, int count, int size)
 {
     key_table t = {.size = size, .pad = size};
@@ -81,7 +81,7 @@ static key_table lay_out(const panels *p, const key_line *lines, int count, int 
     return t;
 }
 
-/* In the middle of the window, smaller until they fit. */
+/* Centred in the window, in the largest size that fits. */
 static key_table lay_out_to_fit(const panels *p, const key_line *lines, int count)
 {
     key_table t = lay_out(p, lines, count, 14 * p->scale);
@@ -90,7 +90,7 @@ static key_table lay_out_to_fit(const panels *p, const key_line *lines, int coun
     return t;
 }
 
-/* The one with the number `marked` in the colour of keys. */
+/* Line `marked` gets the colour of keys. */
 static void add_list(panels *p, const key_line *lines, int count, int marked)
 {
     const key_table t = lay_out_to_fit(p, lines, count);
@@ -103,7 +103,7 @@ static void add_list(panels *p, const key_line *lines, int count, int marked)
     }
 }
 
-/* The lines of viewer_keys. */
+/* Shows the lines of viewer_keys. */
 static void add_help(panels *p)
 {
     key_line lines[KEYS_MOST];
@@ -126,7 +126,7 @@ const char *viewer_file_name(const char *path)
 
 /* ---- Recent scenes ----------------------------------------------------------------------------------------------- */
 
-/* A heading, and a line for each: its key, its name, and the end of its folder. */
+/* A heading, then a line for each recent scene: key, name, and the end of its folder. */
 static int list_recent(const viewer *v, key_line lines[FXS_RECENT_MOST + 1])
 {
     enum { FOLDER = 40 };
@@ -182,7 +182,7 @@ static void add_bar(panels *p, double done)
         fxs_draw_rectangle(&panel->picture, 0, 0, (int)(width * fmin(done, 1)), height, p->theme->mark);
 }
 
-/* Until there is a picture of it. */
+/* Shown until the first frame of a scene. */
 static void add_loading(panels *p, const viewer *v)
 {
     const world_options *o = &v->loading.options.world;
@@ -211,7 +211,7 @@ static void pixel_of(const fxs_file_view *view, const double seen[3], double pix
     pixel[1] = (view->cy + view->fy * seen[1] / depth) * pixels;
 }
 
-/* Pixels of the window a pixel of the view that is shown. */
+/* Window pixels for each pixel of the last frame's view. */
 static double pixels_of(const viewer *v)
 {
     int width, height;
@@ -229,7 +229,7 @@ int viewer_project(const viewer *v, const double point[3], double pixel[2])
     return fabs(pixel[0]) < 1e5 && fabs(pixel[1]) < 1e5;
 }
 
-/* What is measured: a dot at each end, and the line between. The panel has the part of both in the window. */
+/* The measured distance: a dot at each end and a line between. The panel covers only the part inside the window. */
 static void add_measure(panels *p, const viewer *v)
 {
     const int wide = 3 * p->scale, dot = 9 * p->scale;
@@ -259,8 +259,8 @@ static void add_measure(panels *p, const viewer *v)
         fxs_draw_line(&panel->picture, ends[i], ends[i], dot, 0xffb020ff);
 }
 
-/* The part of a line, in the camera's axes, that is seen: beyond the near plane and within the four sides of what the
-   picture shows. Of each, n p + d >= 0 is inside. Returns 0 where that is nothing. */
+/* Clips a line, in camera coordinates, to the near plane and the four sides of the view; inside is n p + d >= 0.
+   Returns 0 if nothing is left. */
 static int clip(const fxs_file_view *view, double near, double from[3], double to[3])
 {
     const int parallel = view->projection == FXS_ORTHOGRAPHIC;
@@ -288,7 +288,8 @@ static int clip(const fxs_file_view *view, double near, double from[3], double t
     return first < last;
 }
 
-/* The edge from a corner of the crop box along an axis. Bit i of a corner: the high side of axis i. */
+/* Draws the edge of the crop box that starts at a corner and follows an axis. Bit i of `corner` selects the high
+   side of axis i. */
 static void draw_edge(const fxs_picture *out, const viewer *v, int corner, int axis, double wide, uint32_t colour)
 {
     double ends[2][3], seen[2][3], pixel[2][2];
@@ -304,14 +305,14 @@ static void draw_edge(const fxs_picture *out, const viewer *v, int corner, int a
     fxs_draw_line(out, pixel[0], pixel[1], wide, colour);
 }
 
-/* The box, and a handle on each face: of x red, of y green, of z blue; the one that the pointer is on is larger. */
+/* The box, with a handle on each face: red for x, green for y, blue for z, larger under the pointer. */
 static void add_crop(panels *p, const viewer *v)
 {
     static const uint32_t colours[3] = {0xe5484dff, 0x46a758ff, 0x3b82f6ff};
     const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
     double point[3], pixel[2];
     for (int i = 0; i < 48 && panel; i++) {
-        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* the line over its shadow */
+        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* first the shadows, then the lines */
         if (!(corner & 1 << axis))
             draw_edge(&panel->picture, v, corner, axis, (is_line ? 1 : 3) * p->scale,
                       is_line ? 0xffffffff : 0x00000080);
@@ -334,7 +335,7 @@ static void add_graph(panels *p, const viewer *v)
         fxs_draw_frame_times(&panel->picture, &v->times, p->scale, p->theme, p->words);
 }
 
-/* Of scenes with levels of detail also how much is drawn. */
+/* Frame rate; with levels of detail also the number of Gaussians drawn. */
 static void add_rate(panels *p, const viewer *v)
 {
     char text[160];
@@ -347,7 +348,7 @@ static void add_rate(panels *p, const viewer *v)
     add_words(p, TOP_RIGHT, text);
 }
 
-/* The budget between the least and the most, in steps of the same ratio. */
+/* The budget on a logarithmic scale from BUDGET_LEAST to the largest. */
 static void add_slider(panels *p, const viewer *v)
 {
     const double most = viewer_budget_most(v), budget = v->options.render.budget ? v->options.render.budget : most;

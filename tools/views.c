@@ -1,3 +1,5 @@
+/* Chooses the views to draw. Without a camera file: a look-at camera, the scene's start view, or the view that shows
+   most of the scene. With one: the views that --view lists. Then makes the frames of a film (--orbit, --frames). */
 #include "views.h"
 
 #include <ctype.h>
@@ -8,11 +10,11 @@
 #include <fixsplat/renderer.h>
 #include "src/camera/lens_file.h"
 
-enum { VIEWS_MOST = 100000 };   /* in a list, where views may come again */
+enum { VIEWS_MOST = 100000 };   /* longest list; views may repeat */
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-/* A number from 0 to count - 1. Returns what is behind it, or null where it is none. */
+/* Reads a number from 0 to count - 1. Returns the text after it, or null if it is invalid. */
 static const char *take_view(const char *text, long count, long *number)
 {
     char *end;
@@ -22,7 +24,7 @@ static const char *take_view(const char *text, long count, long *number)
     return *number < count ? end : 0;
 }
 
-/* A part of a list, as 8 or 8..40 or 40..8. */
+/* Reads a part of a list: 8, 8..40 or 40..8. */
 static const char *take_part(const char *text, long count, long *first, long *last)
 {
     text = take_view(text, count, first);
@@ -30,7 +32,7 @@ static const char *take_part(const char *text, long count, long *first, long *la
     return text && !strncmp(text, "..", 2) ? take_view(text + 2, count, last) : text;
 }
 
-/* Returns how many numbers of views, 0 where the text is no list, -1 without memory. */
+/* Returns the length of the list, 0 if the text is invalid, -1 if memory runs out. */
 static long take_list(const char *text, long count, long **chosen)
 {
     long found = 0, first, last;
@@ -56,7 +58,7 @@ int names_several(const char *view)
                                              !view[strspn(view, "0123456789,.")]));
 }
 
-/* Whether a view's name has / where `name` has, or a \ there. */
+/* Compares names; a \ in the view's name matches a / in `name`. */
 static int has_slashes_as(const char *view, const char *name)
 {
     while (*view && (*view == *name || (*view == '\\' && *name == '/'))) {
@@ -91,8 +93,8 @@ static long take_one(const frame_options *options, const fxs_file_view *views, l
     return 1;
 }
 
-/* The numbers of the views that --view names, of `count` of its file: one, or those of a list. Returns how many, with
-   *chosen allocated; or prints why not and returns -1, with *chosen null. */
+/* Allocates in *chosen the numbers of the views that --view names, one or a list, of `count` views. Returns how
+   many; or prints the reason, leaves *chosen null and returns -1. */
 static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
 {
     const int several = names_several(options->view);
@@ -124,7 +126,7 @@ static void turn(const frame_options *o, const world *w, const fxs_file_view *fi
     }
 }
 
-/* From the first view to the last; all of the first one's size. */
+/* Interpolates from the first view to the last, at the first one's size. */
 static void pass_through(const frame_options *o, fxs_file_view *keys, long count, fxs_file_view *frames)
 {
     for (long i = 1; i < count; i++)
@@ -134,8 +136,8 @@ static void pass_through(const frame_options *o, fxs_file_view *keys, long count
         fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
 }
 
-/* Makes `count` views the frames of a turn about the world's middle, or of a way through them. Returns how many; or
-   prints why not and returns -1, with *views freed and null. */
+/* Replaces `count` views by the frames of an orbit about the world's middle, or of a path through the views. Returns
+   the number of frames; or prints the reason, frees *views, sets it to null and returns -1. */
 static long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count)
 {
     const long frames = options->orbit ? options->orbit : options->frames;
@@ -157,7 +159,7 @@ static long frames_of_film(const frame_options *options, const world *w, fxs_fil
 
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
-/* Where the view has no size of its own. */
+/* The size for views without one. */
 static int width_of(const frame_options *options)
 {
     return options->width ? options->width : options->panorama ? 2048 : 1280;
@@ -168,8 +170,8 @@ static int height_of(const frame_options *options)
     return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
-/* Keeps those that --view names; they and their lenses are allocated anew. Returns how many, or prints why not and
-   returns -1. */
+/* Keeps the views that --view names, in new arrays of views and lenses. Returns their number, or prints the reason
+   and returns -1. */
 static long keep_named(const frame_options *options, fxs_file_view **views, fxs_lens **lenses, long count)
 {
     long *chosen;
@@ -193,7 +195,7 @@ static long keep_named(const frame_options *options, fxs_file_view **views, fxs_
     return count;
 }
 
-/* Says of how many the lens is not drawn. */
+/* Notes how many views have a lens that is drawn as a pinhole. */
 static void say_bent(const frame_options *options, const fxs_file_view *views, long count)
 {
     long bent = 0;
@@ -227,16 +229,16 @@ static long views_of_file(const frame_options *options, fxs_file_view **views, f
     return count;
 }
 
-/* The camera's look-at point, where none is given: the middle of the scene; of a panorama ahead, level. */
+/* The look-at point: --look, or else straight ahead and level in a panorama, the scene's middle otherwise. */
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
     const double *up = options->up.at;
-    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* an axis that is not up */
+    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* a horizontal axis */
     for (int i = 0; i < 3; i++)
         target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
 }
 
-/* Whether the view is chosen by looking at the scene. */
+/* True if the view is chosen from the scene's content. */
 static int is_chosen(const frame_options *o)
 {
     return !o->cameras && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
@@ -247,15 +249,15 @@ static double fov_of(const frame_options *o)
     return o->fov > 0 ? o->fov : 50;
 }
 
-/* The start view of a scene alone, where no option asks for another camera. */
+/* The start view of a single scene, if no option asks for another camera. */
 static int has_start(const frame_options *o, const world *w, fxs_file_view *view)
 {
     return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
-/* The first view of a world, of which all is to be in memory. `is_up`: what is up is known, as that of the options; or
-   else it becomes that. */
+/* The first view of a world; its scenes must be complete in memory. `is_up`: o->up is known; otherwise the function
+   finds it and stores it there. */
 static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_file_view *view,
                         fxs_message *message)
 {
@@ -266,7 +268,7 @@ static int choose_first(frame_options *o, const world *w, int is_up, const fxs_o
                           o->up.at, message);
 }
 
-/* Maps the files of which a part is in memory, for as long as the first view is chosen: it is that of the whole. */
+/* Chooses the first view of a paged world. Maps the paged files meanwhile, since the choice needs the whole scene. */
 static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
@@ -296,8 +298,8 @@ static int is_of_server(const world *w)
     return 0;
 }
 
-/* The start view, or the view that shows most of the scene, or with --auto-up what is up there alone. That takes all of
-   a scene: one of a server is framed whole. */
+/* The start view; or the view that shows most of the scene; or, with --auto-up, only the up direction. The last two
+   read the whole scene, so a scene from a server is framed by its bounds instead. */
 static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     if (!has_start(o, w, view) && is_of_server(w)) {
@@ -314,7 +316,7 @@ static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_v
     return 0;
 }
 
-/* Without a camera file. */
+/* The view without a camera file. */
 static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
 {
     const int width = width_of(options), height = height_of(options);
@@ -334,7 +336,7 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
     return result;
 }
 
-/* Turns a panorama's view until its y axis is down, its heading as it was. */
+/* Turns a panorama's view until its y axis points down. The heading stays. */
 static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
 {
     const double *forward = view->rotation + 6, *up = options->up.at, *eye = view->position;
@@ -353,7 +355,7 @@ static int make_level(fxs_file_view *view, const frame_options *options, fxs_mes
     return 0;
 }
 
-/* What the options change of a view; of a file's, whether it can be rendered then. */
+/* Applies the options to a view. Checks that a camera file's view can be rendered. */
 static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
 {
     fxs_camera camera;
@@ -371,7 +373,7 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
-/* *lenses: those of the views of a file, else null. */
+/* *lenses: lenses of a camera file's views, else null. */
 static long choose(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
 {
     fxs_message message;

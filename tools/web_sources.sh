@@ -1,7 +1,7 @@
 #!/bin/sh
-# tools/web_sources.sh FOLDER: sources of the libraries that the web port compiles in, with Debian's patches and in the
-# versions that are installed: FOLDER/zlib and so on. From this system's Debian repositories, by apt, which checks
-# signatures, and whose own state stays as it is. Without them, the web port is built without what needs them.
+# tools/web_sources.sh FOLDER: fetches the sources of the libraries for the web port, with Debian's patches and in the
+# installed versions, to FOLDER/zlib and so on. apt checks the signatures, and its own state is unchanged. Without them,
+# the web port is built without the features that need them.
 folder=${1:?folder}
 names='cjson libwebp libzip libzstd zlib'
 packages='libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev'
@@ -15,7 +15,7 @@ apt() {
         -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
 }
 
-# Where security updates are the same as what the suite has, the suite is asked first.
+# The reverse order asks a suite before its security updates, where both have the same version.
 fetch() {
     mkdir -p "$work/lists/partial" "$work/none" &&
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
@@ -23,7 +23,7 @@ fetch() {
         apt update && { apt source --only-source $wanted || apt source --only-source $names; }
 }
 
-# Messages of libzip, which its CMake takes from its header.
+# The error messages of libzip, which its CMake generates from the header.
 name_errors() {
     echo '#include "zipint.h"'
     echo 'const char *const _zip_err_str[] = {'
@@ -34,7 +34,7 @@ name_errors() {
     echo '};'
 }
 
-# What is replaced in part counts as none.
+# An interrupted replacement invalidates FOLDER/versions.
 take() {
     rm -f ../versions
     for name in $names; do

@@ -1,5 +1,5 @@
-/* A program with its own OpenGL ES window and meshes, which draws a scene among them and picks under the pointer. The
- * mesh hides the Gaussians behind it, and those before it lie over it.
+/* A program with its own OpenGL ES window and mesh. It draws a scene of Gaussians around the mesh: the mesh hides
+ * the Gaussians behind it, and Gaussians in front cover it. It also picks under the pointer.
  *
  *     cc engine.c -o engine $(pkg-config --cflags --libs fixsplat sdl2 glesv2)
  *     ./engine SCENE                    a window; a click prints the Gaussian under the pointer
@@ -18,12 +18,13 @@
 #include <fixsplat/renderer.h>
 
 enum { WIDTH = 640, HEIGHT = 360 };
-enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* two of the mesh, three of the picture with the scene */
+enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* two for the mesh, three for the picture with the scene */
 enum { MESH, SCENE, FRAMEBUFFERS };
 #define NEAR 0.2
 #define FAR 100.0
 
-/* The engine's camera, by columns: at (0, 0, -12) it looks along z, and the world's y points down as in most scenes. */
+/* The engine's camera, in columns: it looks along z from (0, 0, -12), and the world's y points down, as in most
+   scenes. */
 static const double view[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, -12, 1};
 static const double projection[16] = {1024.0 / WIDTH, 0, 0, 0, 0, 1024.0 / HEIGHT, 0, 0, 0, 0,
                                       (FAR + NEAR) / (NEAR - FAR), -1, 0, 0, 2 * FAR * NEAR / (NEAR - FAR), 0};
@@ -116,7 +117,7 @@ static fxs_gl_function load(void *unused, const char *name)
     return (fxs_gl_function)SDL_GL_GetProcAddress(name);
 }
 
-/* Two ways to draw a scene, with the same bytes: the whole frame by compute shaders, or the last stages by fragment
+/* Two ways to draw a scene, with the same bytes: all stages in compute shaders; or the last stages in fragment
    shaders and the others on the processor. */
 typedef struct drawer {
     fxs_compute *compute;                                  /* null: OpenGL ES 3.0 */
@@ -141,7 +142,7 @@ static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
         d->memory = malloc(fxs_compute_memory(request));
         return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
     }
-    fxs_init(&d->context, NULL);                           /* or with threads: fixsplat/pool.h */
+    fxs_init(&d->context, NULL);                           /* threads are optional: fixsplat/pool.h */
     fxs_kernels_choose(&d->context.kernels, fxs_cpu_detect());
     d->bytes = fxs_frame_bytes(&d->context, request->objects, 1, WIDTH, HEIGHT, NULL);
     d->gles = malloc(fxs_gles_bytes());
@@ -173,7 +174,7 @@ static void close_drawer(drawer *d)
     free(d->memory);
 }
 
-/* What the last frame shows at a pixel, counted from the upper left: no second frame is drawn. */
+/* Prints the object at a pixel of the last frame, counted from the upper left. Does not draw another frame. */
 static void pick(int x, int y)
 {
     GLuint depth[4], id[4];
@@ -228,10 +229,10 @@ int main(int argc, char **argv)
         return fail(why.text);
     fxs_gles_target_init(&target);
     target.framebuffer = framebuffers[SCENE];
-    target.depth_buffer = textures[DEPTH];                 /* the mesh hides the Gaussians behind it, */
+    target.depth_buffer = textures[DEPTH];                 /* the mesh hides Gaussians behind it, */
     target.plane_0 = (float)NEAR;
     target.plane_1 = (float)FAR;
-    target.backdrop = textures[COLOUR];                    /* and lies under those before it */
+    target.backdrop = textures[COLOUR];                    /* and Gaussians in front cover it */
     target.depths_and_ids = 1;
     for (SDL_Event event = {0}; event.type != SDL_QUIT && SDL_WaitEvent(&event);) {
         draw_mesh(program);

@@ -1,5 +1,5 @@
-// A mesh of PlayCanvas that stands in a scene of Gaussians, drawn by one WebGPU device: in a page with an import map
-// for `playcanvas` and `fixsplat`, and a <canvas>.
+// A PlayCanvas mesh among Gaussians, drawn by one WebGPU device. The page needs an import map for `playcanvas` and
+// `fixsplat`, and a <canvas>.
 import * as pc from 'playcanvas'
 import { load, Screen } from 'fixsplat'
 
@@ -39,8 +39,8 @@ export async function open(canvas, address) {
 
   const screen = await Screen.open(null, 'webgpu', { device: graphicsDevice.wgpu })
   const scene = await load(address)
-  const placed = [{ scene, rotation: [0, 1, 0, 0] }]         // scenes have y down, PlayCanvas has y up
-  const textureOf = (texture) => texture.impl.gpuTexture     // PlayCanvas's as WebGPU's
+  const placed = [{ scene, rotation: [0, 1, 0, 0] }]         // scenes have y down, PlayCanvas y up
+  const textureOf = (texture) => texture.impl.gpuTexture     // the WebGPU texture behind PlayCanvas's
 
   async function draw(eye, look) {
     camera.setPosition(...eye)

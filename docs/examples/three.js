@@ -1,5 +1,5 @@
-// Gaussians in a scene of three.js: a torus knot goes through them, a second object of the same scene floats above, and
-// a click marks the point there. three-webgl.html and three-webgpu.html are pages with it.
+// Gaussians in a scene of three.js: a torus knot passes through them, a second object of the same scene floats above,
+// and a click marks a point. The pages three-webgl.html and three-webgpu.html use it.
 import * as THREE from 'three'
 import { Splats } from 'fixsplat/three'
 

@@ -16,7 +16,7 @@ from cffi import FFI
 from ._version import VERSION
 
 PathLike = Union[str, "os.PathLike[str]"]
-Struct = Any                                    # a pointer to a struct of C
+Struct = Any                                    # pointer to a C struct
 
 
 class Error(Exception):

@@ -1,5 +1,5 @@
-# Sourced by the scripts that run the command, after check.sh: $fixsplat, a folder $work to be in, $scenes, $helper, and
-# what is expected of a run.
+# Sourced after check.sh by scripts that run the command: sets $fixsplat, $scenes, $helper and a working folder $work,
+# and defines checks of a run.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -11,13 +11,13 @@ mkdir logs
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
-# Runs the command: $status, logs/out, logs/err.
+# Runs the command: sets $status, writes logs/out and logs/err.
 run() {
     "$fixsplat" "$@" >logs/out 2>logs/err
     status=$?
 }
 
-# succeeds NAME ARGUMENT...: exit 0, not a word on stderr.
+# succeeds NAME ARGUMENT...: exit 0, empty stderr.
 succeeds() {
     name=$1
     shift
@@ -25,8 +25,8 @@ succeeds() {
     if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
 }
 
-# fails NAME STATUS WORDS ARGUMENT...: that exit status, nothing on stdout, one line with those words (a regular
-# expression) on stderr.
+# fails NAME STATUS WORDS ARGUMENT...: this exit status, empty stdout, and one line on stderr that matches WORDS (a
+# regular expression).
 fails() {
     name=$1 wanted=$2 words=$3
     shift 3
@@ -39,14 +39,14 @@ fails() {
     fi
 }
 
-# psnr_of SCENE ORIGINAL OPTION...: the mean, or "equal"
+# psnr_of SCENE ORIGINAL OPTION...: the mean PSNR, or "equal".
 psnr_of() {
     scene=$1 original=$2
     shift 2
     "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
 }
 at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
-# looks_as FILE ORIGINAL FLOOR OPTION...: by PSNR
+# looks_as FILE ORIGINAL FLOOR OPTION...: the mean PSNR must reach FLOOR.
 looks_as() {
     file=$1 like=$2 floor=$3
     shift 3
@@ -54,7 +54,7 @@ looks_as() {
     [ "$got" = equal ] || at_least "$got" "$floor"
 }
 says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
-# gaussians FILE COUNT DEGREE
+# gaussians FILE COUNT DEGREE: checks the scene's count and SH degree.
 gaussians() {
     "$fixsplat" info "$1" --json | grep -q "\"gaussians\": $2, \"packed\": $2, \"sh_degree\": $3," && return
     "$fixsplat" info "$1"

@@ -1,8 +1,7 @@
-/* To be preloaded. FAULT_AT=N: allocation N from the beginning of main gets no memory, and with FAULT_EVER=1 neither does
-   any after it. FAULT_KILL=N: the process is killed as it calls rename for the Nth time. FAULT_LOG=FILE: the
-   calls of fsync and rename are noted there, and at the end the allocations counted.
-   The encoder of libwebp 1.2.4 writes through an allocation of its own that it does not check, so libwebp's own are left
-   alone. */
+/* To be preloaded. FAULT_AT=N: allocation N since the start of main fails, and with FAULT_EVER=1 all later ones.
+   FAULT_KILL=N: the Nth call of rename kills the process. FAULT_LOG=FILE: logs calls of fsync and rename, and at the
+   end the number of allocations. libwebp's own allocations never fail: the encoder of libwebp 1.2.4 writes through
+   an unchecked one. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -24,7 +23,7 @@ void *__libc_memalign(size_t alignment, size_t size);
 static long calls, fails_at;
 static int fails_ever;
 
-static uintptr_t webp_start, webp_end;     /* where libwebp is; 0 without it */
+static uintptr_t webp_start, webp_end;     /* code of libwebp; 0 without it */
 
 static int find_webp(struct dl_phdr_info *object, size_t size, void *unused)
 {
@@ -89,7 +88,7 @@ static int counted_main(int argc, char **argv, char **environment)
     return own_main(argc, argv, environment);
 }
 
-/* The C library calls main, and before it what libraries do as they are loaded, which is not counted. */
+/* Replaces main, so that allocations of library constructors are not counted. */
 int __libc_start_main(main_function *program, int argc, char **argv, void (*init)(void), void (*fini)(void),
                       void (*linker_fini)(void), void *stack_end)
 {

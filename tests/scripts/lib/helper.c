@@ -1,6 +1,7 @@
-/* helper hash FILE: the FNV-1a 64 hash of its bytes. helper peak COMMAND...: runs it, and prints its peak KiB.
-   helper signal NUMBER COMMAND...: sends it when a temporary file is here, and prints how the command ended.
-   helper hang PORT COUNT COMMAND...: runs it beside so many connections to 127.0.0.1 whose requests never end. */
+/* helper hash FILE: prints the FNV-1a 64 hash of the file. helper peak COMMAND...: runs it, and prints its peak
+   memory in KiB. helper signal NUMBER COMMAND...: sends the signal once a temporary file exists, and prints how the
+   command ended. helper hang PORT COUNT COMMAND...: runs it while COUNT connections to 127.0.0.1 send unfinished
+   requests. */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
 #include <glob.h>
@@ -43,7 +44,7 @@ static int peak(char **command)
     return status != 0;
 }
 
-/* A background job of a shell ignores SIGINT; this does not. */
+/* Restores the signal's default, since background jobs of a shell ignore SIGINT. */
 static int end_by(int number, char **command)
 {
     int status, ended = 0;
@@ -80,8 +81,8 @@ static int hang(int port, int count, char **command)
         const int s = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
         setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
         if (connect(s, (const struct sockaddr *)&to, sizeof to))
-            break;   /* as many as the server takes */
-        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);   /* the server may have ended it */
+            break;   /* the server's limit */
+        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);   /* may fail if the server closed it */
     }
     const pid_t child = fork();
     int status;

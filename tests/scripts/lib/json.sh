@@ -1,6 +1,6 @@
 # Sourced after check.sh.
 
-# keys FILE KEY...: one JSON object with these keys (a.b: b inside a).
+# keys FILE KEY...: the file must be one JSON object with these keys (a.b: b inside of a).
 keys() {
     file=$1
     shift

@@ -1,6 +1,7 @@
 # Sourced after command.sh.
 
-# make_photographs COUNT: of a knot, 64x48, from all around: a COLMAP folder `set`, with points.
+# make_photographs COUNT: renders a knot from COUNT views around it, 64x48, into a COLMAP folder `set` with
+# random points.
 make_photographs() {
     "$fixsplat" make-scene knot --count 3000 -o knot.ply || exit 1
     mkdir -p set/sparse/0 set/images

@@ -88,5 +88,5 @@ class Server(socketserver.ThreadingMixIn, http.server.HTTPServer):
 
 server = Server(("127.0.0.1", 0), Handler)
 print(server.server_port, flush=True)
-threading.Thread(target=lambda: (sys.stdin.read(), server.shutdown())).start()   # until standard input ends
+threading.Thread(target=lambda: (sys.stdin.read(), server.shutdown())).start()   # stops when standard input ends
 server.serve_forever()

@@ -19,7 +19,7 @@ slurm_lacks() {
     [ "$(id -u)" = 0 ] || echo "Slurm's daemons are started by root"
 }
 
-# slurm_write PORT. A task that is queued again waits until the credentials of its first run have expired.
+# slurm_write PORT: writes slurm.conf. Credentials expire early, because a requeued task waits for that.
 slurm_write() {
     node=$(hostname -s)
     cat >"$slurm_folder/slurm.conf" <<END
@@ -51,13 +51,13 @@ PartitionName=all Nodes=$node Default=YES MaxTime=INFINITE State=UP
 END
 }
 
-# slurm_daemon NAME ARGUMENT...: in the foreground, as a child of this shell.
+# slurm_daemon NAME ARGUMENT...: runs it in the foreground, as a child of this shell.
 slurm_daemon() {
     "$@" >>"$slurm_folder/$1.log" 2>&1 </dev/null &
     slurm_pids="$! $slurm_pids"
 }
 
-# slurm_until SECONDS COMMAND...: until the command succeeds.
+# slurm_until SECONDS COMMAND...: repeats the command until it succeeds.
 slurm_until() {
     tries=$(($1 * 5))
     shift
@@ -80,7 +80,7 @@ slurm_start() {
     slurm_daemon munged -F --force --key-file="$slurm_folder/munge.key" --socket="$slurm_folder/munge.socket" \
         --pid-file="$slurm_folder/munge.pid" --seed-file="$slurm_folder/munge.seed"
     munged=$!
-    # Tests side by side have other ports; one may still be taken.
+    # Ports differ between parallel tests; a port may still be taken.
     for port in $((20000 + $$ % 5000 * 2)) $((40000 + $$ % 5000 * 2)); do
         slurm_write $port
         slurm_until 20 test -S "$slurm_folder/munge.socket" || break

@@ -7,7 +7,8 @@ modules=${NODE_MODULES:-$B/page/node_modules}
 package=$B/web/package
 [ "${B#/}" = "$B" ] && package=$PWD/$package
 
-# needs NAME PROGRAM... [-- MODULE...]: ends the script where one of these, or of what makes the package, is not here.
+# needs NAME PROGRAM... [-- MODULE...]: skips the script if a program or module is missing, or one that the package
+# needs.
 needs() {
     name=$1 missing= kind=program
     shift
@@ -27,13 +28,13 @@ needs() {
     exit
 }
 
-# builds GOAL...: makes the package, and other goals, without a word; one script at a time.
+# builds GOAL...: makes the package and other goals silently; only one script builds at a time.
 builds() {
     said=$(flock "$B/web.lock" make -s B="$B" web "$@" 2>&1 | grep -v '^built without')
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
-# at_most BYTES FILE...: gzipped, each on its own as a server sends them.
+# at_most BYTES FILE...: limits the sum of the gzipped sizes; each file is compressed alone, as for sending.
 at_most() {
     limit=$1 bytes=0 names=
     shift
@@ -45,7 +46,7 @@ at_most() {
     [ "$bytes" -le "$limit" ] || { echo "$bytes bytes gzipped, more than $limit"; return 1; }
 }
 
-# asks FILE ARGUMENT...: the checks of tests/web/FILE.
+# asks FILE ARGUMENT...: runs the checks of tests/web/FILE.
 asks() {
     file=$1
     shift
@@ -54,7 +55,7 @@ asks() {
     counts
 }
 
-# counts: what was asked, with its lines of ok and FAIL.
+# counts: prints the output of the checks, and counts its ok and FAIL lines.
 counts() {
     cat "$work/asked"
     passed=$((passed + $(grep -c '^ok ' "$work/asked"))) failed=$((failed + $(grep -c '^FAIL ' "$work/asked")))
