@@ -191,7 +191,7 @@ export interface CameraTrack {
   loop?: 'none' | 'repeat' | 'pingpong'
   /** The duration in seconds; the time of the last key by default. */
   duration?: number
-  /** The smoothness of the curves: 0 stops at each key, 1 is the smoothest. 1 by default. */
+  /** The smoothness of the path: 0 is straight lines with a stop at each key, 1 the smoothest. 1 by default. */
   smoothness?: number
   /** True shows each key until the time of the next one, without motion between. False by default. */
   step?: boolean
@@ -214,7 +214,7 @@ export interface SettingsFile
   annotations?: readonly Annotation[]
   /** At most 20 tracks. */
   tracks?: readonly CameraTrack[]
-  /** What the viewer does when the scene is loaded: 'track' plays the first track, 'annotation' opens the first
+  /** The action when the scene is loaded: 'track' plays the first track, 'annotation' opens the first
       annotation, 'camera', the default, shows the start view. */
   start?: 'camera' | 'track' | 'annotation'
 }
@@ -238,7 +238,7 @@ export interface FilmOptions {
 /** A film as a .webm file. */
 export interface Film {
   blob: Blob
-  /** 'MediaRecorder' is used without WebCodecs; its frames have the times at which they were drawn. */
+  /** 'MediaRecorder' is used if WebCodecs is missing; its frames are timed by the clock while they are drawn. */
   codec: 'VP9' | 'VP8' | 'MediaRecorder'
   frames: number
   width: number
@@ -255,7 +255,7 @@ export class Viewer extends HTMLElement {
   get backend(): Backend | undefined
   set backend(name: Backend | '' | null | undefined)
   /** The camera as text: eye, look, up and field of view, ten numbers separated by commas. Three more numbers follow if
-      one of them is not 0: 1 for an orthographic camera, then `ViewerCamera.shift`. Empty without a scene. */
+      any is not 0: 1 for an orthographic camera, then `ViewerCamera.shift`. Empty without a scene. */
   get view(): string
   /** Sets the attribute `view`. */
   set view(text: string | null | undefined)
@@ -351,7 +351,7 @@ export interface ViewerAttributes {
   /** 'page': the wheel scrolls the page, unless the element has the focus or Ctrl is held. */
   wheel?: 'page' | ''
   ar?: Settings['ar']
-  /** Seconds for which a removed scene stays in memory; 60 by default. */
+  /** The time in seconds that a removed scene stays in memory; 60 by default. */
   keep?: number | string
   /** The address of a settings file. */
   settings?: string
