@@ -557,7 +557,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** The places to evict: an eighth of the pool, the least recently used last, without those of the last two turns. */
+  /** The places to evict: an eighth of the pool, the least recently used last. Places used in the last two turns are
+      kept. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0

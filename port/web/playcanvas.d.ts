@@ -38,7 +38,7 @@ export class Splats extends Entity {
   tint: Vector
   /** As `Placed.crops`. */
   crops: readonly Crop[]
-  /** Options of the picture. The options of the first loaded Splats apply to all Splats in the picture. */
+  /** Options of the picture. A picture of several Splats uses the options of its first loaded Splats. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
   /** The ids of the layers that draw the entity; LAYERID_WORLD by default. */
   layers: readonly number[]

@@ -48,7 +48,7 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   tint: Vector
   /** As `Placed.crops`. */
   crops: readonly Crop[]
-  /** Options of the picture. The options of the first loaded Splats apply to all Splats in the picture. */
+  /** Options of the picture. A picture of several Splats uses the options of its first loaded Splats. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
   /** The box around the visible part of the scene, in the space of the object; Box3.setFromObject reads it. */
   readonly boundingBox: Box3
