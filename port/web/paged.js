@@ -1,7 +1,7 @@
 // Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
 // loaded first. The rows of a chunk (its 256 Gaussians) are loaded when a picture wants them, into a pool of bounded
 // size in the memory of the module; if the pool is full, the least recently used chunk is evicted. Neighbouring chunks
-// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes those of coarser levels; a chunk
+// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes the chunks of coarser levels; a chunk
 // is identified by its number, leaves first. web_paged.c is the side of the module.
 
 import { fetched, later, Watch } from './read.js'
@@ -80,7 +80,7 @@ class Remote {
     })
   }
 
-  /** Reads bytes first to end - 1, with retries. Calls `came` with the number of bytes so far. */
+  /** Reads bytes first to end - 1, with retries. Calls `came` with the number of received bytes. */
   async read(first, end, came) {
     for (let i = 1; ; i++)
       try {
@@ -186,7 +186,7 @@ export class Pager {
   #used = 0                     // places that were used at least once
   #spare = []                   // free places below #used
   #victims = []                 // places to evict, the oldest last
-  #fullAt = -1                  // the turn in which no place could be evicted
+  #fullAt = -1                  // the last turn in which #oldest was computed
   #chunkOf                      // for each place, its chunk
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
   #wanted = this.#now           // the same, then the missing chunks of the prefetch

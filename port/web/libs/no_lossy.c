@@ -1,4 +1,5 @@
-/* What libwebp calls for pictures with loss. No .sog has one: src/scene/read/sog.c refuses them by their headers. */
+/* Stubs for the functions of libwebp that decode lossy pictures. A .sog has none: src/scene/read/sog.c refuses them by
+   their headers. */
 #include "src/dec/vp8_dec.h"
 #include "src/dec/webpi_dec.h"
 
