@@ -1,8 +1,8 @@
 // Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
 // loaded first. The rows of a chunk (its 256 Gaussians) are loaded when a picture wants them, into a pool of bounded
 // size in the memory of the module; if the pool is full, the least recently used chunk is evicted. Neighbouring chunks
-// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes the chunks of coarser levels; a chunk
-// is identified by its number, leaves first. web_paged.c is the side of the module.
+// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes the chunks of coarser levels; a
+// chunk is identified by its number, leaves first. web_paged.c is the side of the module.
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'

@@ -1,5 +1,5 @@
-/* malloc and free of a module, for few, mostly large blocks. Blocks are aligned to 64 bytes. First fit in a list of free
- * blocks in the order of addresses; adjacent free blocks are merged. */
+/* malloc and free of a module, for few, mostly large blocks. Blocks are aligned to 64 bytes. First fit in a list of
+ * free blocks in the order of addresses; adjacent free blocks are merged. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>

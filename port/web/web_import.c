@@ -1,6 +1,6 @@
 /* The readers of scene formats and the packer as WebAssembly modules, apart from the renderer. make/web.mk says which
- * module has which readers. A module reads files by imports of fixsplat.js, makes an .fxs file in its memory, and is then
- * dropped with that memory. */
+ * module has which readers. A module reads files by imports of fixsplat.js, makes an .fxs file in its memory, and is
+ * then dropped with that memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

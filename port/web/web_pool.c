@@ -1,6 +1,6 @@
 /* Threads for fxs_config.run in a module with shared memory. A helper is an instance of the same module with its own
- * stack in a worker (thread.js). One batch of jobs runs at a time, and jobs start no batch. The caller runs jobs too, job
- * 0 always, so it does not wait for helpers that have not started. */
+ * stack in a worker (thread.js). One batch of jobs runs at a time, and jobs start no batch. The caller runs jobs too,
+ * job 0 always, so it does not wait for helpers that have not started. */
 #include <stdint.h>
 #include <stdlib.h>
 

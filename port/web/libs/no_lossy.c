@@ -18,7 +18,7 @@ int VP8InitIoInternal(VP8Io *io, int version)
 
 void WebPInitCustomIo(WebPDecParams *params, VP8Io *io)
 {
-    io->opaque = params;             /* from which pictures without loss take the place to decode to */
+    io->opaque = params;             /* lossless pictures read their output buffer from here */
 }
 
 VP8Decoder *VP8New(void)

@@ -144,8 +144,8 @@ const STEP = 1.25
 const MARGIN = 1 / 8
 const PATIENCE = 4 // quick pictures in a row until they become larger
 
-/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. Those that
- *  have to be smaller come late, and get a margin for the head to turn into. */
+/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. Those
+ * that have to be smaller come late, and get a margin for the head to turn into. */
 export class Scale {
   value = 0.5
   #aim

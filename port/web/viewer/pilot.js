@@ -41,7 +41,8 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** Views, the one to begin with where that is not the first, and a function of the camera to begin with without views. */
+  /** Views, the one to begin with where that is not the first, and a function of the camera to begin with without
+      views. */
   takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0

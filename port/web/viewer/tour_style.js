@@ -1,4 +1,5 @@
-// The rules of markers, captions and the player: a sheet that the element takes, and no file, for bundlers and policies.
+// The rules of markers, captions and the player: a sheet that the element takes, and no file, for bundlers and
+// policies.
 export const rules = `
 #markers { position: absolute; inset: 0; isolation: isolate; overflow: hidden; pointer-events: none; }
 .marker { position: absolute; left: -15px; top: -15px; min-width: 30px; height: 30px; border-radius: 15px;

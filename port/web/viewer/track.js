@@ -1,5 +1,6 @@
 // Camera tracks: keys with times, and cameras between them. A track is { name, loop, duration, smoothness, step,
-// longer, keys }, a key { time, eye, look, up, fov }, times and duration are seconds. settings.js has checked all of it.
+// longer, keys }, a key { time, eye, look, up, fov }, times and duration are seconds. settings.js has checked all of
+// it.
 
 export const LOOPS = ['none', 'repeat', 'pingpong']
 

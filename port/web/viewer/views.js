@@ -1,7 +1,7 @@
-// Reads the views of a cameras.json file, of links and of a page's address, and writes links. A camera is an object
-// { eye, look, up, fov, flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are
-// parallel. `shift` is the horizontal and vertical distance of the camera's axis from the middle of the picture, divided
-// by the height of the picture.
+// Reads the views of a cameras.json file, of links and of a page's address, and writes links. A camera is an object {
+// eye, look, up, fov, flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are
+// parallel. `shift` is the horizontal and vertical distance of the camera's axis from the middle of the picture,
+// divided by the height of the picture.
 import { download } from '../read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
