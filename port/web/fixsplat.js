@@ -35,8 +35,7 @@ async function compileFrom(answer, relaxes) {
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
 }
 
-/** Compiles a module; with `relaxes`, patches its q15mulr opcodes first. tests/scripts/web.sh checks that the patched
-    bytes occur as this opcode only. */
+/** Compiles a module; `relaxes` patches its q15mulr opcodes. tests/scripts/web.sh: these bytes occur nowhere else. */
 function compiledOf(code, relaxes) {
   for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
     if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
@@ -62,8 +61,7 @@ class Module {
     this.fetches = true         // false: the next frame requests no parts
   }
 
-  /** The OpenGL imports of the module. They call the functions of `this.gl` (webgl.js), which changes with the
-      Screen. */
+  /** The OpenGL imports of the module. They call `this.gl` (webgl.js), which changes with the Screen. */
   #webgl(module) {
     const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
     return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
@@ -110,8 +108,7 @@ class Module {
     return at >>> 0
   }
 
-  /** Calls a function that draws. After a trap, waits for the threads to leave the frame's memory and restores the
-      stack. */
+  /** Calls a function that draws. After a trap, waits for the threads, which use the frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -243,8 +240,7 @@ const numberOf = (names, value) => {
 const PACKING_STACK = 262144    // bytes for each thread that packs; its jobs need 90,000
 const MUCH = 8e6                // bytes; smaller files are packed faster without threads
 
-/** The names of the reader modules to try for a file, the likely one first. A module reports if the file belongs to
-    another module. */
+/** The reader modules to try for a file, the likely one first. A module reports if another one reads the file. */
 async function readersFor(file, options) {
   const { simd = hasSimd } = options
   const { name } = file
@@ -266,11 +262,11 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-/** Packs the files of a scene with a new instance of a reader module. `share`: the downloaded share of the first file.
-    `most`: the largest number of Gaussians, for a preview; 0: no limit. `look`: only checks the first file, as if it
-    had this many bytes. Returns { bytes, error, isElsewhere, missing, isShort }: the bytes of an .fxs file; or an
-    error, with isElsewhere if another module may succeed; the names of missing files; true if the reader needs bytes
-    that have not arrived. */
+// Packs the files of a scene with a new instance of a reader module. `share`: the downloaded share of the first file.
+// `most`: the largest number of Gaussians, for a preview; 0: no limit. `look`: only checks the first file, as if it had
+// this many bytes. Returns { bytes, error, isElsewhere, missing, isShort }: the bytes of an .fxs file; or an error,
+// with isElsewhere if another module may succeed; the names of missing files; isShort if the reader needs bytes that
+// have not arrived.
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -342,8 +338,8 @@ const HEAD = 4096               // bytes needed to recognize the format: fxs_for
 const PACKED_HEAD = 192         // bytes in the header of an .fxs
 const MOST_TEXT = 2 ** 30       // largest size of an index in bytes: FXS_TEXT_MAX
 
-/** The size of a .ply file in bytes by its header, taken from the reader's error for a short file. 0: not known, or all
-    bytes have arrived. */
+/** The size of a .ply file by its header, from the reader's error for a short file. 0: unknown, or all bytes
+    arrived. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -353,8 +349,8 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-/** Checks the first bytes of a download. Throws an Error if they are not a scene, or if the file is far longer than its
-    header says. Returns the number of bytes after which to check again. */
+// Checks the first bytes of a download. Throws an Error if they are not a scene, or if the file is far longer than its
+// header says. Returns the number of bytes after which to check again.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
@@ -369,9 +365,9 @@ async function lookAt(file, files, options) {
   return Infinity
 }
 
-/** Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share`: the downloaded
-    share. `isNow`: skips the timing. `waited`: milliseconds that the download spent on checks, not counted as download
-    time. The pauses grow with the time that a preview takes. */
+// Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share`: the downloaded
+// share. `isNow`: skips the timing. `waited`: milliseconds that the download spent on checks, not counted as download
+// time. The pauses grow with the time that a preview takes.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
@@ -597,8 +593,7 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-/** The chosen first view of the placed objects, 14 numbers: fxs_first_choice (13), then `known`. Cached for the same
-    objects and placements. */
+/** The chosen first view of the placed objects: the 13 numbers of fxs_first_choice, `known`. Cached. */
 function chosen(core, objects) {
   const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
@@ -728,8 +723,7 @@ function layOut(asked, format, pixels, start) {
   return { parts, end }
 }
 
-/** The layout of the targets of all eyes: the code of the colour format, the bytes of the block, the parts of each
-    eye. */
+/** The layout of all targets: the code of the colour format, the bytes of the block, the parts of each eye. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
   need(ofEyes.every(isObject), 'targets: expected an object')

@@ -6,8 +6,7 @@ export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** The functions of system.js. Bundlers do not see this import; for them, node.js, the entry in Node, sets the
-    functions. */
+/** The functions of system.js. Bundlers do not see this import; there, node.js sets the functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 

@@ -58,8 +58,7 @@ class Remote {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** Reads the first bytes: { bytes, total }; { answer } if the server sends the whole file; {} if it does not support
-      ranges. */
+  /** Reads the first bytes: { bytes, total }; { answer } for the whole file; {} if the server has no ranges. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -372,8 +371,7 @@ export class Pager {
     }
   }
 
-  /** The next request. While headers are missing, one request at a time loads headers; the others load wanted
-      chunks. */
+  /** The next request. While headers are missing, one of the running requests loads headers, the others chunks. */
   #next() {
     if (this.#pendingBlocks && !this.#headersRunning) {
       const job = this.#nextBlock()
@@ -457,8 +455,7 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** Reads a range and passes it to `take`, which throws if it is damaged. Then drops it from the cache and reads it
-      once more from the server. */
+  /** Reads a range for `take`, which throws if it is damaged. Then reads it once more, from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -506,8 +503,7 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Stores the rows of chunks first to end - 1. A chunk in the list of wanted ones may evict another; the chunks in
-      the gaps take only free places. */
+  /** Stores the rows of chunks first to end - 1. Wanted chunks may evict others; the rest takes only free places. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -557,8 +553,7 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** The places to evict: an eighth of the pool, the least recently used last. Places used in the last two turns are
-      kept. */
+  /** An eighth of the pool to evict, the least recently used last; without places used in the last two turns. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0
@@ -596,8 +591,8 @@ export class Pager {
   }
 }
 
-/** Opens a file for streaming: { core, pager, at, facts }. { answer } if the server sends the whole file; {} if it does
-    not support ranges, or if the file is not an .fxs of this version. */
+// Opens a file for streaming: { core, pager, at, facts }. { answer } if the server sends the whole file; {} if it does
+// not support ranges, or if the file is not an .fxs of this version.
 export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
   const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)

@@ -118,8 +118,7 @@ class WebGL extends placed.WebGLStage {
 
 // ---- WebGPU ---------------------------------------------------------------------------------------------------
 
-/** Draws before a render of three.js, since WebGPU reports only later that a frame is complete. Renders the depths of
-    the meshes itself. */
+/** Draws before a render, since WebGPU reports only later that a frame is complete. Renders depths of the meshes. */
 class WebGPU extends placed.Stage {
   changed = changed
   takesParts = false

@@ -430,8 +430,7 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** Sets a bind group. Groups of the last frame are reused: making them would take a quarter of the time of the
-      steps. */
+  /** Sets a bind group; reuses those of the last frame, since making them takes a quarter of the steps' time. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>
