@@ -789,7 +789,8 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Requests the parts that a picture lacks and returns their number. `ahead`: after those of the last picture. */
+/** Requests the parts that a picture lacks and returns their number. `ahead`: after the missing parts of the last
+    picture. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead

@@ -371,7 +371,7 @@ export class Pager {
     }
   }
 
-  /** The next request. While headers are missing, one of the running requests loads headers, the others chunks. */
+  /** The next request. While headers are missing, one running request loads headers, the others load chunks. */
   #next() {
     if (this.#pendingBlocks && !this.#headersRunning) {
       const job = this.#nextBlock()

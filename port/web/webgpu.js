@@ -430,7 +430,7 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** Sets a bind group; reuses those of the last frame, since making them takes a quarter of the steps' time. */
+  /** Sets a bind group; reuses the groups of the last frame: making them takes a quarter of the steps' time. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>

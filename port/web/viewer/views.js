@@ -21,7 +21,7 @@ export function addressOf(url) {
   }
 }
 
-/** The last part of an address; it may have any bytes. */
+/** The file name in an address. It may contain invalid escapes. */
 export function nameOf(url) {
   const name = url.split(/[?#]/)[0].split('/').pop()
   try {
@@ -56,13 +56,13 @@ export async function textAt(url, words) {
 
 export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))
 
-// Attributes of the element that are parameters of a page's address too.
+// Attributes of the element that may also be parameters of the page's address.
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']
 
-/** Does as the page's address says: attributes by its parameters, camera and annotation by what stands behind #, then
-    too when that changes. */
+/** Sets attributes by the parameters of the page's address; view and annotation by its #fragment, and at each
+    change. */
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)
   for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
@@ -90,7 +90,7 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
   return [...eye, ...look, ...up, fov, ...more].join()
 }
 
-/** A camera that a program gives, which may leave out what another has. */
+/** Checks a camera. Missing fields are taken from `other`, else from the defaults. */
 export function checkedCamera(given, other = {}) {
   const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
   for (const [name, value] of Object.entries(given)) {
