@@ -685,7 +685,8 @@ function drawnBy(core) {
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// For each format and target, its typed array and the numbers a pixel. The order is that of take_targets in web_core.c.
+// For each format and target, its typed array and the numbers a pixel. Targets are in the order of take_targets in
+// web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
   premultiplied: [Uint8ClampedArray, 4],

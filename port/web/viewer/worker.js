@@ -40,7 +40,7 @@ function boxOf(list) {
 
 let seen = {} // the cached first view, and its scenes
 
-/** Where it is seen from at first: chosen anew with each other scene, not where one is moved. */
+/** The first view of all scenes. Chosen again if the list of scenes changes, not if a scene is moved. */
 function firstOf(list) {
   const of = placed.filter(isThere).map(({ key }) => key).join()
   if (seen.of !== of || seen.last !== list.at(-1).scene) seen = { of, last: list.at(-1).scene, first: firstView(list) }
@@ -76,7 +76,7 @@ function preview(key, part, share) {
   })
 }
 
-/** Calls a function after the browser has shown the canvas, for which the worker must be idle. */
+/** Calls a function after the browser has shown the canvas; the worker must be idle for that. */
 function onScreen(call) {
   if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
   else call()
