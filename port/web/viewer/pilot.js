@@ -1,12 +1,12 @@
-// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys. The mode (orbit,
-// fly or walk) decides what the input does. motion.js has the geometry, walk.js the walking.
+// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys. The effect of
+// input depends on the mode (orbit, fly or walk). motion.js has the geometry, walk.js the walking.
 import * as motion from './motion.js'
 
 const GLIDE_MS = 350
 const IDLE_MS = 2500 // without input, until the scene turns by itself
 const TURN = 0.25 // radians a second
 const UPRIGHT = [0, -1, 0]
-const BY_KEY = 400 // a key turns as a drag of so many pixels a second
+const BY_KEY = 400 // a key turns like a drag at this speed, pixels a second
 const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
 
 export class Pilot {
@@ -55,7 +55,7 @@ export class Pilot {
     this.show(view ?? this.start)
   }
 
-  /** The start view: of the settings file, of the list of views, of the scene, else the whole scene. */
+  /** The start view, from the settings file, the list of views or the scene; else a view of the whole scene. */
   get start() {
     return this.#given ? motion.level(this.#begins, this.up) : this.#begins
   }
@@ -144,7 +144,7 @@ export class Pilot {
     if (this.#scene) this.show({ ...this.camera, fov })
   }
 
-  /** Sets the up direction; undefined: that of the scene. */
+  /** Sets the up direction; undefined: as in the scene. */
   upright(up) {
     this.#given = !!up
     this.up = up ?? this.#scene?.first.up ?? UPRIGHT
@@ -169,7 +169,7 @@ export class Pilot {
 
   // ---- Pointers and keys: by pixels, by a factor, in units of speed -------------------------------------------------
 
-  /** The commands for input.js: those of this class, and others. */
+  /** The commands for input.js: of this class, and `others`. */
   acts(others) {
     const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows', 'turn']
     return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }

@@ -6,7 +6,7 @@ import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setA
 const SEEN = 40000 // least number of Gaussians in a preview,
 const SEEN_SHARE = 1 / 3 // or least share of the download
 const PREVIEW_MS = 1000 // longest wait until the page has drawn a preview
-const AHEAD_MS = 600 // the motion of the camera is extrapolated so far for prefetching
+const AHEAD_MS = 600 // extrapolation of the motion of the camera, for prefetching
 const STOPPED_MS = 300 // a camera counts as stopped after this time between two pictures
 const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depth of one scene unit
