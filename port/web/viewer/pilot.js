@@ -41,8 +41,7 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** Views, the one to begin with where that is not the first, and a function of the camera to begin with without
-      views. */
+  /** Takes a list of views. `view`: the start view, if not the first. home(): the start view without a list. */
   takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0

@@ -214,7 +214,7 @@ function shortened(words) {
   return more > 0 ? [...words.slice(0, MOST_WORDS), `and ${more} more of the kind`] : words
 }
 
-/** The same of lists that a program gives. An Error where anything is wrong. */
+/** Checks lists from a program. Throws an Error if anything is wrong. */
 export function listsOf(given) {
   const words = []
   const settings = checked(given, words)
@@ -222,5 +222,5 @@ export function listsOf(given) {
   return settings
 }
 
-/** The text of a file of our own. */
+/** The text of a settings file. */
 export const textOfSettings = (settings) => `${JSON.stringify({ fixsplat: 1, ...settings }, null, 2)}\n`

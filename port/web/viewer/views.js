@@ -1,7 +1,6 @@
-// Reads the views of a cameras.json file, of links and of a page's address, and writes links. A camera is an object {
-// eye, look, up, fov, flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are
-// parallel. `shift` is the horizontal and vertical distance of the camera's axis from the middle of the picture,
-// divided by the height of the picture.
+// Reads views from cameras.json files, links and the page's address, and writes links. A camera is { eye, look, up,
+// fov, flat, shift }. `look` is the point that the camera turns about. `flat`: orthographic. `shift` is the offset of
+// the camera's axis from the middle of the picture, right and down, in heights of the picture.
 import { download } from '../read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
@@ -61,8 +60,7 @@ const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'thr
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']
 
-/** Sets attributes by the parameters of the page's address; view and annotation by its #fragment, and at each
-    change. */
+/** Sets attributes by the page's address: by its parameters, and by each #fragment (view, annotation). */
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)
   for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))

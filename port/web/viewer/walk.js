@@ -124,8 +124,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** Estimates the height of the eye: from the start view if it is that of a photograph, else an eighth of the
-      scene. */
+  /** Estimates the height of the eye: from the start view if a photograph gave it, else an eighth of the scene. */
   async #findUsual() {
     const scene = this.#host.scene()
     if (this.#usual.scene === scene) return
