@@ -1,8 +1,8 @@
 /** True if this browser or Node supports simd128, the vector instructions of WebAssembly. `load` then uses them. */
 export const hasSimd: boolean
 
-/** True if this browser or Node also supports relaxed simd128. Rendering with it is a quarter faster. The pictures are
-    the same. */
+/** True if this browser or Node also supports relaxed simd128. It makes rendering a quarter faster, with the same
+    pictures. */
 export const hasRelaxed: boolean
 
 /** Pixels that ImageData accepts: Uint8ClampedArray<ArrayBuffer> in TypeScript 5.7 and later, Uint8ClampedArray in
@@ -149,8 +149,7 @@ export interface Pinhole {
   cy?: number
   /** The depth of the near plane, in scene units; 0.2 by default. */
   near?: number
-  /** True for an orthographic camera: its rays are parallel, and `fx` and `fy` are pixels per scene unit. False by
-      default. */
+  /** True for an orthographic camera: parallel rays, and `fx` and `fy` in pixels per scene unit. False by default. */
   orthographic?: boolean
   /** The size in pixels of the picture to which `fx`, `fy`, `cx` and `cy` refer; by default the size of the frame. */
   width?: number
@@ -167,7 +166,7 @@ export interface FrameOptions {
   height?: number
   /** The colour behind the scene as the number 0xrrggbb; black by default. */
   background?: number
-  /** True for a transparent picture without a background: premultiplied colours, and the coverage as alpha. False by
+  /** True for a transparent picture without a background: colours are premultiplied, alpha is the coverage. False by
       default. */
   alpha?: boolean
   /** The highest degree of SH that is evaluated, 0 to 3; 3 by default. */
@@ -498,6 +497,5 @@ export class Screen {
   free(): void
 }
 
-/** Encodes the pixels of a picture as a .png file. Pixels are rows from the top, four bytes a pixel: red, green, blue,
-    alpha. */
+/** Encodes the pixels of a picture as a .png file: rows from the top, four bytes a pixel: red, green, blue, alpha. */
 export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Bytes>

@@ -338,8 +338,7 @@ const HEAD = 4096               // bytes needed to recognize the format: fxs_for
 const PACKED_HEAD = 192         // bytes in the header of an .fxs
 const MOST_TEXT = 2 ** 30       // largest size of an index in bytes: FXS_TEXT_MAX
 
-/** The size of a .ply file by its header, from the reader's error for a short file. 0: unknown, or all bytes
-    arrived. */
+/** The size of a .ply file by its header, from the reader's error for a short file; 0: unknown or complete. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -790,8 +789,7 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Requests the parts that a picture lacks and returns their number. `ahead`: after the missing parts of the last
-    picture. */
+/** Requests the missing parts of a picture and returns their number. `ahead`: after those of the last picture. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead

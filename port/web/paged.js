@@ -306,7 +306,7 @@ export class Pager {
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
-  /** The number of header blocks that have not arrived; chunks in them cannot be counted as missing yet. */
+  /** The number of header blocks that have not arrived. They count as missing, in addition to chunks. */
   get pending() {
     return this.#pendingBlocks
   }
@@ -331,7 +331,7 @@ export class Pager {
     this.#fetch()
   }
 
-  /** Fulfilled when the next data arrive; rejected if no request is running. */
+  /** Fulfilled when the next data arrive; rejected after a failure, or if no request is running. */
   arrival() {
     if (this.failure) return Promise.reject(this.failure)
     if (!this.#running) {

@@ -19,8 +19,7 @@ export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
 // Writes premultiplied colours. In a linear target, blending would add linear light; the picture must be blended in
-// display colours, so the shader reads the colours behind it and writes the difference. The exponent is PlayCanvas's
-// 2.2.
+// display colours, so the shader reads the colours behind it and writes the difference. PlayCanvas uses 2.2.
 const SHOW = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;

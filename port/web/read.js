@@ -1,5 +1,4 @@
-// Reads the files of a scene, from addresses, local files or memory. A scene file may name other files; they are read
-// too.
+// Reads the files of a scene, from addresses, local files or memory. Files that a scene file names are read too.
 
 import { inNode, ofSystem } from './fixsplat_assets.js'
 
@@ -252,8 +251,7 @@ const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.f
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
-/** The files of a scene. The first is the opened file; the others have names relative to its folder. `options`: the
-    options of `load`. */
+/** The files of a scene: the opened file, then others with names relative to its folder. `options`: as for `load`. */
 export class Files {
   #files = new Map()
   #asked = new Set()
@@ -317,8 +315,7 @@ export class Files {
     return [...this.#files.keys()].indexOf(name)
   }
 
-  /** Requests other files that were not requested yet. False if all were. A missing file is left out; a time-out is an
-      Error. */
+  /** Requests other files that were not requested yet; false if all were. A missing file is left out. */
   async ask(names) {
     const isNew = (name) => !this.#asked.has(name) && staysInside(name)
     const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter(isNew))

@@ -58,8 +58,7 @@ void *fxs_web_take_crops(void);
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
                         uint32_t detail_q8, size_t limit);
 
-/* Ends the frame and returns its error, with the message in `words`. Out: the numbers of drawn Gaussians and of missing
-   chunks. */
+/* Ends the frame and returns its error, with the message in `words`. Out: drawn Gaussians, missing chunks. */
 int fxs_web_frame_end(const fxs_web_frame *frame, int error);
 
 /* Allocates memory aligned to 64 bytes. Null and a message if memory ran out. */

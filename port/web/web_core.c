@@ -214,8 +214,7 @@ static int find_up(double up[3])
     return 0;
 }
 
-/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice; 1 if a file stated the up
-   direction. */
+/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice; 1 if a file stated up. */
 EXPORT(choose) int fxs_web_choose(void)
 {
     double up[3];
@@ -406,8 +405,7 @@ EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t 
     return fxs_web_frame_end(&f, fxs_foresee(&context, &f.request, f.memory, f.bytes));
 }
 
-/* Finds the Gaussian at a pixel. Returns 1, or 0 if no Gaussian is there. Out: index of the object, Gaussian, depth,
-   position. */
+/* Finds the Gaussian at a pixel. Returns 1, or 0 without one. Out: index of the object, Gaussian, depth, position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;

@@ -59,8 +59,7 @@ EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_w
     return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
 }
 
-/* Describes a part of a scene, or the heads. Out: its bytes; then for each of 3 pieces: address, bytes, offset in
-   it. */
+/* Describes a part of a scene, or the heads. Out: its bytes; for each of 3 pieces: address, bytes, offset in it. */
 EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
 {
     double *out = fxs_web_numbers();

@@ -42,8 +42,7 @@ function element(id, ...inside) {
 
 const bytesOf = (parts) => parts.reduce((sum, bytes) => sum + bytes.length, 0)
 
-/** Groups frames into clusters, each from a key frame on. The times of blocks, relative to it, must be below 32768
-    ms. */
+/** Groups frames into clusters, each from a key frame on. Times in a cluster must be below 32768 ms. */
 function clustersOf(chunks) {
   const clusters = []
   for (const chunk of chunks) {

@@ -78,8 +78,7 @@ export function pan(camera, height, right, down) {
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
 }
 
-/** Scales the distance to `look` by a factor, to at least `nearest`. For an orthographic camera, scales the visible
-    area. */
+/** Scales the distance to `look`, to at least `nearest`; for an orthographic camera, the visible area. */
 export function zoom(camera, factor, nearest) {
   const least = Math.min(1, nearest / (camera.flat ? heightAt(camera) : distance(camera)))
   const times = Math.max(factor, least)

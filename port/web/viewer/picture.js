@@ -1,5 +1,5 @@
 // The picture in the page: its canvas, the back end that draws on it, and its size. The first back end is 'wasm',
-// unless one was chosen. A trial in a second worker then times the exact back ends of the GPU once, and the fastest one
+// unless one was chosen. Then a trial in a second worker times the exact back ends of the GPU once; the fastest one
 // draws.
 import { Pace } from './pace.js'
 
@@ -36,8 +36,7 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Opens a back end, or its fallback. Without `wanted`, a trial follows. False if the GPU falls back to the
-      processor. */
+  /** Opens a back end, or its fallback. Without `wanted`, a trial follows. False: the processor replaces the GPU. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
@@ -60,8 +59,7 @@ export class Picture {
     this.#stage.replaceChildren()
   }
 
-  /** Makes a canvas below the visible one. Its id is 0 if a worker cannot draw on it; then the worker returns
-      pixels. */
+  /** Makes a canvas below the visible one. Its id is 0 if a worker cannot draw on it but only return pixels. */
   async #open(engine, backend) {
     const canvas = document.createElement('canvas')
     const id = canvas.transferControlToOffscreen ? ++screens : 0

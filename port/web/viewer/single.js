@@ -11,8 +11,7 @@ async function unpacked(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer())
 }
 
-/** Makes blob: addresses for files, returned by file name. Afterwards new URL(file, import.meta.url) returns them
-    too. */
+/** Makes blob: addresses for files, returned by file name, and makes new URL(file, import.meta.url) return them. */
 function addressAll(files) {
   const base = 'https://fixsplat.invalid/' // placeholder for the folder of the scripts; never requested
   const imports = /(\bfrom\s*|\bimport\s*\(?\s*)(["'])(\.\.?\/[^"'\s]+)\2/g

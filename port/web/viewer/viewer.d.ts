@@ -15,8 +15,7 @@ export interface ViewerCamera {
   fov: number
   /** True for an orthographic camera. */
   flat: boolean
-  /** The offset of the camera's axis from the middle of the picture, to the right and down, in heights of the
-      picture. */
+  /** The offset of the camera's axis from the middle of the picture, right and down, in heights of the picture. */
   shift: [number, number]
 }
 
@@ -136,8 +135,7 @@ export interface ViewerEvents {
   }>
   /** An error; its property `error` is a ViewerError. */
   error: ErrorEvent
-  /** The camera has changed. `byHand`: true for a change by pointer, key or gamepad, false for a change by a
-      program. */
+  /** The camera has changed. `byHand`: true for input by pointer, key or gamepad, false for a program. */
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
   /** The mode has changed. */
   mode: CustomEvent<{ mode: Settings['mode'] }>
@@ -277,8 +275,7 @@ export class Viewer extends HTMLElement {
   open(source: string | File | File[]): Promise<boolean>
   /** Adds a scene to the picture, as a new <fixsplat-scene> in this element. */
   add(source: string | File | File[], place?: Place): PlacedScene
-  /** Removes the scenes that were opened by `src`, by `open` or by the user. Each <fixsplat-scene> of the page
-      stays. */
+  /** Removes the scenes opened by `src`, by `open` or by the user. Each <fixsplat-scene> of the page stays. */
   clear(): void
   /** Replaces the scene by the scene of another address; the camera stays. False if no scene is loaded, or if the
       viewer is busy; then try again later. */
@@ -311,8 +308,7 @@ export class Viewer extends HTMLElement {
   /** The duration of the selected track, in seconds. */
   readonly duration: number
   readonly paused: boolean
-  /** Makes a film of a track. Each frame is drawn completely, as `fixsplat render` draws it. The codec then changes its
-      bytes. */
+  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`; the codec changes its bytes. */
   film(options?: FilmOptions): Promise<Film>
   /** Reads a settings file: an address, a File, or the content of a file as an object. Its camera, annotations and
       tracks replace the present ones. Returns a line about each part of the file that was ignored. Rejected if it is

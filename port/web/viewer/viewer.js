@@ -653,8 +653,7 @@ export class Viewer extends HTMLElement {
     engine?.end()
   }
 
-  /** Changes to another worker, or to none. `there`: the items that it holds; the other wanted items are loaded
-      again. */
+  /** Changes to another worker, or to none. `there`: the items that it holds; others are loaded again. */
   #leaveTo(engine, there = []) {
     this.#items = this.#items.filter((item) => item === this.#main || item.element || there.includes(item))
     for (const item of this.#items) item.engine = there.includes(item) ? engine : null
@@ -927,8 +926,7 @@ export class Viewer extends HTMLElement {
     this.#tour?.drawn()
   }
 
-  /** After a failed picture: halves the pixels if memory was short, or goes back to the camera of the last good
-      picture. */
+  /** After a failed picture: halves the pixels if memory was short, or goes back to the last good camera. */
   #refused(error) {
     if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
@@ -1010,8 +1008,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Headset ------------------------------------------------------------------------------------------------------
 
-  /** Shows the buttons for VR and AR. In a headset's browser, VR is shown on insecure pages too, to explain the
-      reason. */
+  /** Shows the buttons for VR and AR. In a headset, VR is shown on insecure pages too, to tell the reason. */
   async #findHeadset() {
     const { headset, room, arSize } = this.#ui
     const { xr } = navigator

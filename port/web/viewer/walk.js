@@ -70,8 +70,7 @@ export class Walker {
   #usual = { scene: null, height: 1 }
   #last = 0 // time of the last step of #ease; 0: not running
 
-  /** The host has scene(), height() (0: usual), draw(camera, size), which returns a promise of depths, and
-      note(words). */
+  /** The host has scene(), height() (0: usual), draw(camera, size) (a promise of depths), and note(words). */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host

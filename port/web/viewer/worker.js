@@ -212,8 +212,7 @@ const words = {
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
-  /** Draws one or two eyes, each byte for byte as a mono picture: { pictures } of pixels, or a { bitmap } of the
-      GPU. */
+  /** Draws one or two eyes, each byte for byte as a mono picture: { pictures } of pixels, or a GPU's { bitmap }. */
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
