@@ -1,29 +1,30 @@
-// The package for browsers and Node. It draws pictures with the same bytes as the library in C, in WebAssembly.
-// fixsplat.d.ts describes all functions and classes that a program can use.
+// The package for browsers and Node. It runs the C library as WebAssembly modules and draws the same bytes.
+// A Module is an instance of such a module with its memory. The readers of scene formats are modules of their own: they
+// pack a file into the bytes of an .fxs, then they are dropped with their memory. Threads are workers that run the same
+// module on shared memory. fixsplat.d.ts describes the public functions and classes.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, SourceFile, urlOf } from './read.js'
 
 export { setAssets } from './fixsplat_assets.js'
 
-const SHOWN = 100000            // Gaussians of a preview, at most
-const PAUSE = 400               // milliseconds before the first, and at least between two
-const SOON = 1000               // milliseconds in which the rest of a download needs no preview
+const SHOWN = 100000            // largest number of Gaussians in a preview
+const PAUSE = 400               // milliseconds before the first preview, and least pause between two
+const SOON = 1000               // no preview if the rest of the download takes fewer milliseconds
 // A module with one function that uses simd128.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
-// The same with i16x8.relaxed_q15mulr_s. Where i16x8.q15mulr_sat_s gives 32767, for -32768 squared, it may give -32768,
-// which changes no picture, and so it is one instruction of x86 in place of five. Their codes are equally long.
+// The same with i16x8.relaxed_q15mulr_s, which is one x86 instruction; i16x8.q15mulr_sat_s is five. They differ only
+// for -32768 squared: the relaxed one may return -32768, the other returns 32767. No picture depends on it. Both
+// opcodes have the same length.
 const PRECISE = [253, 130, 1]
 const RELAXED = [253, 145, 2]
 const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
                       65, 0, 253, 15, ...RELAXED, 11]
 const runs = (code) => WebAssembly.validate(new Uint8Array(code))
 
-/** Whether this machine runs the faster module. */
 export const hasSimd = runs(WITH_SIMD)
-/** Whether it runs that by the relaxed products. */
 export const hasRelaxed = runs(WITH_RELAXED)
 
 // ---- Modules --------------------------------------------------------------------------------------------------
@@ -34,14 +35,14 @@ async function compileFrom(answer, relaxes) {
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
 }
 
-/** A module, or the same with relaxed products. Their bytes are nothing else in it: tests/scripts/web.sh. */
+/** Compiles a module; `relaxes` patches its q15mulr opcodes. tests/scripts/web.sh: these bytes occur nowhere else. */
 function compiledOf(code, relaxes) {
   for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
     if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
   return WebAssembly.compile(code)
 }
 
-/** An instance, whose functions take and give numbers at one place of its memory. */
+/** An instance of a WebAssembly module. Its functions exchange numbers in one array of doubles, by put and get. */
 class Module {
   constructor(module, imports = {}, threads = 1) {
     const env = {
@@ -55,12 +56,12 @@ class Module {
     this.c.may_wait?.(mayWait() ? 1 : 0)
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
-    this.pagers = []            // of the placed scenes that come in parts
-    this.ahead = false          // whether what is drawn is not to be shown yet
-    this.fetches = true         // whether what is drawn has parts fetched
+    this.pagers = []            // pagers of the streamed scenes among the placed objects
+    this.ahead = false          // true during a prefetch
+    this.fetches = true         // false: the next frame requests no parts
   }
 
-  /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
+  /** The OpenGL imports of the module. They call `this.gl` (webgl.js), which changes with the Screen. */
   #webgl(module) {
     const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
     return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
@@ -85,7 +86,7 @@ class Module {
     return bytes.length
   }
 
-  /** The text at a place, up to its 0. */
+  /** The zero-terminated text at an address. */
   text(at) {
     const bytes = new Uint8Array(this.c.memory.buffer, at >>> 0)
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
@@ -95,19 +96,19 @@ class Module {
     return new Error(this.text(this.c.words()))
   }
 
-  /** What a function returned, unless that is an error. */
+  /** Throws the message of the module if a result is an error, else returns the result. */
   check(result) {
     if (result < 0) throw this.error()
     return result
   }
 
-  /** The same of a place in memory. */
+  /** The same for an address. */
   place(at) {
     if (!at) throw this.error()
     return at >>> 0
   }
 
-  /** What a function returned that draws. Where it trapped, threads are done with its memory before that is freed. */
+  /** Calls a function that draws. After a trap, waits for the threads, which use the frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -120,7 +121,7 @@ class Module {
     }
   }
 
-  /** The bytes that an .fxs has by its header. */
+  /** The size of an .fxs file in bytes, from its header. */
   packedBytes(name, header) {
     const [text, at] = [this.copyText(name), this.copy(header)]
     try {
@@ -132,20 +133,20 @@ class Module {
     }
   }
 
-  /** A copy of some bytes, which `release` frees. */
+  /** Copies bytes into the memory of the module. Free the copy with `release`. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
     this.bytes(at, bytes.length).set(bytes)
     return at
   }
 
-  /** The same of a text, with a 0 behind it. */
+  /** The same for a text; appends a 0. */
   copyText(text) {
     return this.copy(new TextEncoder().encode(`${text}\0`))
   }
 }
 
-/** What is made once; but again after it failed. */
+/** Caches the promise of make(); a failure is not cached. */
 const once = (made, name, make) =>
   (made[name] ??= make().catch((error) => {
     delete made[name]
@@ -163,12 +164,12 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 131072            // bytes, of each thread, whose jobs take 20,000
-const PAGES = 16                // of a shared memory at first, as the Makefile has it
+const STACK = 131072            // bytes for each thread; its jobs need 20,000
+const PAGES = 16                // initial pages of a shared memory; the same number as in the Makefile
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
-/** Whether this thread may wait: a page's may not. */
+/** True if this thread may block in Atomics.wait. The main thread of a page may not. */
 function mayWait() {
   try {
     return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
@@ -179,7 +180,7 @@ function mayWait() {
 
 const processors = async () => (inNode ? (await ofSystem()).processors() : navigator.hardwareConcurrency)
 
-/** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
+/** Shared memory that may grow to 4 GB. Halves the maximum until the browser grants it. */
 function sharedMemory(maximum = 65536) {
   try {
     return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
@@ -189,7 +190,7 @@ function sharedMemory(maximum = 65536) {
   }
 }
 
-/** One more thread for a module; where it cannot be had there is one less, and pictures take longer. */
+/** Starts a thread for a module. */
 const oneMore = async (core, module, stack = STACK) =>
   startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(stack)) + stack })
 
@@ -197,29 +198,29 @@ async function threadedCore(threads) {
   const module = await compile('threads')
   const core = new Module(module, { memory: sharedMemory() }, threads)
   const started = Array.from({ length: threads - 1 }, () => oneMore(core, module).catch(() => null))
-  core.workers = Promise.all(started)   // held, so that none is collected
+  core.workers = Promise.all(started)   // keeps the workers from garbage collection
   return core
 }
 
-/** The number of threads that options ask for. */
+/** The number of threads for these options. */
 async function threadsFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
   return simd && hasSimd && canShare ? (threads ?? Math.min(await processors(), USUAL_THREADS)) : 1
 }
 
-/** The module that `load` takes, with its threads. */
+/** The renderer module for these options, with its threads. */
 async function coreFor(options) {
   const { simd = hasSimd } = options
   const count = await threadsFor(options)
   if (count > 1)
     try {
       return await once(cores, `threads ${count}`, () => threadedCore(count))
-    } catch {}                  // one thread will do
+    } catch {}                  // falls back to one thread
   return coreOf(simd ? 'simd' : 'core')
 }
 
-/** Ends the threads and gives back the memory of what no scene uses. */
+/** Drops the modules that no scene uses, and ends their threads. */
 export async function end() {
   for (const [name, made] of Object.entries(cores)) {
     const core = await made.catch(() => null)
@@ -236,11 +237,10 @@ const numberOf = (names, value) => {
   return names.indexOf(value)
 }
 
-const PACKING_STACK = 262144    // bytes, of each thread that packs, whose jobs take 90,000
-const MUCH = 8e6                // bytes of a file that is packed by threads: another's take less than to start them
+const PACKING_STACK = 262144    // bytes for each thread that packs; its jobs need 90,000
+const MUCH = 8e6                // bytes; smaller files are packed faster without threads
 
-/** The modules of readers for a file, by how it begins: the likely one first. What a module reads is decided by the
-    library's table of formats; it says where the file is of another. */
+/** The reader modules to try for a file, the likely one first. A module reports if another one reads the file. */
 async function readersFor(file, options) {
   const { simd = hasSimd } = options
   const { name } = file
@@ -252,7 +252,7 @@ async function readersFor(file, options) {
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
 }
 
-/** A module of readers with these functions, and helpers where it can have them. */
+/** An instance of a reader module, with threads if its memory can be shared. */
 function readerOf(module, imports, threads) {
   const isShared = WebAssembly.Module.imports(module).some(({ kind }) => kind === 'memory')
   const reader = new Module(module, isShared ? { ...imports, memory: sharedMemory() } : imports)
@@ -262,10 +262,11 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-/** Packs files of which a share has come, or at most `most` of their Gaussians. With `look`, only opens the first file as
-    if it had so many bytes. The module is dropped with all of its memory. Returns the bytes of an .fxs file, or an error
-    and whether it is one of this module alone; the names of files that were wanted and are missing; and whether bytes
-    were wanted that have not arrived. */
+// Packs the files of a scene with a new instance of a reader module. `share`: the downloaded share of the first file.
+// `most`: the largest number of Gaussians, for a preview; 0: no limit. `look`: only checks the first file, as if it had
+// this many bytes. Returns { bytes, error, isElsewhere, missing, isShort }: the bytes of an .fxs file; or an error,
+// with isElsewhere if another module may succeed; the names of missing files; isShort if the reader needs bytes that
+// have not arrived.
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -295,7 +296,7 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   try {
     reader = readerOf(module, imports, threads)
   } catch (error) {
-    return { missing, error, isElsewhere: true }   // no memory to share: another has its own
+    return { missing, error, isElsewhere: true }   // no shared memory: the next module has its own
   }
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share, threads)
@@ -311,7 +312,7 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   return { missing, bytes: look ? null : reader.bytes(...reader.get(0, 2)) }
 }
 
-/** The same by the module that reads such a file, and with every file that is wanted. */
+/** Tries the reader modules in turn, and downloads the files that they ask for. */
 async function importBy(files, options, how) {
   const isFew = how.most || how.look || files.all[0].there < MUCH
   const threads = isFew ? 1 : await threadsFor(options)
@@ -333,12 +334,11 @@ async function importAll(files, options, how = {}) {
 
 // ---- Beginnings -----------------------------------------------------------------------------------------------
 
-const HEAD = 4096               // bytes that tell the format: fxs_format_by_content
-const PACKED_HEAD = 192         // bytes of the header of an .fxs
-const MOST_TEXT = 2 ** 30       // bytes of an index: FXS_TEXT_MAX
+const HEAD = 4096               // bytes needed to recognize the format: fxs_format_by_content
+const PACKED_HEAD = 192         // bytes in the header of an .fxs
+const MOST_TEXT = 2 ** 30       // largest size of an index in bytes: FXS_TEXT_MAX
 
-/** The bytes that the header of a .ply asks for, which the reader's error states for a file that is too short. 0 if they
-    are not known or have arrived. */
+/** The size of a .ply file by its header, from the reader's error for a short file; 0: unknown or complete. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -348,12 +348,12 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-/** Checks the first bytes of a download: an Error if they are no scene, or if the file is far longer than its header
-    asks for. Returns the number of bytes at which to check again. */
+// Checks the first bytes of a download. Throws an Error if they are not a scene, or if the file is far longer than its
+// header says. Returns the number of bytes after which to check again.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
-  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // which is read as a whole
+  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // JSON, read as a whole
   const least = core ? core.packedBytes(file.name, file.first(PACKED_HEAD)) : await leastOf(file, lookAs)
   if (least) file.limit(least)
   if (isIndex) file.most = MOST_TEXT
@@ -364,12 +364,13 @@ async function lookAt(file, files, options) {
   return Infinity
 }
 
-/** A function that hands over a scene of what has come so far: the share, whether it is to be now, and milliseconds in
-    which the download waited. */
+// Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share`: the downloaded
+// share. `isNow`: skips the timing. `waited`: milliseconds that the download spent on checks, not counted as download
+// time. The pauses grow with the time that a preview takes.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
-  let last                      // before the first, since the first bytes are there
+  let last                      // end of the last preview; before the first one, arrival of the first bytes
   let took = 0
   return async (share, isNow, waited = 0) => {
     const start = performance.now()
@@ -382,7 +383,7 @@ function previewsOf(files, options) {
       const bytes = await importAll(files, quietly, { share, most: SHOWN })
       if (bytes.length) scene = sceneOf(await coreFor(options), SourceFile.of(files.all[0].name, bytes))
     } catch {
-      return                    // the scene itself is what counts, and its error
+      return                    // loading the whole scene will report the error
     }
     if (scene) await options.preview(scene)
     last = performance.now()
@@ -408,7 +409,7 @@ function sceneOf(core, file) {
   }
 }
 
-/** The scene of an .fxs with levels of detail that comes in parts; or an answer that has the whole file, or nothing. */
+/** Opens a streamed scene: { scene }. Otherwise { answer } if the server has already sent the whole file, else {}. */
 async function paged(source, options) {
   if (options.paging === false || !(typeof source === 'string' || source instanceof URL)) return {}
   const url = await urlOf(String(source)).catch(() => null)
@@ -424,7 +425,7 @@ export async function load(source, options = {}) {
   signal?.throwIfAborted()
   const files = new Files(options)
   const preview = previewsOf(files, options)
-  coreFor(options).catch(() => {})   // begun early; who waits for it hears of it
+  coreFor(options).catch(() => {})   // starts early; a failure is reported below
   const { scene, answer } = await paged(source, options)
   if (scene) return scene
   let next = HEAD
@@ -440,7 +441,7 @@ export async function load(source, options = {}) {
   if (!file.isPacked) await preview(1, true)
   signal?.throwIfAborted()
   const packed = file.isPacked ? file : SourceFile.of(file.name, await importAll(files, options))
-  const core = await coreFor(options)   // anew, where end() was called meanwhile
+  const core = await coreFor(options)   // a new one if end() was called meanwhile
   signal?.throwIfAborted()
   return sceneOf(core, packed)
 }
@@ -460,10 +461,10 @@ export class Scene {
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
     Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
     core.scenes++
-    core.chosen = null   // of a scene that lay here before
+    core.chosen = null   // the address may have belonged to another scene
   }
 
-  /** Threads that draw it by now. */
+  /** The number of threads that have started. */
   get threads() {
     return this.#core.c.threads?.() ?? 1
   }
@@ -472,18 +473,16 @@ export class Scene {
     return !this.#scene
   }
 
-  /** Its module and place there; no part of the interface. */
+  /** Internal: the module, the address of the scene in its memory, and the pager of a streamed scene. */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene, this.#pager]
   }
 
-  /** Where it is seen from at first. */
   get first() {
     return firstView([{ scene: this }])
   }
 
-  /** The start view that it keeps, as an entry of a cameras.json of 2 x 2 pixels, or null. */
   get start() {
     const [core, at] = this.inside
     if (!core.c.start_view(at)) return null
@@ -492,7 +491,6 @@ export class Scene {
     return { width: 2, height: 2, fx: fy, fy, position: rest.slice(0, 3), rotation }
   }
 
-  /** The packed scene: an .fxs file. */
   get packed() {
     if (this.inside[2]) throw new Error(`${this.name}: only parts of it are here: load it with \`paging: false\``)
     return this.#core.bytes(this.#data, this.bytes).slice()
@@ -540,7 +538,7 @@ export class Scene {
 
 const MAX_CROPS = 8
 
-/** These numbers, where they are as many as there should be. */
+/** Flattens a list and checks that it has `count` numbers. */
 function all(name, count, numbers) {
   const flat = Array.isArray(numbers) || ArrayBuffer.isView(numbers) ? Array.from(numbers).flat() : []
   if (flat.length !== count || !flat.every((x) => typeof x === 'number'))
@@ -554,7 +552,7 @@ function need(is, words, Kind = TypeError) {
 
 const isObject = (value) => typeof value === 'object' && value !== null
 
-/** The module that an object's scene is in, its place there, and what has it come in parts. */
+/** `Scene.inside` of object i: module, address, pager. */
 function insideOf(object, i) {
   need(isObject(object), `object ${i}: expected an object with a scene`)
   need(isObject(object.scene) && 'inside' in object.scene, `object ${i}: scene: expected what \`load\` returns`)
@@ -584,7 +582,7 @@ function placeAll(objects) {
   return core
 }
 
-/** An entry of a cameras.json, whose rotation has the camera's axes as columns. */
+/** Sets a Pinhole camera, as in a cameras.json: the columns of its rotation are the axes of the camera. */
 function takePinhole(core, camera, width, height) {
   const { fx, fy = fx, near = 0, orthographic = false } = camera
   const [w, h] = [camera.width ?? width, camera.height ?? height]
@@ -594,7 +592,7 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-/** Where the placed objects are seen from at first, as 14 numbers: chosen anew only where they lie otherwise. */
+/** The chosen first view of the placed objects: the 13 numbers of fxs_first_choice, `known`. Cached. */
 function chosen(core, objects) {
   const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
@@ -649,13 +647,13 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-/** Bytes, or 0; no more than there may be. */
+/** maxMemory in bytes, at most 2 ** 32 - 1; 0: no limit. */
 function limitOf({ maxMemory = 0 }) {
   need(maxMemory >= 0, `maxMemory ${maxMemory}: expected a number of bytes`)
   return Math.min(maxMemory, 2 ** 32 - 1)
 }
 
-/** The budget that is asked for; of scenes that come in parts there is one always, unless they are small. */
+/** The budget of a frame; by default the smallest budget of the pagers, else 2 ** 32 - 1: no limit. */
 function budgetOf({ pagers }, { budget }) {
   if (budget !== undefined && !(Number.isInteger(budget) && budget >= 0))
     throw new Error(`budget ${budget}: expected a number of Gaussians`)
@@ -665,7 +663,7 @@ function budgetOf({ pagers }, { budget }) {
   return Math.min(budget || Math.min(...pagers.map((pager) => pager.budget || Infinity)), 2 ** 32 - 1)
 }
 
-/** What bounds a frame: Gaussians, the size that detail has in 1/256 of a pixel, memory. */
+/** The limits of a frame: budget in Gaussians (0: none), detail in 1/256 pixel, memory in bytes (0: none). */
 function boundsOf(core, options) {
   const { detail = 0 } = options
   const budget = budgetOf(core, options)
@@ -673,20 +671,21 @@ function boundsOf(core, options) {
   return [budget === 2 ** 32 - 1 ? 0 : budget, Math.round(256 * detail), limitOf(options)]
 }
 
-/** What every frame takes of its options. */
+/** The arguments that all frames pass to the module. */
 function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) {
   need(Number.isFinite(background), `background ${background}: expected a number`)
   need(Number.isFinite(shDegree), `shDegree ${shDegree}: expected a number`)
   return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
 }
 
-/** What a module drew last: Gaussians, and parts of scenes that were not there. */
+/** The statistics of the last frame. Headers that have not arrived count as missing parts. */
 function drawnBy(core) {
   const [drawn, missing] = core.get(0, 2)
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+// For each format and target, its typed array and the numbers a pixel. Targets are in the order of take_targets in
+// web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
   premultiplied: [Uint8ClampedArray, 4],
@@ -709,7 +708,7 @@ function oneOf(table, name) {
   return Object.keys(table).indexOf(name)
 }
 
-/** The targets of an eye, and where they lie in a block of memory from `start` on. */
+/** Lays out the targets of an eye in a block of memory, from the offset `start` on, aligned to 64 bytes. */
 function layOut(asked, format, pixels, start) {
   let end = start
   const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
@@ -724,7 +723,7 @@ function layOut(asked, format, pixels, start) {
   return { parts, end }
 }
 
-/** What a module draws to for each eye; `colour` is the format. */
+/** The layout of all targets: the code of the colour format, the bytes of the block, the parts of each eye. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
   need(ofEyes.every(isObject), 'targets: expected an object')
@@ -741,7 +740,7 @@ function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   return { code, bytes, plans }
 }
 
-/** Memory for what a picture gives, had before it is drawn. */
+/** Allocates the arrays of the output targets, before drawing. */
 function memoryFor(plans, width, height) {
   const given = plans.map((parts) => parts.filter((part) => !part.given))
   try {
@@ -753,7 +752,7 @@ function memoryFor(plans, width, height) {
   }
 }
 
-/** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
+/** Draws for the one or two cameras that were set. Returns the pixels, or the Frame with `targets`, of each eye. */
 function draw(core, width, height, eyes, options) {
   const { depthBits = 16, exact = false, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
@@ -790,7 +789,7 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Has what a picture lacks fetched, and says how much that is. */
+/** Requests the missing parts of a picture and returns their number. `ahead`: after those of the last picture. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead
@@ -819,7 +818,7 @@ export function pick(x, y, objects, camera = {}, options = {}) {
 
 // ---- Screens --------------------------------------------------------------------------------------------------
 
-/** A picture's colours as a canvas takes them: not times the coverage. */
+/** Converts premultiplied colours in place to straight alpha, for a canvas. */
 function divided(pixels) {
   for (let at = 0; at < pixels.length; at += 4)
     for (let c = at, alpha = pixels[at + 3]; alpha && c < at + 3; c++) pixels[c] = (pixels[c] * 255) / alpha
@@ -830,13 +829,13 @@ function resize(canvas, width, height) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
 }
 
-/** A canvas of two dimensions, with pictures of the processor. */
+/** The back end 'wasm': copies pictures to a canvas with a 2D context. */
 class Copied {
   #context
   #pixels
 
   constructor(canvas) {
-    // A worker's canvas in the processor's memory takes a quarter of the time, where that is the graphics card too.
+    // In a worker, a canvas in main memory takes a quarter of the time if the processor also emulates the GPU.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
@@ -862,7 +861,7 @@ class Copied {
 
 const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
 
-/** A canvas of WebGL 2, which the module draws on. */
+/** The back ends 'webgl2' and 'webgl2-quads': the module calls WebGL 2 on a canvas. */
 class Drawn {
   #core
   #functions
@@ -882,12 +881,12 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
-  /** For ever: a context that the browser restores has none of what was made in it. */
+  /** Stays true: a restored context has lost all of its objects. */
   get lost() {
     return (this.#gone ||= this.gl.isContextLost())
   }
 
-  /** Pixels as a texture, whose lowest row is the first; nothing else of the context is changed. */
+  /** Makes a texture of pixels, with the lowest row first. Restores the state of the context. */
   #textureOf(pixels, width, height) {
     const { gl } = this
     const rows = ['ROW_LENGTH', 'SKIP_ROWS', 'SKIP_PIXELS'].map((name) => gl[`UNPACK_${name}`])
@@ -945,7 +944,7 @@ class Drawn {
     return pixels
   }
 
-  /** Reading a pixel waits for all draws; a fence is looked at every 4 ms. */
+  /** Waits by reading a pixel. Browsers poll a fence only every 4 ms. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
   }
@@ -975,7 +974,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
-    core.scenes++               // until free
+    core.scenes++               // keeps the module until free
   }
 
   static async open(canvas, backend, options = {}) {

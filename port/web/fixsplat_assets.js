@@ -1,19 +1,19 @@
-// Where the package finds its other files: modules of WebAssembly, and the scripts of workers. As they are published,
-// they lie beside this one. A bundler puts them elsewhere, and finds them by the literal addresses; where it does not
-// know these, `setAssets` says where they are. What only Node has is in system.js.
+// Finds the other files of the package: WebAssembly modules and the scripts of workers. Without a bundler they are in
+// the folder of this file. A bundler moves them, and recognizes the literal `new URL('./...', import.meta.url)` below.
+// With other bundlers, `setAssets` sets the folder, or inline/files.js the files themselves.
 
 export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** The functions of system.js, which bundlers do not find here: node.js, their entry in Node, has set them. */
+/** The functions of system.js. Bundlers do not see this import; there, node.js sets the functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// Vite's server makes scripts of packages anew in a folder of its own, where their other files are not.
+// The development server of vite copies scripts of packages to this folder, without their other files.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
-/** The folder of the published files; undefined in Node, and where a bundler has taken this file to another. */
+/** The folder of the published files; undefined in Node and after a bundler. */
 function published() {
   const at = import.meta.url ?? ''
   if (inNode || !/^https?:/.test(at)) return undefined
@@ -22,7 +22,7 @@ function published() {
 }
 
 let folder = published()
-let files = null                // the files themselves, by their names: inline/files.js
+let files = null                // contents of the files by name, from inline/files.js
 const starts = {
   'thread.js': () => new Worker(new URL('./thread.js', import.meta.url), { type: 'module' }),
 }
@@ -43,19 +43,19 @@ export function setAssets(given) {
   } else files = { ...files, ...given }
 }
 
-/** The files that `setAssets` was given, which a worker is to be given too. */
+/** The files given to `setAssets`; a worker needs them too. */
 export const assets = () => files
 
-/** Whether there is a module: what has all files inside has no others. */
+/** True if a module exists; the inline package has only some. */
 export const hasModule = (name) => !files || `${name}.wasm` in files
 
-/** The address of a published file; null where only a bundler knows it. */
+/** The address of a published file; null after a bundler. */
 export const addressIn = (name) => (folder ? new URL(name, folder) : null)
 
-/** How a worker is started where a bundler has taken its script to another place. */
+/** Sets how to start a worker after a bundler has moved its script. */
 export const setStart = (name, start) => (starts[name] = start)
 
-/** A module of WebAssembly, as an answer of a server. */
+/** Fetches a WebAssembly module. Returns a Response. */
 export async function moduleOf(name) {
   if (files) return inflated(name)
   const url = folder ? new URL(`${name}.wasm`, folder) : modules[name]()
@@ -77,12 +77,12 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
-/** A worker by the name of its script. */
+/** Starts a worker by the name of its script. */
 export function startWorker(name) {
   if (files) return startText(files[name])
   if (!folder) return starts[name]()
   const url = new URL(name, folder)
-  // Browsers start no script of another server, but one of the page's own that imports it.
+  // Browsers refuse a worker script of another origin. A script of this origin may import it.
   if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
   return new Worker(url, { type: 'module' })
 }
@@ -92,7 +92,7 @@ function startText(text) {
   return new Worker(url, { type: 'module' })
 }
 
-/** A worker that is a thread of the renderer's. */
+/** Starts a thread of a module (thread.js). */
 export async function startThread(data) {
   if (inNode) return (await ofSystem()).startThread(data)
   const worker = startWorker('thread.js')

@@ -1,35 +1,38 @@
-// Scenes with levels of detail that are not downloaded: the tables of the file come first, then the rows of those
-// chunks that pictures want, into a pool of bounded size. web_paged.c has the same from the side of the module.
+// Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
+// loaded first. The rows of a chunk (its 256 Gaussians) are loaded when a picture wants them, into a pool of bounded
+// size in the memory of the module; if the pool is full, the least recently used chunk is evicted. Neighbouring chunks
+// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes the chunks of coarser levels; a
+// chunk is identified by its number, leaves first. web_paged.c is the side of the module.
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
 
-const HEADER = 192              // bytes of the file's header, and of a chunk's
-const CHUNK_HEADER = 128
-const GAUSSIANS = 256           // of a chunk
+const HEADER = 192              // bytes in the header of the file
+const CHUNK_HEADER = 128        // bytes in the header of a chunk
+const GAUSSIANS = 256           // in a chunk
 const NOTHING = 2 ** 32 - 1
-const TOP = 64                  // nodes whose rows are there before the first picture, and stay
-const BLOCK = 2048              // headers of chunks that come together
-const PIECE = 1 << 20           // bytes of the tree that come together,
-const RUN = 1 << 19             // and of rows, with gaps of at most
-const GAP = 1 << 15
-const AT_ONCE = 6               // requests
-const MEMORY = 512e6            // bytes of the pool
-const LEAST_PLACES = 256        // of chunks in it
-const BUDGET = 1e6              // Gaussians of a picture where nothing is asked for
-const TRIES = 5                 // of a request, two where the server is slow, with pauses that grow from
-const PAUSE = 100
-const AGAIN = 5000              // milliseconds after a failure that may pass, until a picture's wants are tried again
-const TELL = 50                 // milliseconds between two words about what has come
+const TOP = 64                  // nodes that are loaded before the first picture and never evicted
+const BLOCK = 2048              // chunk headers in one request
+const PIECE = 1 << 20           // bytes of the tree in one request
+const RUN = 1 << 19             // most bytes of rows in one request
+const GAP = 1 << 15             // largest gap between wanted rows in one request, bytes
+const AT_ONCE = 6               // requests at the same time
+const MEMORY = 512e6            // bytes in the pool
+const LEAST_PLACES = 256        // smallest capacity of the pool in chunks
+const BUDGET = 1e6              // default budget of a picture in Gaussians
+const TRIES = 5                 // attempts for a request; 2 if the server is slow
+const PAUSE = 100               // milliseconds; the pause before attempt i + 1 is PAUSE * 2^i
+const AGAIN = 5000              // milliseconds after a temporary failure before pictures request parts again
+const TELL = 50                 // least milliseconds between two calls of changed
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
 
-/** An Error after which no request makes sense any more. */
+/** A permanent Error: no further request can succeed. */
 const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 
 // ---- The server -----------------------------------------------------------------------------------------------
 
-/** Ranges of a file on a server, which must not change meanwhile. */
+/** Reads ranges of a file on a server. A change of the file is a permanent Error. */
 class Remote {
   #url
   #options
@@ -38,24 +41,24 @@ class Remote {
   #running = new Set()
   #ended = false
 
-  /** `options`: those of a Watch. */
+  /** `options`: the options of Watch. */
   constructor(url, name, { silence, signal }) {
     Object.assign(this, { name })
     this.#url = url
     this.#options = { silence, signal }
   }
 
-  /** From now on requests end by `end` alone. */
+  /** After opening, `end` aborts requests, the signal does not. */
   opened() {
     this.#options.signal = undefined
   }
 
-  /** What the file is known by; empty where the server does not say. */
+  /** The ETag or Last-Modified of the file; empty if the server sends neither. */
   get version() {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** The first bytes, or an answer that is the whole file, or nothing where the server does not answer ranges. */
+  /** Reads the first bytes: { bytes, total }; { answer } for the whole file; {} if the server has no ranges. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -76,7 +79,7 @@ class Remote {
     })
   }
 
-  /** Bytes first to end - 1, tried several times. `came` hears how many there are so far. */
+  /** Reads bytes first to end - 1, with retries. Calls `came` with the number of received bytes. */
   async read(first, end, came) {
     for (let i = 1; ; i++)
       try {
@@ -111,7 +114,7 @@ class Remote {
   }
 
   async #ask(first, end, watch, came) {
-    // Other servers would have to allow the header, and weak tags are none.
+    // if-range needs a strong ETag; another origin would have to allow the header (CORS).
     const isOwn = !globalThis.location || globalThis.location.origin === this.#url.origin
     const same = isOwn && this.#tag?.startsWith('"') ? { 'if-range': this.#tag } : {}
     const answer = await this.#fetch(first, end, same, watch).catch((cause) => {
@@ -170,28 +173,28 @@ class Remote {
 
 // ---- The scene ------------------------------------------------------------------------------------------------
 
-/** The chunks of a scene in a module: which are there, which are to come, and where they go. */
+/** Loads the chunks of a scene into a module, and manages the places of the pool. */
 export class Pager {
   #core
   #at
   #remote
   #store
-  #text                         // the name, in the module
+  #text                         // address of the name in the module
   #layout
-  #places
-  #used = 0                     // places in the pool
-  #spare = []
-  #victims = []
-  #fullAt = -1
-  #chunkOf
-  #now = new Uint32Array(0)     // what the last picture lacks, what is needed most first
-  #wanted = this.#now           // and then what lies ahead of it
-  #cursor = 0
-  #marks                        // of each chunk, the last list that it was in
+  #places                       // capacity of the pool in chunks
+  #used = 0                     // places that were used at least once
+  #spare = []                   // free places below #used
+  #victims = []                 // places to evict, the oldest last
+  #fullAt = -1                  // the last turn in which #oldest was computed
+  #chunkOf                      // for each place, its chunk
+  #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
+  #wanted = this.#now           // the same, then the missing chunks of the prefetch
+  #cursor = 0                   // next entry of #wanted to request
+  #marks                        // for each chunk, the mark of the last list that contained it
   #mark = 0
-  #turn = 0
-  #busy = new Set()             // chunks that are on their way
-  #blocks                       // of headers: 0 is not there, 1 on its way, 2 there
+  #turn = 0                     // counts frames and prefetches; see stamps in web.h
+  #busy = new Set()             // chunks that are being requested
+  #blocks                       // state of each block of headers: 0 missing, 1 requested, 2 loaded
   #pendingBlocks = 0
   #headersRunning = 0
   #running = 0
@@ -214,7 +217,7 @@ export class Pager {
 
   // ---- Opening ----
 
-  /** Takes the header, and fetches what the first picture needs. Returns the place of the scene in the module. */
+  /** Loads the tables and the TOP nodes. Returns the address of the scene in the module and its facts. */
   async open(header, total, { memory = MEMORY, progress }) {
     const core = this.#core
     this.#allocate(header, total, memory)
@@ -255,7 +258,7 @@ export class Pager {
     return { at: this.#at, facts }
   }
 
-  /** The pool is halved until there is room for it. */
+  /** Allocates scene and pool in the module. Halves the pool until the memory suffices. */
   #allocate(header, total, memory) {
     const core = this.#core
     const at = core.copy(header)
@@ -290,25 +293,25 @@ export class Pager {
     this.#pendingBlocks = this.#blocks.length
   }
 
-  // ---- What frames want ----
+  // ---- Requests of frames ----
 
-  /** The Gaussians that a picture has at most where nobody says: 0 where there is no limit. */
+  /** The default budget of a picture in Gaussians; 0: no limit. */
   get budget() {
     return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
-  /** The most that a picture may have, as what is coarser has to be there too meanwhile. */
+  /** The largest budget of a picture: half the pool, since coarser chunks are needed too while finer ones load. */
   get most() {
     if (this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
-  /** What is to come beside chunks that a picture lacks: their headers are not known. */
+  /** The number of header blocks that have not arrived. They count as missing, in addition to chunks. */
   get pending() {
     return this.#pendingBlocks
   }
 
-  /** After a picture, or after a look `ahead`. */
+  /** Takes the list of missing chunks after a picture, or after a prefetch (`ahead`), and starts requests. */
   looked(ahead) {
     const count = this.#core.c.paged_wanted(this.#at)
     this.#turn = this.#core.c.paged_turn(this.#at)
@@ -328,7 +331,7 @@ export class Pager {
     this.#fetch()
   }
 
-  /** Fulfilled when something has come; rejected where nothing more will. */
+  /** Fulfilled when the next data arrive; rejected after a failure, or if no request is running. */
   arrival() {
     if (this.failure) return Promise.reject(this.failure)
     if (!this.#running) {
@@ -338,7 +341,7 @@ export class Pager {
     return new Promise((resolve, reject) => this.#waiting.push({ resolve, reject }))
   }
 
-  /** Gives everything back; the remote file can go on with another pager. */
+  /** Frees the scene. The Remote stays usable for another pager. */
   close() {
     this.#ended = true
     clearTimeout(this.#timer)
@@ -368,7 +371,7 @@ export class Pager {
     }
   }
 
-  /** One request in turn is for headers until all are there; chunks that are wanted come before the other headers. */
+  /** The next request. While headers are missing, one running request loads headers, the others load chunks. */
   #next() {
     if (this.#pendingBlocks && !this.#headersRunning) {
       const job = this.#nextBlock()
@@ -420,7 +423,7 @@ export class Pager {
     }
   }
 
-  /** A chunk with its neighbours that are wanted too, as the cache has them or as one request. */
+  /** A request for a chunk and its wanted neighbours: the range that the cache holds, else a new range. */
   #jobOfRows(chunk) {
     const { leaves, chunks, chunkBytes, leafRows, nodeRows } = this.#layout
     const isLeaf = chunk < leaves
@@ -452,7 +455,7 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** What the cache has or the server answers; where it is damaged, once more what the server answers. */
+  /** Reads a range for `take`, which throws if it is damaged. Then reads it once more, from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -476,7 +479,7 @@ export class Pager {
     return bytes
   }
 
-  // ---- What has come ----
+  // ---- Arrived data ----
 
   #words(at, count) {
     return new Uint32Array(this.#core.c.memory.buffer, at, count)
@@ -500,7 +503,7 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Rows of neighbours: each gets a place, where there is one; those that nobody wants only where one is free. */
+  /** Stores the rows of chunks first to end - 1. Wanted chunks may evict others; the rest takes only free places. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -529,7 +532,7 @@ export class Pager {
     }
   }
 
-  /** A free place in the pool, or that of the chunk that was wanted longest ago; -1 where all are in use. */
+  /** A free place in the pool, else the place of the least recently used chunk; -1 if all places are in use. */
   #placeFor(chunk) {
     if (this.#spare.length) return this.#spare.pop()
     if (this.#used < this.#places) return this.#used++
@@ -550,7 +553,7 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** Places that neither the last picture nor the last look ahead used, the oldest last. */
+  /** An eighth of the pool to evict, the least recently used last; without places used in the last two turns. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0
@@ -588,8 +591,8 @@ export class Pager {
   }
 }
 
-/** Opens a file for paging: a pager with the place of its scene and facts; or an answer that has the whole file; or
-    nothing, where it cannot be read in ranges, or has no levels of detail. */
+// Opens a file for streaming: { core, pager, at, facts }. { answer } if the server sends the whole file; {} if it does
+// not support ranges, or if the file is not an .fxs of this version.
 export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
   const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)
@@ -610,7 +613,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   }
   const opened = await open().catch(async (error) => {
     if (!store?.size || signal?.aborted) throw error
-    await store.clear()         // which may be what is damaged
+    await store.clear()         // the cache may be damaged
     return open()
   })
   remote.opened()

@@ -1,11 +1,12 @@
-// What objects of other engines have alike (three.js, playcanvas.js): cameras and rays as fixsplat takes them, the
-// picture of all that a camera sees, and within a render by WebGL what the engine has drawn before. A matrix is 16
-// numbers, column by column; axes of an engine are x right, y up, z back.
+// Shared by the three.js and PlayCanvas adapters: converts cameras and rays, and draws all Splats that a camera sees as
+// one picture (Stage). With WebGL, the picture is drawn in the middle of the engine's render: WebGLStage copies the
+// engine's depths, so that meshes hide Gaussians, and its colours if the blending needs them. A matrix is 16 numbers,
+// column by column; the axes of an engine are x right, y up, z back.
 
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
-const ALIKE = 1e-4              // what scales of x, y and z may differ by, of themselves
-const RAY = 1000                // pixels a radian of the picture of one pixel that a ray without a camera picks from
+const ALIKE = 1e-4              // largest relative difference of the scales of x, y and z
+const RAY = 1000                // focal length in pixels of the one-pixel picture for a ray without a camera
 
 // ---- Cameras and rays -----------------------------------------------------------------------------------------
 
@@ -21,8 +22,8 @@ function unit(a) {
   return a.map((value) => value / length)
 }
 
-/** A camera, by its place in the world and its projection, as a Pinhole. Planes of an orthographic one may lie behind
-    it, so that it is moved back until the near one is at 1. */
+/** Converts a camera, given by its world matrix and projection, to a Pinhole. The near plane of an orthographic camera
+    may lie behind it; the camera is moved back until that plane is at 1. */
 export function viewOf(world, projection, near, width, height) {
   const orthographic = isOrthographic(projection)
   const back = orthographic ? 1 - near : 0
@@ -39,13 +40,13 @@ export function viewOf(world, projection, near, width, height) {
   }
 }
 
-/** The distances that its depth buffer has for 0 and 1. */
+/** The distances for the depths 0 and 1 in the depth buffer of a camera. */
 export function planesOf({ near, far, reversedDepth }, view) {
   const planes = [view.near, far + view.near - near]
   return reversedDepth ? planes.reverse() : planes
 }
 
-/** The same of a ray: a picture of one pixel. */
+/** A Pinhole for a ray: a picture of one pixel. */
 function viewOfRay({ origin, direction }, near) {
   const z = unit(direction)
   const x = unit(cross(Math.abs(z[1]) > 0.9 ? [1, 0, 0] : [0, 1, 0], z))
@@ -54,21 +55,21 @@ function viewOfRay({ origin, direction }, near) {
   return { rotation, position: origin, fx: RAY, cx: 0.5, cy: 0.5, near }
 }
 
-/** Whether a ray is one along which a camera sees. */
+/** True if a ray is a line of sight of the camera. */
 export function seesAlong(world, projection, { origin, direction }) {
   if (!isOrthographic(projection)) return lengthOf(plus(origin, column(world, 3), -1)) <= 1e-6 * (1 + lengthOf(origin))
   return dot(unit(column(world, 2)), direction) < -1 + 1e-6
 }
 
-/** The pixel of a point that is before the camera. */
+/** The pixel of a point in front of the camera. */
 function pixelOf({ rotation, position, fx, fy, cx, cy, orthographic }, point) {
   const [x, y, z] = [0, 1, 2].map((i) => dot(rotation.map((row) => row[i]), plus(point, position, -1)))
   const depth = orthographic ? 1 : z
   return [(fx * x) / depth + cx, (fy * y) / depth + cy].map(Math.floor)
 }
 
-/** What a ray hits of an object between two distances: at its pixel of a picture of `view`, or without one at that of
-    its own. */
+/** The hit of a ray on an object between the distances near and far; null without a hit. Picks at the pixel of the ray
+    in a picture of `view`; without `view`, in a one-pixel picture along the ray. */
 export function hitOf(placed, ray, view, options, near, far) {
   const { width, height } = view ? options : { width: 1, height: 1 }
   const size = lengthOf(plus(placed.scene.high, placed.scene.low, -1)) * placed.scale
@@ -81,7 +82,7 @@ export function hitOf(placed, ray, view, options, near, far) {
   return distance < near || distance > far ? null : { distance, point: found.position, index: found.gaussian }
 }
 
-/** What fixsplat draws of an object, where the engine has put it: `rotation` is x, y, z, w. */
+/** An object of the engine as a `Placed`. The rotation is in the order x, y, z, w. */
 export function placedOf({ name, scene, opacity, tint, crops }, translation, [x, y, z, w], scale) {
   if (!(Math.min(...scale) > 0 && Math.max(...scale) <= Math.min(...scale) * (1 + ALIKE)))
     throw new Error(`${name}: Splats have one scale, above 0, for x, y and z`)
@@ -90,12 +91,12 @@ export function placedOf({ name, scene, opacity, tint, crops }, translation, [x,
 
 // ---- Stages ---------------------------------------------------------------------------------------------------
 
-/** The picture of all Splats of a renderer that a scene has. An engine's own says what it does when an object has
-    changed: `changed(one, error)`. */
+/** Draws all Splats of a renderer that a camera sees as one picture. Subclasses have changed(one, error), called when
+    an object has changed. */
 export class Stage {
   splats = new Set()
   users = 0
-  width = 0                     // of the last picture
+  width = 0                     // size of the last picture
   height = 0
   takesParts = true
 
@@ -110,7 +111,7 @@ export class Stage {
     Object.assign(this, { width, height })
   }
 
-  /** An object is there, of a scene that is freed with the last of its `owners`; without them it is the caller's. */
+  /** Adds an object. `owners` counts the objects of a scene; the last one frees it. Null: the caller owns the scene. */
   add(one, owners) {
     if (owners) owners.count++
     this.splats.add(one)
@@ -129,7 +130,7 @@ export class Stage {
 
 const stages = new WeakMap()
 
-/** The stage of a renderer, which `make` makes for its first; `leave` closes it when nobody needs it. */
+/** The stage of a renderer, made by `make` on first use. The last `leave` closes it. */
 async function enter(renderer, make) {
   if (!stages.has(renderer)) {
     const stage = make()
@@ -150,7 +151,7 @@ function leave(stage) {
   stage.close()
 }
 
-/** Loads what `objectOf(stage, scene, owners)` makes an object of. */
+/** Loads a scene and returns objectOf(stage, scene, owners). */
 export async function loadFor(renderer, makeStage, source, options, objectOf) {
   const stage = await enter(renderer, makeStage)
   try {
@@ -176,7 +177,7 @@ void main()
 {
     gl_Position = vec4(float(gl_VertexID % 2) * 4.0 - 1.0, float(gl_VertexID / 2) * 4.0 - 1.0, 0.0, 1.0);
 }`
-// A depth buffer of the engine as near / distance, and 0 where there is nothing.
+// Converts a depth buffer of the engine to near / distance; 0: nothing is there.
 const TURN = `#version 300 es
 precision highp float;
 uniform highp sampler2D depths;
@@ -193,11 +194,12 @@ void main()
     gl_FragDepth = depth == places.z ? 0.0 : min(near_by_z, 1.0);
 }`
 const [PERSPECTIVE, ORTHOGRAPHIC, LOGARITHMIC] = [0, 1, 2]
-// A multisampled buffer, and one of depths, is copied to one of its own format, which a canvas does not say.
+// Multisampled buffers and depth buffers can be copied only to a buffer of the same format. WebGL does not tell the
+// format of a canvas, so these are tried in turn.
 const DEPTHS = ['DEPTH24_STENCIL8', 'DEPTH_COMPONENT24', 'DEPTH_COMPONENT32F', 'DEPTH_COMPONENT16', 'DEPTH32F_STENCIL8']
 const COLOURS = ['RGBA16F', 'RGBA8', 'RGBA32F', 'SRGB8_ALPHA8', 'R11F_G11F_B10F', 'RGB10_A2']
 
-/** Runs with the state of a context that the engine does not know to be changed. */
+/** Calls run(framebuffer) and restores the state of the context that the engine relies on. */
 export function keeping(gl, run) {
   const get = (name) => gl.getParameter(gl[name])
   const unit = get('ACTIVE_TEXTURE')
@@ -233,7 +235,7 @@ export function keeping(gl, run) {
   }
 }
 
-/** A program that covers a picture, and its uniforms by their names. */
+/** Makes a program with a vertex shader that covers the picture. Returns it and its uniforms by name. */
 export function programOf(gl, text, names) {
   const program = gl.createProgram()
   for (const [kind, source] of [[gl.VERTEX_SHADER, COVER], [gl.FRAGMENT_SHADER, text]]) {
@@ -247,7 +249,7 @@ export function programOf(gl, text, names) {
   return { program, uniforms: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)])) }
 }
 
-/** A texture of a format that grows, and its framebuffer. */
+/** A texture with a framebuffer. It grows as needed. */
 class Surface {
   width = 0
   height = 0
@@ -284,12 +286,12 @@ class Surface {
   }
 }
 
-/** Draws within a render of the engine, when the opaque meshes are there, whose depths it copies. An engine's own says
-    what it draws into: `target`, with a width and a height, or nothing for the canvas. */
+/** Draws during a render of the engine, after the opaque meshes, and copies their depths. Subclasses have `target`: the
+    render target with a width and a height, or nothing for the canvas. */
 export class WebGLStage extends Stage {
-  #formats                      // of buffers that were copied, by their bits and framebuffers
-  #depths                       // a copy of the engine's,
-  #turned                       // and as near / distance
+  #formats                      // for each buffer bit, formats of copied framebuffers
+  #depths                       // a copy of the depths of the engine
+  #turned                       // the same as near / distance
   #turn
   #restored = () => this.#reopen()
 
@@ -314,19 +316,19 @@ export class WebGLStage extends Stage {
     return screen
   }
 
-  /** After the context was lost: nothing that was in it is there. */
+  /** Makes all objects again after the context was lost. */
   async #reopen() {
     const { screen } = this
     this.screen = undefined
     screen?.free()
-    const taken = await this.#take().catch(() => undefined)    // where it is lost again, until the next time
+    const taken = await this.#take().catch(() => undefined)    // lost again: waits for the next restore
     if (this.users) this.screen = taken
     else taken?.free()
     for (const one of this.splats) this.changed(one)
   }
 
-  /** Makes `picture` for a part of what is drawn into now, behind what is there, and copies `behind` where that is to be
-      blended as it is shown. `camera`: its planes, and whether its depths are reversed or logarithmic. */
+  /** Draws `picture` for a part of the current target, hidden by the depths in it. With isLight, also copies the
+      colours of the target to `behind`. `camera`: near, far, reversedDepth, isLogarithmic. */
   drawWithin(seen, view, camera, [x, y, width, height], isLight) {
     const depth = keeping(this.gl, (framebuffer) => {
       this.gl.bindFramebuffer(this.gl.READ_FRAMEBUFFER, framebuffer)
@@ -367,7 +369,7 @@ export class WebGLStage extends Stage {
     return gl.getFramebufferAttachmentParameter(target, gl.DEPTH_ATTACHMENT, kind) !== gl.NONE
   }
 
-  /** Copies a buffer of the framebuffer that is read. Multisampled ones are copied whole. */
+  /** Copies a buffer of the read framebuffer as a whole, which multisampled buffers require. */
   #copy(framebuffer, surface, formats, bit) {
     const { gl } = this
     const { width, height } = this.target ?? { width: gl.drawingBufferWidth, height: gl.drawingBufferHeight }

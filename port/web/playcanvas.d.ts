@@ -2,24 +2,24 @@ import type { AppBase, BoundingBox, CameraComponent, Entity, Quat, Ray, Vec3 } f
 import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from './fixsplat.js'
 
 /**
- * A scene of Gaussians as an entity of PlayCanvas, in an application with a device of WebGL 2. It is placed by its world
- * transform, as every entity is: position, rotation, and one scale above 0 for x, y and z; another is an Error of the
- * frame. All Splats that a camera sees on a layer are sorted and blended together, as one picture. Meshes that are
- * opaque hide what lies behind them, pixel by pixel, and are seen through what is not opaque.
+ * A scene of Gaussians as an entity of PlayCanvas. The application needs a device of WebGL 2. The world transform
+ * places the entity, with position, rotation and one scale above 0 for x, y and z. Different scales for the axes are an
+ * Error of the frame. All Splats that a camera sees on a layer are sorted and blended together, as one picture. Opaque
+ * meshes hide the Gaussians behind them, pixel by pixel, and show through transparent Gaussians in front.
  *
- * The picture is drawn after the opaque meshes of its layer and before all that are transparent. It writes no depth.
- * Its colours are as they were trained, without the tone mapping of a camera; that of a CameraFrame holds for them too.
+ * The picture is drawn after the opaque meshes of its layer and before the transparent ones. It writes no depth. Its
+ * colours are the trained colours, without the tone mapping of a camera; the tone mapping of a CameraFrame applies.
  *
- * The event 'change' says that a picture would be another now, as parts of a scene that comes in parts have arrived, or
- * as a lost WebGL context is there again; with an Error where no more parts come. An application that renders all the
- * time need not listen.
+ * The event 'change' asks for a new picture: parts of a streamed scene have arrived, or a lost WebGL context was
+ * restored. It has an Error if requests of a streamed scene have failed. An application that renders all the time need
+ * not listen.
  */
 export class Splats extends Entity {
   private constructor()
   /**
-   * Loads a scene for an application, with the options of `load`. `source` may also be a Scene, which stays the
-   * caller's. The scenes of one application must be loaded with the same `simd` and the same `threads`. The promise is
-   * rejected with an Error that states the reason where the scene cannot be opened, or the application has no WebGL 2.
+   * Loads a scene for an application, with the options of `load`. `source` may also be a Scene; the caller keeps it and
+   * frees it. The scenes of one application must be loaded with the same `simd` and the same `threads`. The promise is
+   * rejected with an Error that states the reason if the scene cannot be opened, or if the application has no WebGL 2.
    */
   static load(
     app: AppBase,
@@ -28,34 +28,38 @@ export class Splats extends Entity {
   ): Promise<Splats>
   readonly isSplats: true
   readonly scene: Scene
-  /** What turns the axes of the scene, before the entity's own rotation. Scenes have x right, y down, z forward, and
-      PlayCanvas has x right, y up, z back: by default half a turn about x. `turn.set(0, 0, 0, 1)` takes a scene as it
-      is. */
+  /** A rotation of the scene before the rotation of the entity. Scenes have x right, y down, z forward; PlayCanvas has
+      x right, y up, z back. The default is therefore half a turn about x. `turn.set(0, 0, 0, 1)` keeps the axes of the
+      scene. */
   readonly turn: Quat
-  /** As those of `Placed`. */
+  /** As `Placed.opacity`. */
   opacity: number
+  /** As `Placed.tint`. */
   tint: Vector
+  /** As `Placed.crops`. */
   crops: readonly Crop[]
-  /** Those of the Splats that was loaded first hold for the picture of all: budget, detail, shDegree, cutoff. */
+  /** Options of the picture. A picture of several Splats uses the options of its first loaded Splats. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
-  /** The numbers of the layers on which it is drawn, by default that of LAYERID_WORLD. */
+  /** The ids of the layers that draw the entity; LAYERID_WORLD by default. */
   layers: readonly number[]
-  /** The box around the visible part of the scene, in the world. */
+  /** The box around the visible part of the scene, in world units. */
   readonly aabb: BoundingBox
-  /** The entity as fixsplat's functions take it, by its world transform. */
+  /** The entity as an argument of fixsplat's functions, placed by its world transform. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
-  /** The Gaussian that `pick` finds of this object, whose number is `index`, where a ray meets it: at the ray's pixel of
-      the picture of `camera`, from which the ray must come, else through a pixel of a thousandth radian. `distance` is
-      that from the ray's origin. null where there is none. */
+  /** Finds the Gaussian of this entity at a ray; null if the ray meets none. With `camera`, the ray must start at the
+      camera, and `pick` is called for its pixel of the camera's picture. Without, it is called for a pixel of 1/1000
+      radian along the ray. Returns the point in world units, the distance from the origin of the ray, and the index of
+      the Gaussian. */
   raycast(ray: Ray, camera?: CameraComponent): { point: Vec3; distance: number; index: number } | null
-  /** Another entity of the same scene, whose Gaussians are in memory once. */
+  /** Makes another entity of the same scene. The Gaussians stay in memory once. */
   clone(): this
-  /** Takes the entity and its children out of the scene and frees its memory; the last one of an entity and its clones
-      frees the Gaussians, unless `load` was given a Scene, and the last one of an application frees all that was made in
-      its context. */
+  /** Removes the entity and its children from the scene and frees its memory. The last of an entity and its clones also
+      frees the Gaussians, unless `load` was given a Scene. The last entity of an application also frees everything that
+      was made in the context. */
   destroy(): void
 }
 
-/** A camera of PlayCanvas, by its entity's world transform and its projectionMatrix, as fixsplat's functions take it,
-    for a picture of this size in pixels. An orthographic one is moved back until its near plane is at a depth of 1. */
+/** Converts a camera of PlayCanvas, with the world transform of its entity and its projectionMatrix, to a camera of
+    fixsplat for a picture of this size in pixels. An orthographic camera is moved back until its near plane is at a
+    depth of 1. */
 export function viewOf(camera: CameraComponent, width: number, height: number): Pinhole

@@ -1,5 +1,6 @@
-// An entity of PlayCanvas that stands in its scenes: Gaussians that meshes hide and that hide meshes, by a device of
-// WebGL 2. playcanvas.d.ts describes it.
+// The adapter for PlayCanvas: Splats is an entity in a scene of PlayCanvas, on a device of WebGL 2. Gaussians and
+// meshes hide each other. The picture is drawn during the render of each layer (placed.WebGLStage). playcanvas.d.ts
+// describes the public interface.
 
 import {
   BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA, BlendState, BoundingBox, Entity, GAMMA_NONE,
@@ -10,15 +11,15 @@ import * as placed from './placed.js'
 const OVER = new BlendState(true, BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA)
 const xyz = ({ x, y, z }) => [x, y, z]
 
-/** A camera's component as a Pinhole. */
+/** Converts a camera component to a Pinhole. */
 export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
   placed.viewOf(entity.getWorldTransform().data, projectionMatrix.data, nearClip, width, height)
 
-/** A part of what is drawn into: its corner and its size in pixels. */
+/** A rectangle of a target in pixels, from shares of its size: corner, size. */
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
-// Premultiplied colours. Into a target of light goes what makes that the sum of colours as they are shown, by the
-// exponent of PlayCanvas.
+// Writes premultiplied colours. In a linear target, blending would add linear light; the picture must be blended in
+// display colours, so the shader reads the colours behind it and writes the difference. PlayCanvas uses 2.2.
 const SHOW = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;
@@ -82,7 +83,7 @@ class Stage extends placed.WebGLStage {
     placed.keeping(this.gl, () => this.#cover(x, y, isLight))
   }
 
-  /** The picture over what is there, in the first of its colour buffers. */
+  /** Blends the picture over the first colour buffer of the target. */
   #cover(x, y, isLight) {
     const { gl, picture, behind } = this
     const { program, uniforms } = this.#show
@@ -112,7 +113,7 @@ class Stage extends placed.WebGLStage {
 
 export class Splats extends Entity {
   #stage
-  #owners                       // of its scene, with its clones: { count }; none where that is the caller's
+  #owners                       // { count }: the entities that share the scene; null if the caller owns it
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]
@@ -143,7 +144,6 @@ export class Splats extends Entity {
     return box
   }
 
-  /** What fixsplat draws, where PlayCanvas has put it. */
   get placed() {
     const world = this.getWorldTransform()
     const { x, y, z, w } = new Quat().setFromMat4(world).mul(this.turn)

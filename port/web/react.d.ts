@@ -7,7 +7,7 @@ type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttr
 type SceneProps = ClassAttributes<PlacedScene> & Omit<HTMLAttributes<PlacedScene>, keyof Place> & Place &
   { src?: string; class?: string }
 
-// JSX of React from 18.2.6 on, and 19; then that of React 18 before, which is the same for all of a program.
+// The JSX types of React 19 and of React 18 from 18.2.6 on; then the global types of earlier React 18.
 declare module 'react' {
   namespace JSX {
     interface IntrinsicElements {

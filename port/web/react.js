@@ -1,2 +1,2 @@
-// The element for React, whose types are beside.
+// The element for React; its types are in react.d.ts.
 export * from './viewer/element.js'

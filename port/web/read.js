@@ -1,17 +1,16 @@
-// Reads the files of a scene, from addresses, from files of the machine or from memory. A scene file may name other
-// files, which are read too.
+// Reads the files of a scene, from addresses, local files or memory. Files that a scene file names are read too.
 
 import { inNode, ofSystem } from './fixsplat_assets.js'
 
-const MOST = 2e9               // bytes of a file
-const MOST_ALL = 4e9           // of all files of a scene
-const BLOCK = 1 << 20          // bytes that are allocated at a time
-const AT_ONCE = 16             // files beside, asked for before they are wanted
-const SLOWEST = { bytes: 1000, milliseconds: 30000 }   // a server that sends less is given up
+const MOST = 2e9               // largest size of a file in bytes
+const MOST_ALL = 4e9           // largest size of all files of a scene in bytes
+const BLOCK = 1 << 20          // bytes in a block of a SourceFile
+const AT_ONCE = 16             // named files to request at the same time
+const SLOWEST = { bytes: 1000, milliseconds: 30000 }   // time-out: fewer bytes in this time
 
 const sizeOf = (bytes) => (bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(1)} GB`)
 
-/** The bytes of a file that have come; `total` is how many the server has announced, or 0. */
+/** The received bytes of a file. `there`: their number. `total`: the size that the server announced; 0: unknown. */
 export class SourceFile {
   #blocks = []
   #each = BLOCK
@@ -23,7 +22,7 @@ export class SourceFile {
     this.#check(total)
   }
 
-  /** A file that is there. */
+  /** A complete file. */
   static of(name, bytes) {
     const file = new SourceFile(name, bytes.length)
     file.#blocks = [bytes]
@@ -39,7 +38,7 @@ export class SourceFile {
     return Object.assign(new Error(`${this.name}: ${words}`), { isLarge: true })
   }
 
-  /** By its header the file has at least so many bytes: many more are refused. */
+  /** Sets the least size by the header of the file. Files that are much larger are refused. */
   limit(least) {
     this.#check(least)
     this.#least = least
@@ -65,7 +64,7 @@ export class SourceFile {
     }
   }
 
-  /** Fills an array with the bytes from an offset on, which are there. */
+  /** Fills an array with received bytes from an offset on. */
   copy(offset, out) {
     for (let at = 0; at < out.length; ) {
       const from = offset + at
@@ -94,16 +93,16 @@ export class SourceFile {
 
 export const later = (call, milliseconds) => {
   const timer = setTimeout(call, milliseconds)
-  timer.unref?.()               // nobody stays in Node for it
+  timer.unref?.()               // in Node, the timer does not keep the process alive
   return timer
 }
 
-/** Ends a request where its caller aborts it by `signal`, or where it sends fewer than SLOWEST.bytes in `silence`
-    milliseconds of waiting. */
+/** Aborts a request if `signal` is aborted, or if fewer than SLOWEST.bytes arrive in `silence` milliseconds of waiting.
+    Only time in `wait` counts. */
 export class Watch {
   #name
   #silence
-  #left                         // of these milliseconds
+  #left                         // milliseconds until the time-out
   #bytes = 0
   #signal
   #over
@@ -155,7 +154,7 @@ export class Watch {
   }
 }
 
-/** What a server answers, which must not lead from https to http. */
+/** As fetch, but refuses a redirection from https to http. */
 export async function fetched(name, url, options) {
   const answer = await fetch(url, options)
   if (!/^https:/i.test(url) || !/^http:/i.test(answer.url)) return answer
@@ -177,7 +176,7 @@ export function nameOf(url) {
   try {
     return decodeURIComponent(name)
   } catch {
-    return name                 // a per cent sign that escapes nothing
+    return name                 // has a percent sign that is not an escape
   }
 }
 
@@ -192,9 +191,9 @@ async function answerOf(name, url, watch, begun) {
   return answer
 }
 
-/** The file at an address. `came` hears of each part, with the share of the whole that has come, where the server says
-    how much that is. `begun`: the answer, if it has been requested already. `options`: those of a Watch, and `most`, the
-    largest number of bytes. */
+/** Downloads a file. Calls came(file, share) after each part and waits for it; `share` is undefined if the size is not
+    known. `begun`: a promise of the answer, if it was requested already. `options`: the options of Watch, and `most`,
+    the largest number of bytes. */
 export async function download(url, options, came = () => {}, begun) {
   const name = nameOf(url)
   const watch = new Watch(name, options)
@@ -227,7 +226,7 @@ async function fill(file, reader, watch, came) {
   }
 }
 
-/** `first`: the address of the scene's file, in whose folder the other must lie. */
+/** `first`: the address of the scene file. In Node, the other file must be in its folder or below. */
 async function fromUrl(url, options, came, { begun, first } = {}) {
   if (!inNode || url.protocol !== 'file:') return download(url, options, came, begun)
   const system = await ofSystem()
@@ -247,17 +246,16 @@ const pathOf = (file) => file.webkitRelativePath || file.name
 
 const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.fromCharCode(parseInt(code, 16)))
 
-/** Whether a name that a scene gives to another file stays in its folder: a foreign scene must not choose other files.
-    fxs_name_stays in C is the same. */
+/** True if a file name in a scene stays in the folder of the scene. A foreign scene must not read files elsewhere. The
+    same as fxs_name_stays in C. */
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
-/** The files of a scene by their names from the folder of the first, which is the one that is opened. `options`: those
-    of `load`. */
+/** The files of a scene: the opened file, then others with names relative to its folder. `options`: as for `load`. */
 export class Files {
   #files = new Map()
   #asked = new Set()
-  #coming = new Map()           // bytes of the files beside that have come, by their names
+  #coming = new Map()           // for each other file by name, the received bytes
   #options
   #beside = async () => undefined
 
@@ -265,7 +263,7 @@ export class Files {
     this.#options = options
   }
 
-  /** Opens whatever `load` takes. */
+  /** Opens a source of `load`. */
   async open(source, came, begun) {
     const first = await this.#first(source, came, begun)
     this.#files.set(first.name, first)
@@ -291,7 +289,7 @@ export class Files {
     }, { begun })
   }
 
-  /** Of files, that which names the others. */
+  /** Opens a list of files: first the index that names the others. */
   async #list(list) {
     if (!list.length || !list.every(isBlob)) throw new Error('no files')
     list.sort((a, b) => pathOf(a).split('/').length - pathOf(b).split('/').length)
@@ -301,7 +299,7 @@ export class Files {
     return fromBlob(first)
   }
 
-  /** More of a file beside has come. */
+  /** Reports the progress of another file, and checks the total size. */
   #tell(name, file) {
     this.#coming.set(name, file.there)
     const bytes = [...this.#coming.values()].reduce((sum, there) => sum + there, this.all[0].there)
@@ -317,8 +315,7 @@ export class Files {
     return [...this.#files.keys()].indexOf(name)
   }
 
-  /** Asks for files beside the first, where that was not done yet. False where there is nothing to ask for. A file that
-      is not there is left out; a server that is too slow is an Error. */
+  /** Requests other files that were not requested yet; false if all were. A missing file is left out. */
   async ask(names) {
     const isNew = (name) => !this.#asked.has(name) && staysInside(name)
     const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter(isNew))
@@ -333,7 +330,7 @@ export class Files {
     return asked.size > 0
   }
 
-  /** A name, and those of its kind that follow it in an index. */
+  /** A name, and the names with the same ending that follow it in an index, AT_ONCE together. */
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {

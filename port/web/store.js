@@ -1,26 +1,26 @@
-// Keeps ranges of files in the browser's storage (Cache API), for the next visit. Each range is an entry whose address
-// says of which file, in which version, and which bytes it is.
+// Caches ranges of files in the storage of the browser (Cache API), for the next visit. Each range is an entry; its
+// address is PLACE/file/version/first-end. If the cache is full, ranges of other files are dropped first.
 
 const NAME = 'fixsplat'
 const PLACE = 'https://fixsplat.invalid/'
-const MOST = 1e9                // bytes of all files
+const MOST = 1e9                // default capacity in bytes, for all files
 
-/** What an address of an entry says, or null. */
+/** Parses the address of an entry; null if it is not valid. */
 function entryOf(request) {
   const parts = request.url.slice(PLACE.length).split('/')
   const [first, end] = (parts[2] ?? '').split('-').map(Number)
   return end > first ? { request, file: parts[0], version: parts[1], first, end } : null
 }
 
-/** The ranges of one version of a file, among those of all files. */
+/** The cached ranges of one version of a file. Also manages the entries of other files, which share the capacity. */
 export class Store {
   #cache
   #prefix
-  #own = new Map()              // of this file: first byte to entry
+  #own = new Map()              // entries of this file by their first byte
   #others = []                  // entries of other files, the oldest first
-  #bytes = 0                    // of all
+  #bytes = 0                    // size of all entries
   #most
-  #used = new Set()
+  #used = new Set()             // first bytes of ranges used since opening
   #writing = Promise.resolve()
 
   constructor(cache, prefix, most) {
@@ -29,7 +29,7 @@ export class Store {
     this.#most = most
   }
 
-  /** Null where nothing can be kept: by an option, in Node, on pages that are not secure, of files without version. */
+  /** Null if caching is off or impossible: option `cache` 0, Node, an insecure page, a file without a version. */
   static async open(url, version, { cache: most = MOST }) {
     if (!version || !most || !globalThis.caches) return null
     try {
@@ -38,7 +38,7 @@ export class Store {
       await store.#list(file, of)
       return store
     } catch {
-      return null               // storage that is switched off
+      return null               // the storage is switched off
     }
   }
 
@@ -54,12 +54,12 @@ export class Store {
     }
   }
 
-  /** How many ranges of this file there are. */
+  /** The number of cached ranges of this file. */
   get size() {
     return this.#own.size
   }
 
-  /** The range that holds a byte: its first, and the one behind its last. */
+  /** The range that contains a byte: [first, end]; undefined if it is not cached. */
   find(byte) {
     const { first, end } = this.#own.get(byte) ?? [...this.#near(byte)][0] ?? {}
     return end > byte ? [first, end] : undefined
@@ -69,7 +69,7 @@ export class Store {
     for (const entry of this.#own.values()) if (entry.first <= byte && entry.end > byte) yield entry
   }
 
-  /** The bytes of a range that was put. */
+  /** The bytes of a cached range; undefined if it is not cached. */
   async get(first, end) {
     const entry = this.#own.get(first)
     if (entry?.end !== end) return undefined
@@ -81,7 +81,7 @@ export class Store {
     return undefined
   }
 
-  /** In the background; where there is no room, nothing is put any more. */
+  /** Caches a range in the background. After a failed write, nothing more is cached. */
   put(first, end, bytes) {
     const size = end - first
     if (size > this.#most) return
@@ -98,7 +98,7 @@ export class Store {
       })
   }
 
-  /** Other files first, the oldest of them; then what was not used since this file was opened, then what was. */
+  /** Drops an entry: the oldest of other files, else one of this file, unused ones first. */
   #dropOldest() {
     const other = this.#others.shift()
     if (other) {
@@ -124,7 +124,7 @@ export class Store {
     this.#writing = this.#writing.then(() => this.#cache.delete(request)).catch(() => {})
   }
 
-  /** All of this file. */
+  /** Drops all ranges of this file. */
   async clear() {
     for (const { first, end } of [...this.#own.values()]) this.drop(first, end)
     await this.#writing

@@ -1,4 +1,4 @@
-// What only Node has: files, processors, and threads of its own kind.
+// Functions for Node only: files, the number of processors, and threads.
 import { readFile as read, realpath, stat } from 'node:fs/promises'
 import os from 'node:os'
 import { dirname, isAbsolute, relative, sep } from 'node:path'
@@ -7,7 +7,7 @@ import { Worker } from 'node:worker_threads'
 
 export const readFile = read
 
-/** A file that lies in the folder of another or below it, after links are followed. */
+/** Reads a file in the folder of another or below it. Links are resolved first; an Error if the file is outside. */
 export async function readWithin(first, url) {
   const paths = [dirname(fileURLToPath(first)), fileURLToPath(url)]
   const [folder, file] = await Promise.all(paths.map((path) => realpath(path)))

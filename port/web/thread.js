@@ -1,8 +1,8 @@
-// One more thread of the module threads.wasm. It is a worker that runs another instance of the module, with the same
-// memory and a stack of its own.
+// A thread of a module with shared memory: a worker that runs another instance of the module on the same memory, with
+// its own stack (web_pool.c).
 
 export function help({ module, memory, stack }) {
-  // Nothing that a thread does calls a function of the page's.
+  // Threads never call imported functions.
   const imports = new Proxy({}, { get: (_, name) => (name === 'memory' ? memory : () => 0) })
   const { exports } = new WebAssembly.Instance(module, new Proxy({}, { get: () => imports }))
   exports.__stack_pointer.value = stack

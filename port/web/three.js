@@ -1,5 +1,6 @@
-// An object of three.js that stands in its scenes: Gaussians that meshes hide and that hide meshes, by a WebGLRenderer
-// or a WebGPURenderer. three.d.ts describes it.
+// The adapter for three.js: Splats is an object in a scene of three.js. Gaussians and meshes hide each other. With a
+// WebGLRenderer, the picture is drawn during the render (placed.WebGLStage). With a WebGPURenderer, `update` draws it
+// before the render. three.d.ts describes the public interface.
 
 import {
   Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType,
@@ -18,17 +19,17 @@ function rootOf(object) {
   return object
 }
 
-/** Whether it and all that it lies in are visible. */
+/** True if an object and all of its ancestors are visible. */
 function isVisible(object) {
   while (object?.visible) object = object.parent
   return !object
 }
 
-/** Those that a camera sees in the scene of one, in the order in which they were loaded. */
+/** The Splats of a scene that a camera sees, in the order of loading. */
 const seenOf = (stage, root, camera) =>
   [...stage.splats].filter((one) => rootOf(one) === root && isVisible(one) && camera.layers.test(one.layers))
 
-/** Whether bytes are decoded to light for three.js, which encodes them again. */
+/** True if the shader must decode sRGB to linear light, because three.js encodes the output again. */
 const isDecoded = ({ outputColorSpace }) => ColorManagement.enabled || outputColorSpace !== LinearSRGBColorSpace
 
 const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
@@ -37,8 +38,9 @@ const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
 
 const COVER = 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }'
 
-// three.js encodes what comes out, and blends it as premultiplied colours. Into a target of light goes what makes that
-// the sum of colours as they are shown.
+// three.js encodes the output of this shader and blends it as premultiplied colours. In a linear target, that would
+// blend linear light; the picture must be blended in sRGB, so the shader reads the colours behind it and writes the
+// difference.
 const SHOW = `
 uniform highp sampler2D picture;
 uniform highp sampler2D behind;
@@ -80,7 +82,7 @@ class WebGL extends placed.WebGLStage {
     return this.renderer.getRenderTarget()
   }
 
-  /** Called by each Splats where three.js draws it. The first one draws the picture of all. */
+  /** Called when three.js draws a Splats. The first visible one draws the picture of all; true if it did. */
   show(one, scene, camera, material) {
     if (material !== this.material || !this.screen) return false
     const seen = seenOf(this, rootOf(one), camera)
@@ -100,7 +102,7 @@ class WebGL extends placed.WebGLStage {
     return true
   }
 
-  /** Whether three.js draws light now, which it encodes later. */
+  /** True if the target holds linear light, which is encoded later. */
   get #isLight() {
     const { target } = this
     return target ? !target.isXRRenderTarget : this.renderer.outputColorSpace === LinearSRGBColorSpace
@@ -116,14 +118,14 @@ class WebGL extends placed.WebGLStage {
 
 // ---- WebGPU ---------------------------------------------------------------------------------------------------
 
-/** Draws before a render of three.js, behind depths of its own, as a frame is whole only when the device says so. */
+/** Draws before a render, since WebGPU reports only later that a frame is complete. Renders depths of the meshes. */
 class WebGPU extends placed.Stage {
   changed = changed
   takesParts = false
   #depths
   #texture
   #nodes
-  #turn = Promise.resolve()     // the update that is under way
+  #turn = Promise.resolve()     // the current update
 
   async open() {
     if (!this.renderer.backend.device) await this.renderer.init()
@@ -133,7 +135,7 @@ class WebGPU extends placed.Stage {
     this.material = await this.#makeMaterial()
   }
 
-  /** What is behind is read, so that it is blended as the scene is: as it is shown, not as light. */
+  /** The material reads the colours behind the picture, to blend in sRGB as the scene does, not in linear light. */
   async #makeMaterial() {
     const { NodeMaterial } = await import('three/webgpu')
     const { ivec2, positionGeometry, screenCoordinate, select, sRGBTransferEOTF, sRGBTransferOETF, textureLoad, uniform,
@@ -167,7 +169,7 @@ class WebGPU extends placed.Stage {
            seenOf(this, rootOf(one), camera)[0] === one
   }
 
-  /** One after the other: textures are used until a frame is finished. */
+  /** Runs updates one after the other, since a frame uses the textures until it is finished. */
   update(one, camera) {
     const turn = this.#turn.catch(() => {}).then(() => this.#update(rootOf(one), camera))
     this.#turn = turn
@@ -200,7 +202,7 @@ class WebGPU extends placed.Stage {
     this.#nodes.decodes.value = isDecoded(this.renderer) ? 1 : 0
   }
 
-  /** Another texture in the place of the one that is shown. */
+  /** Replaces the texture with the picture. */
   #drop(texture) {
     this.#texture.sourceTexture.destroy()
     this.#texture.dispose()
@@ -214,7 +216,7 @@ class WebGPU extends placed.Stage {
     return of.toArray().map(Math.floor)
   }
 
-  /** The meshes alone, for their depths. */
+  /** Renders the depths of the meshes, without Splats. */
   #drawDepths(root, camera, width, height) {
     const { renderer } = this
     if (renderer.logarithmicDepthBuffer)
@@ -250,7 +252,7 @@ class WebGPU extends placed.Stage {
 
 // ---- Splats ---------------------------------------------------------------------------------------------------
 
-/** A triangle that covers the picture. */
+/** The geometry of a triangle that covers the picture. */
 function cover() {
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0])
   return new BufferGeometry().setAttribute('position', new BufferAttribute(corners, 3))
@@ -258,7 +260,7 @@ function cover() {
 
 export class Splats extends Mesh {
   #stage
-  #owners                       // of its scene, with its clones: { count }; none where that is the caller's
+  #owners                       // { count }: the objects that share the scene; null if the caller owns it
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]
@@ -291,7 +293,6 @@ export class Splats extends Mesh {
     return new Box3().setFromPoints(corners)
   }
 
-  /** What fixsplat draws, where three.js has put it. */
   get placed() {
     const [translation, rotation, scale] = [new Vector3(), new Quaternion(), new Vector3()]
     this.matrixWorld.decompose(translation, rotation, scale)

@@ -1,5 +1,6 @@
-/* The renderer as a WebAssembly module for fixsplat.js. Functions that can fail return a negative FXS_ERR_* or null,
- * and leave a message in `words`. Arguments that are numbers come in the array `numbers`. */
+/* The renderer as a WebAssembly module for fixsplat.js. A function that fails returns a negative FXS_ERR_* or null, and
+ * leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame is: begin,
+ * place for each object, a camera for each eye, then render, foresee or pick. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +68,7 @@ double *fxs_web_numbers(void)
     return numbers;
 }
 
-/* malloc returns blocks aligned to 64 here. */
+/* In this module, malloc (web_heap.c) returns blocks aligned to 64. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
     void *block = malloc(bytes);
@@ -81,8 +82,8 @@ EXPORT(release) void fxs_web_release(void *block)
     free(block);
 }
 
-/* The browser's functions, as the table of pi for others is large. An error of an ulp does not matter: numbers of a
-   camera are rounded to 2^-12. */
+/* tan is the browser's: a tan in this module would need a large table of pi. An error of an ulp does not matter, since
+   the numbers of a camera are rounded to 2^-12. */
 double tan(double x)
 {
     return fxs_web_tan(x);
@@ -151,8 +152,8 @@ static uint32_t id_of(double x)
     return x >= 0 && x < FXS_NOTHING ? (uint32_t)x : FXS_NOTHING;
 }
 
-/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then low,
-   high and outside of each crop. */
+/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then for
+   each crop low, high, outside. */
 EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
@@ -173,7 +174,7 @@ EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 
 /* ---- Camera ------------------------------------------------------------------------------------------------------ */
 
-/* The camera of the first or second eye. */
+/* Adds the camera of the next eye, from `view`. */
 static int take_camera(double near)
 {
     view.near = near;
@@ -182,7 +183,7 @@ static int take_camera(double near)
     return error;
 }
 
-/* In: eye, look, up, field of view in degrees, near (0: by the box of the objects). */
+/* In: eye, look, up, field of view in degrees, near (0: derived from the box of the objects). */
 EXPORT(look_at) int fxs_web_look_at(int width, int height)
 {
     const double near = numbers[10] != 0 ? numbers[10] : fxs_near_of_box(low, high);
@@ -190,14 +191,14 @@ EXPORT(look_at) int fxs_web_look_at(int width, int height)
     return error ? error : take_camera(near);
 }
 
-/* Frames all objects. In: up, field of view, near or 0. */
+/* A camera that shows all objects. In: up, field of view, near or 0. */
 EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
     const int error = fxs_view_frame_box(&view, low, high, numbers, numbers[3], width, height, &message);
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
 }
 
-/* What is up by the first visible object of which a file says it. Returns 0 where none does. */
+/* The up direction from the first visible object with one in its file. Returns 0 if no object has one. */
 static int find_up(double up[3])
 {
     for (uint32_t i = 0; i < object_count; i++) {
@@ -213,8 +214,7 @@ static int find_up(double up[3])
     return 0;
 }
 
-/* Chooses where the objects are seen from at first. Out: the numbers of a first choice (first_view.h); whether a file
-   said what is up. */
+/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice; 1 if a file stated up. */
 EXPORT(choose) int fxs_web_choose(void)
 {
     double up[3];
@@ -238,7 +238,7 @@ EXPORT(choose) int fxs_web_choose(void)
     return 0;
 }
 
-/* In: a first choice, field of view, near or 0. */
+/* In: an fxs_first_choice, field of view, near or 0. */
 EXPORT(see_first) int fxs_web_see_first(int width, int height)
 {
     fxs_first_choice first;
@@ -249,7 +249,7 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
 }
 
 /* Out: the start view of a scene for a picture of 2 x 2 pixels: fy, position, rotation (world to camera, rows). Returns
-   1, or 0 where it has none. */
+   1, or 0 without a start view. */
 EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
 {
     if (!fxs_view_of_start(&view, l->data, 2, 2))
@@ -260,7 +260,8 @@ EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
     return 1;
 }
 
-/* The start view of a scene, which is the only object. `near`: 0: by its box. Returns 1, or 0 where it has none. */
+/* Sets the start view of a scene, which must be the only object. `near` 0: derived from its box. Returns 1, or 0
+   without a start view. */
 EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int width, int height)
 {
     if (!fxs_view_of_start(&view, l->data, width, height))
@@ -283,7 +284,7 @@ EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_
     strcpy(view.name, "camera");
     view.width = width;
     view.height = height;
-    memcpy(&view.fx, numbers, 17 * sizeof *numbers);   /* fx to near lie in this order */
+    memcpy(&view.fx, numbers, 17 * sizeof *numbers);   /* the struct has fx to near in this order */
     view.projection = (enum fxs_projection)projection;
     if (new_width != width || new_height != height)
         fxs_view_resize(&view, new_width, new_height);
@@ -298,7 +299,7 @@ static void free_working(void)
     working = NULL;
 }
 
-/* Allocates the working memory of a frame, at most `limit` bytes unless that is 0. */
+/* Allocates the working memory of a frame, at most `limit` bytes (0: no limit). */
 static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limit)
 {
     *bytes = fxs_request_bytes(&context, request, NULL);
@@ -308,7 +309,7 @@ static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limi
     return working = fxs_web_allocate(*bytes);
 }
 
-/* What is wanted counts anew for a frame, and for a foresight. */
+/* Begins a turn of the streamed objects (a frame or a prefetch): clears their lists of wanted chunks. */
 static void begin_turn(void)
 {
     for (uint32_t i = 0; i < object_count; i++)
@@ -360,7 +361,7 @@ int fxs_web_frame_end(const fxs_web_frame *frame, int error)
     return said(error);
 }
 
-/* An image without gaps at an address; a null image for 0. */
+/* An image without gaps between rows; a null image for the address 0. `bytes`: bytes a pixel. */
 static fxs_image image_at(double at, ptrdiff_t bytes)
 {
     return (fxs_image){(void *)(uintptr_t)at, bytes * cameras->width};
@@ -395,7 +396,7 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_
     return fxs_web_frame_end(&f, fxs_render(&context, &f.request, f.memory, f.bytes, &f.stats));
 }
 
-/* Finds what a frame would lack of scenes that come in parts; draws nothing. */
+/* Finds the missing chunks of a frame without drawing. */
 EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
@@ -404,7 +405,7 @@ EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t 
     return fxs_web_frame_end(&f, fxs_foresee(&context, &f.request, f.memory, f.bytes));
 }
 
-/* Finds the Gaussian at a pixel: 1, or 0 where there is none. Out: index of the object, Gaussian, depth, position. */
+/* Finds the Gaussian at a pixel. Returns 1, or 0 without one. Out: index of the object, Gaussian, depth, position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;

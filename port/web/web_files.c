@@ -34,7 +34,7 @@ int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size)
     return -1;
 }
 
-/* What is called of a file that was opened. */
+/* Stubs of functions for opened files; never called. */
 int fclose(FILE *stream)
 {
     (void)stream;

@@ -1,5 +1,5 @@
-/* malloc and free of a module, for few, mostly large blocks, each aligned to 64. Free blocks are in a list by address;
- * the first that is large enough is used. */
+/* malloc and free of a module, for few, mostly large blocks. Blocks are aligned to 64 bytes. First fit in a list of
+ * free blocks in the order of addresses; adjacent free blocks are merged. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ typedef struct block {
 
 extern unsigned char __heap_base;  /* set by the linker: after the stack and all data */
 static block *first;
-static uintptr_t end;              /* of the memory used for blocks so far */
+static uintptr_t end;              /* end of the memory for blocks */
 
 static int touch(const block *a, const block *b)
 {
@@ -43,7 +43,7 @@ static void give(block *given)
         first = given;
 }
 
-/* Gets at least `bytes` more memory. Returns 0 where there is none. */
+/* Gets at least `bytes` more memory. Returns 0 if memory ran out. */
 static int grow(size_t bytes)
 {
     const size_t pages = bytes / PAGE + 1;

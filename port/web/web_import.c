@@ -1,5 +1,6 @@
-/* Readers and packing as WebAssembly modules of their own (make/web.mk: which reads what): they read files by functions
- * of fixsplat.js and make an .fxs file; then the module is dropped with all of its memory. */
+/* The readers of scene formats and the packer as WebAssembly modules, apart from the renderer. make/web.mk says which
+ * module has which readers. A module reads files by imports of fixsplat.js, makes an .fxs file in its memory, and is
+ * then dropped with that memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Files have numbers; 0 is the opened file. A negative number means a missing file or missing bytes. */
+/* Files have numbers; 0 is the opened file. A negative result means a missing file or missing bytes. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);
@@ -72,7 +73,7 @@ static int open_beside(void *first, const char *name, fxs_scene_input *input)
 
 /* ---- Packing ----------------------------------------------------------------------------------------------------- */
 
-static uint32_t threads;             /* that packing may use */
+static uint32_t threads;             /* number of threads for packing */
 
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
@@ -106,7 +107,8 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
             s->gaussians[s->count++] = part[until_next];
 }
 
-/* Enlarges the Gaussians of the sample so that together they cover as much as all. */
+/* Enlarges the Gaussians of the sample so that together they cover as much as `all` Gaussians: the area of a Gaussian
+   grows by all / count, so log(scale) by log(all / count) / 2. */
 static void enlarge(sample *s, double all)
 {
     const float more = (float)(fxs_log(all / (double)s->count) / 2);
@@ -115,14 +117,14 @@ static void enlarge(sample *s, double all)
             s->gaussians[i].scale[axis] += more;
 }
 
-/* How many times as long as the sample's packing must be that of all Gaussians: while a file comes there is time. */
+/* The least ratio of all Gaussians to the sample that makes a preview worth its time; smaller during the download. */
 static double least_gain(double there)
 {
     return there < 1 ? 2 : 6;
 }
 
-/* Packs a sample of at most `most` Gaussians, of a file of which the part `there`, 0 to 1, has come. Does nothing where
-   the picture of all Gaussians would come late by that. */
+/* Packs a sample of at most `most` Gaussians. `there`: the downloaded share of the file, 0 to 1. Does nothing if the
+   preview would delay the whole scene too much (least_gain). */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
@@ -142,7 +144,7 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }
 
-/* 1 where file 0 has a format that this module was built without, and another one reads. */
+/* Returns 1 if file 0 has a format that this module lacks and another module reads. */
 static int is_elsewhere(const char *name)
 {
     const fxs_scene_source source = {.path = (char *)name, .input = input_of(0)};
@@ -150,8 +152,8 @@ static int is_elsewhere(const char *name)
     return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
 }
 
-/* Opens file 0. numbers: limits of Gaussians and of memory, or 0. Returns 0, 1 where another module may read the file,
-   or an error; the words say why. */
+/* Opens file 0. In: limits of Gaussians and of memory in bytes, 0 for the default. Returns 0; 1 if another module may
+   read the file; or an error, with a message in `words`. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
@@ -161,7 +163,7 @@ static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_sce
     return error && is_elsewhere(name) ? 1 : error;
 }
 
-/* Opens file 0 and closes it again: whether it begins as a scene. As open_first. */
+/* Checks that file 0 begins as a scene: opens and closes it. Returns as open_first. */
 EXPORT(look) int fxs_web_look(const char *name, int axes)
 {
     fxs_scene_file *file;
@@ -172,9 +174,9 @@ EXPORT(look) int fxs_web_look(const char *name, int axes)
     return error;
 }
 
-/* Packs file 0, or only a sample where `most` is not 0. In, beside what open_first takes: the part of the file that has
-   come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. Returns what
-   open_first does. */
+/* Packs file 0; with `most` not 0, only a sample of it. In: the limits of open_first; the downloaded share of the file;
+   the number of threads. Out: address and size of the .fxs file; size 0 if a sample is not worth its time. Returns as
+   open_first. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;

@@ -1,7 +1,7 @@
-/* Scenes whose chunks come in parts: paged.js fetches them, and writes what has come where it is to lie. One block of
- * memory holds what lies before the rows of the leaves and before those of the nodes, as in the file, and a pool of
- * rows. Until the header of a chunk has come, it has its parent's, which is seen wherever it is itself; its rows
- * are missing meanwhile. */
+/* Streamed scenes. paged.js fetches the tables and chunks, and writes them into the memory of this module. One block
+ * of memory holds the tables of the leaves, the tables of the nodes, both as in the file, and the pool of rows. A chunk
+ * without a header yet has a copy of its parent's header: the parent is visible whenever the chunk is. Its rows count
+ * as missing. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@
 #include "src/scene/fxs_file_internal.h"
 #include "web.h"
 
-enum { WANTED = 16384 };           /* chunks that are asked for at a time, at most */
+enum { WANTED = 16384 };           /* capacity of the list of wanted chunks */
 
 static fxs_crc32_table table;
 
@@ -32,8 +32,8 @@ static uint32_t leaves_of(const void *data)
     return header.chunk_count;
 }
 
-/* A header of a file: whether it is one with levels of detail. Out: the bytes of the file by it, those of a chunk's
-   rows, and the number of chunks, those of the levels included. */
+/* Checks the header of a file. Returns 1 if the file has levels of detail, else 0. Out: the bytes of the file, the
+   bytes of a chunk's rows, the number of chunks with all levels. */
 EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *header)
 {
     fxs_scene_parts p;
@@ -69,10 +69,11 @@ EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
     release(s);
 }
 
-/* Begins a scene of which only the header is there, with a pool for `places` chunks. Out: the number of leaves; then
-   for the palette, the tree up to the headers of its chunks, these headers, and those of the leaves: where they are to
-   lie, where they begin in the file, and their bytes; then where the rows of leaves and of nodes begin in the file, and
-   where the pool, the places, the stamps and the list of what is wanted lie. */
+/* Allocates a scene by its header, with a pool for `places` chunks. Null: memory ran out, or the header is not valid.
+   Out: the number of leaves; then an address, an offset in the file and a size in bytes for each of: the palette, the
+   tree up to the headers of the nodes, the headers of the nodes, the headers of the leaves; then the offsets in the
+   file of the rows of leaves and of nodes; then the addresses of the pool, the places, the stamps and the list of
+   wanted chunks. */
 EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
 {
     fxs_scene_parts p;
@@ -105,8 +106,8 @@ EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_
     return s;
 }
 
-/* Once palette and tree are there and the headers of the first `there` nodes: checks the tables, and fills in the
-   headers of all other chunks. Out: as fxs_web_describe. */
+/* Call it after loading the palette, the tree and the headers of the first `there` nodes. Checks the tables, and copies
+   headers of parents to all other chunks. Out: as fxs_web_describe. */
 EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name, uint32_t there)
 {
     const unsigned char *data = s->data, *pool = s->scene.rows;
@@ -135,7 +136,7 @@ EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name
     return error;
 }
 
-/* Checks the headers of chunks first to end - 1, which have come. */
+/* Checks the loaded headers of chunks first to end - 1. */
 EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
 {
     fxs_chunk chunk;
@@ -145,7 +146,7 @@ EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const ch
     return 0;
 }
 
-/* Checks chunks first to end - 1, whose rows have come and have their places. */
+/* Checks the loaded rows of chunks first to end - 1. */
 EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
 {
     int error = 0;
@@ -154,8 +155,8 @@ EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *na
     return error;
 }
 
-/* The first `there` nodes, whose rows have come, are what a first view is chosen by, but for those whose children are
-   both among them. */
+/* Makes the scene `coarse` for the choice of a first view: the first `there` nodes, which are loaded, without nodes
+   that have both children among them. */
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;
@@ -183,13 +184,13 @@ EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
     return 0;
 }
 
-/* How many chunks the last frame or foresight lacked, */
+/* The number of missing chunks of the last frame or prefetch. */
 EXPORT(paged_wanted) uint32_t fxs_web_paged_wanted(const fxs_web_scene *s)
 {
     return s->wanted_count;
 }
 
-/* and which turn it was. */
+/* The number of the last frame or prefetch. */
 EXPORT(paged_turn) uint32_t fxs_web_paged_turn(const fxs_web_scene *s)
 {
     return s->turn;

@@ -1,6 +1,6 @@
-/* Threads for fxs_config in a module with shared memory. A helper is an instance of the same module with its own stack
- * in a worker (thread.js). There is one batch of jobs at a time, and jobs start no batch. The caller runs its own jobs
- * too, the first of them always, so it does not wait for a helper that has not started or never does. */
+/* Threads for fxs_config.run in a module with shared memory. A helper is an instance of the same module with its own
+ * stack in a worker (thread.js). One batch of jobs runs at a time, and jobs start no batch. The caller runs jobs too,
+ * job 0 always, so it does not wait for helpers that have not started. */
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -9,14 +9,14 @@
 #define HOT __attribute__((aligned(64)))       /* in a cache line of its own */
 #define SPINS 2000u                            /* some ten microseconds, less than it takes to wake up */
 
-static HOT uint32_t turn;          /* odd: a batch needs help. It only grows, so a late helper notices a new batch */
-static HOT uint32_t inside;        /* helpers that run jobs */
+static HOT uint32_t turn;          /* odd: a batch accepts helpers. It only grows: a late helper notices a new batch */
+static HOT uint32_t inside;        /* number of helpers that run jobs */
 static HOT uint32_t next;          /* the next job to take */
 static HOT void (*batch_job)(void *, uint32_t);
 static void *batch_argument;
 static uint32_t batch_jobs, failed;
-static uint32_t helpers, ending;   /* helpers: number that has started */
-static int may_wait;               /* 0: on a page's main thread, which may only spin */
+static uint32_t helpers, ending;   /* helpers: number of started helpers */
+static int may_wait;               /* 0: the caller is the main thread of a page and may only spin */
 
 static uint32_t get(const uint32_t *at)
 {
@@ -47,7 +47,7 @@ static void work(void)
         batch_job(batch_argument, i);
 }
 
-/* Lets no more helpers join, and waits until those inside are done. */
+/* Closes the batch to new helpers, and waits until the helpers inside are done. */
 EXPORT(settle) void fxs_web_settle(void)
 {
     if (get(&turn) & 1)
@@ -72,7 +72,7 @@ void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argu
     fxs_web_settle();
     if (get(&failed)) {
         failed = 0;
-        __builtin_trap();          /* as the helper's job did */
+        __builtin_trap();          /* passes on the trap of a helper's job */
     }
 }
 
@@ -82,7 +82,7 @@ static void leave(void)
     wake(&inside);
 }
 
-/* Whether the calling thread may wait for helpers; else it spins. */
+/* Sets whether the calling thread may sleep while it waits; else it spins. */
 EXPORT(may_wait) void fxs_web_may_wait(int yes)
 {
     may_wait = yes;
@@ -105,7 +105,7 @@ EXPORT(help) void fxs_web_help(void)
     add(&helpers, ~0u);
 }
 
-/* A helper's job trapped, and the helper ends. */
+/* Called after a helper's job trapped; the helper ends. */
 EXPORT(trapped) void fxs_web_trapped(void)
 {
     add(&helpers, ~0u);

@@ -1,5 +1,5 @@
-/* The C library's functions for the text of messages, as far as they are needed: %s %d %u %c %f %g, with h, l, ll, z
- * and t, and a precision for strings. JavaScript turns numbers into text, which needs no code here. */
+/* The needed subset of the C library's functions for messages: %s %d %u %c %f %g, with h, l, ll, z and t, and a
+ * precision for strings. JavaScript converts numbers to text, so the module needs no code for it. */
 #include <limits.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@ __attribute__((import_module("env"), import_name("real"))) double fxs_web_real(c
 
 typedef struct writer {
     char *out;
-    size_t room, length;           /* length: of the whole text; at most `room` bytes are written, with the final 0 */
+    size_t room, length;           /* length of the whole text; at most `room` bytes are written, with the final 0 */
 } writer;
 
 static void put(writer *w, const char *text, size_t length)
@@ -121,7 +121,7 @@ static const char *skip_digits(const char *text)
     return text;
 }
 
-/* For decimal numbers of JSON. */
+/* Supports the decimal numbers of JSON. */
 double strtod(const char *text, char **end)
 {
     const char *begin = text + (*text == '-' || *text == '+'), *at = skip_digits(begin);

@@ -1,4 +1,4 @@
-/* The back end of kernels/gles on WebGL 2, by the functions of webgl.js. */
+/* Runs the back end kernels/gles on WebGL 2, with the functions of webgl.js. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ typedef struct named {
     fxs_gl_function function;
 } named;
 
-/* WebGL 2 is OpenGL ES 3.0 with another name and other names of extensions. */
+/* WebGL 2 is OpenGL ES 3.0 with different names of the version and of extensions. */
 static const GLubyte *text(GLenum name)
 {
     return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 (WebGL 2.0)" : "WebGL");
@@ -58,8 +58,8 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* The same as `render`, to a framebuffer from (x, y) on. `depth`: the texture of a depth buffer, or 0; its planes.
-   `backdrop`: a texture of what is behind, or 0. */
+/* As `render`, into a framebuffer at (x, y). `depth`: the texture of a depth buffer, or 0; plane_0 and plane_1: its
+   planes. `backdrop`: a texture to draw instead of the background, or 0. */
 EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, uint32_t depth,
                                         uint32_t backdrop, int x, int y, float plane_0, float plane_1, int format,
                                         uint32_t background, int sh_degree, int square, uint32_t budget,

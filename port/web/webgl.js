@@ -1,10 +1,11 @@
-// The functions of OpenGL ES 3.0 that kernels/gles calls, made from a WebGL2RenderingContext. The module in C knows the
-// objects of WebGL by numbers. Buffers from which textures are filled lie in the module's memory, which saves a copy.
+// The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. The module in C names objects by
+// numbers, as in OpenGL; #objects maps these to WebGL objects. Buffers for uploads to textures are in the memory of the
+// module, which saves a copy.
 
 const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
 const NUM_EXTENSIONS = 0x821d
 
-/** Functions whose arguments are numbers for WebGL too. */
+/** Functions that take the same numbers in WebGL. */
 const SAME = [
   'ActiveTexture',
   'BlendEquationSeparate',
@@ -33,10 +34,10 @@ export class Functions {
   #core
   #objects = [null]
   #free = []
-  #guests = []                 // the numbers of the caller's objects, which have them for one draw
+  #guests = []                 // numbers of objects of the caller, valid for one draw
   #locations = []
-  #unpack = 0                  // the number of the buffer that is bound, which has no object
-  #staging = { at: 0, bytes: 0 }                // the memory of all buffers: what was in the last is uploaded
+  #unpack = 0                  // number of the bound unpack buffer, which has no WebGL object
+  #staging = { at: 0, bytes: 0 }                // memory that all unpack buffers share
   #mapped
   #copies = false
   #isFull = false              // the module had no memory for a buffer
@@ -59,7 +60,7 @@ export class Functions {
       this[`Uniform${kind}`] = (location, ...values) => gl[`uniform${kind}`](this.#locations[location], ...values)
   }
 
-  /** Whether WebGL takes such memory: where threads share it, not every browser's does. */
+  /** True if WebGL accepts this memory. Some browsers refuse shared memory. */
   #takes(memory) {
     try {
       this.#gl.readPixels(0, 0, 0, 0, this.#gl.RGBA, this.#gl.UNSIGNED_BYTE, new Uint8Array(memory, 0, 4))
@@ -88,7 +89,7 @@ export class Functions {
     return name
   }
 
-  /** The number of an object of WebGL, whoever made it. */
+  /** The number of a WebGL object. An unknown object gets a number for one draw. */
   nameOf(object) {
     const known = this.#objects.indexOf(object ?? null)
     if (known >= 0) return known
@@ -107,7 +108,7 @@ export class Functions {
     this.#forget(name)
   }
 
-  /** Calls the module, which uploads bytes as they are: WebGL has switches for others that OpenGL does not know. */
+  /** Calls the module with the WebGL switches for converted uploads off; OpenGL does not have them. */
   call(run) {
     const gl = this.#gl
     const switches = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]
@@ -121,7 +122,7 @@ export class Functions {
     }
   }
 
-  /** The staging memory goes back to the module. */
+  /** Frees the staging memory. */
   close() {
     this.#core.c.release(this.#staging.at)
   }

@@ -1,31 +1,33 @@
-/* Frames in compute shaders (kernels/compute) for webgpu.js, which carries out by WebGPU what is planned here. */
+/* Plans frames of compute shaders (kernels/compute/plan.h). webgpu.js executes the plans with WebGPU: gpu_begin takes
+   the objects and the camera, gpu_lay_out makes uniforms and steps, and after the frame gpu_look checks the status. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "kernels/compute/plan.h"
 #include "web.h"
 
-#define PART_BYTES (1 << 27)       /* at most: every device has buffers so large, and they can be mapped */
+#define PART_BYTES (1 << 27)       /* largest part of a scene; every device supports mapped buffers of this size */
 
-/* A frame on its way, which needs nothing that the next one changes. */
+/* A frame in progress. It shares no data with the next frame. */
 typedef struct web_plan {
     fxs_plan plan;
-    fxs_plan_rooms *rooms;         /* of its device */
+    fxs_plan_rooms *rooms;         /* buffer capacities of the device */
     fxs_request request;
     void *crops, *memory;
-    uint32_t *words;               /* uniforms, places and steps, as they are handed over */
+    uint32_t *words;               /* uniforms, places and steps for webgpu.js */
     fxs_step *steps;
     uint32_t step_count;
 } web_plan;
 
-/* The entry points, in the order of their numbers, each with a space behind it. */
+/* The names of the shader entry points in the order of their numbers, each followed by a space. */
 EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
 {
 #define NAME(entry) #entry " "
     return FXS_COMPUTE_PROGRAMS_OF(NAME);
 }
 
-/* The rooms of a device whose storage buffers have at most so many bytes; `release` frees them. */
+/* The buffer capacities of a device. `most`: the largest size of a storage buffer in bytes. Free them with
+   `release`. */
 EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
 {
     fxs_plan_rooms *rooms = fxs_web_allocate(sizeof *rooms);
@@ -34,7 +36,7 @@ EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
     return rooms;
 }
 
-/* The next frame begins with little room. */
+/* Resets the capacities to the minimum. */
 EXPORT(gpu_reset) void fxs_web_gpu_reset(fxs_plan_rooms *rooms)
 {
     *rooms = (fxs_plan_rooms){.most = rooms->most};
@@ -57,7 +59,7 @@ EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_w
     return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
 }
 
-/* Out: the bytes of a part, or of the heads, and of its pieces the address, the bytes, and where they lie in it. */
+/* Describes a part of a scene, or the heads. Out: its bytes; for each of 3 pieces: address, bytes, offset in it. */
 EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
 {
     double *out = fxs_web_numbers();
@@ -80,8 +82,8 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* The bits of `asked`: colours, mean and median depths, ids, an occluder, a backdrop. Images are on the device alone, and their
-   addresses are not followed: in each row one lies behind the other. */
+/* Bits of `asked`, from bit 0: colour, mean depth, median depth, ids, occluder, backdrop. The images are on the device
+   only. Their addresses are placeholders: the rows of all images lie one behind the other in a common row. */
 static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
 {
     fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
@@ -109,8 +111,7 @@ static int begin(web_plan *w)
     return error;
 }
 
-/* Begins a frame of the objects and the camera that were set before; `gpu_end` frees it. Out: the Gaussians that are
-   drawn. */
+/* Begins a frame of the present objects and camera; `gpu_end` frees it. Out: the number of drawn Gaussians. */
 EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
@@ -137,8 +138,9 @@ static void take_step(void *argument, const fxs_step *step)
     w->steps[w->step_count++] = *step;
 }
 
-/* Out: the address and the bytes of uniforms, of places, and where these lie in the memory; the address and the number
-   of the steps; where the images of take_targets lie in the memory, words; then the bytes of each buffer. */
+/* Lays out the frame. Out: address and bytes of the uniforms; address and bytes of the places, and their offset in the
+   device memory; address and number of the steps; the offsets of the images of take_targets in the device memory, in
+   words; the size of each buffer in bytes. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;
@@ -167,7 +169,7 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     return 0;
 }
 
-/* As fxs_plan_look. In: the status. */
+/* Calls fxs_plan_look. In: the status words. */
 EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
 {
     uint32_t status[FXS_COMPUTE_STATUS];
@@ -176,7 +178,7 @@ EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
     return fxs_plan_look(&w->plan, w->rooms, status, fxs_web_message());
 }
 
-/* What the memory begins with. Out: its bytes. */
+/* The table at the start of the device memory. Out: its bytes. */
 EXPORT(gpu_table) const void *fxs_web_gpu_table(void)
 {
     fxs_web_numbers()[0] = sizeof fxs_offset_of_code_q11;

@@ -1,23 +1,23 @@
-// Frames by WebGPU. The module in C plans them (kernels/compute/plan.c), the shaders are those of kernels/compute, and
-// here the plans are carried out. A frame is shown when the device says that all of its lists fitted; else it is done
-// again with more room. Pixels stay on the device.
+// The back end 'webgpu'. The module plans a frame (webgpu.c, kernels/compute/plan.c), and this file executes the plan
+// with the shaders of kernels/compute. The device reports a status after each frame: if all lists fitted their buffers,
+// the picture is shown, else the frame is repeated with larger buffers. Pixels stay on the device.
 
 import { parts, texts } from './stages.js'
 
-const STATUS = 16               // words, as FXS_COMPUTE_STATUS
-const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // as in kernels/compute/records.h,
-const BUFFERS = 7               // but for the one that OpenGL reads back
+const STATUS = 16               // words: FXS_COMPUTE_STATUS
+const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // numbers of buffers: kernels/compute/records.h
+const BUFFERS = 7               // FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
-const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
-const STEP = 13                 // words of fxs_step
-const PLACE = 10                // and of a Place below
+const STRIDE = 1024             // bytes in a uniform: FXS_COMPUTE_STRIDE
+const STEP = 13                 // words in an fxs_step
+const PLACE = 10                // words in a Place, see ENDS
 const LOST = 'the WebGPU device was lost: open another Screen'
-const NOTHING = 0xffffffff      // as FXS_NOTHING
-const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }  // words a pixel, in the order of the module
-const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // their numbers, behind them; and how many there are
+const NOTHING = 0xffffffff      // FXS_NOTHING
+const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }  // words a pixel; the order is the order of the images
+const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images; the count of images
 
-// Beside the stages: the picture's words as colours of a texture, whose formats of 8 bits take k / 255 exactly; and the
-// depth buffer of a caller as the occluder, as kernels/gles/mesh.frag has it.
+// The shaders around the stages. One writes the words of the picture as colours of a texture; an 8-bit format stores
+// k / 255 exactly. The other converts the depth buffer of the caller to the occluder, as kernels/gles/mesh.frag does.
 const ENDS = `
 struct Place {
     corner: vec2<i32>,
@@ -66,10 +66,10 @@ const ONE_OVER = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha' }
 
 // ---- Devices --------------------------------------------------------------------------------------------------
 
-/** What the browser says, without where it found that. */
+/** The first line of a browser's error message, without the location. */
 const lineOf = ({ message }) => message.split('\n')[0]
 
-let own                         // of the Screens that are given none
+let own                         // the device of all Screens without a device of the caller
 
 async function makeDevice() {
   const adapter = await globalThis.navigator?.gpu?.requestAdapter({ powerPreference: 'high-performance' })
@@ -89,7 +89,7 @@ function ownDevice() {
   return own
 }
 
-/** A pipeline, or an Error with the line that does not compile. */
+/** Makes a pipeline. The Error of a failure has the line of the shader that does not compile. */
 async function pipelineOf(kind, device, what, module, descriptor) {
   try {
     return await device[`create${kind}PipelineAsync`](descriptor)
@@ -101,7 +101,7 @@ async function pipelineOf(kind, device, what, module, descriptor) {
   }
 }
 
-/** The programs of a device, each made when it is first asked for. */
+/** The programs of a device, each made on first use. */
 class Programs {
   #device
   #modules = {}
@@ -141,7 +141,7 @@ function programsOf(device) {
 
 // ---- Frames ---------------------------------------------------------------------------------------------------
 
-/** Whether a picture lies in a texture that can be used so. */
+/** Throws an Error if the texture has the wrong format or usage, or does not contain the picture. */
 function checkTexture(name, texture, isKind, kind, usage, [x, y, width, height]) {
   if (!isKind(texture?.format)) throw new Error(`${name} needs a texture of ${kind}`)
   if (!(texture.usage & GPUTextureUsage[usage])) throw new Error(`${name} needs a texture with the usage ${usage}`)
@@ -161,7 +161,7 @@ function checkInto({ texture, x = 0, y = 0, depth, over }, width, height, alpha)
   if (over && !alpha) throw new Error('`into.over` needs `alpha`')
 }
 
-/** Whether there are buffers for the targets that are asked for. */
+/** Throws an Error if a buffer for a target is missing or unsuitable. */
 function checkTargets(targets, pixels) {
   for (const [name, buffer] of Object.entries(targets)) {
     const bytes = 4 * TARGETS[name] * pixels
@@ -173,27 +173,27 @@ function checkTargets(targets, pixels) {
 
 const KINDS = ['validation', 'out-of-memory', 'internal']
 
-/** Draws the frames of a Screen, one after the other: of those that wait meanwhile, the last. */
+/** Draws the frames of a Screen one after the other. At most one frame waits; a newer frame replaces it. */
 export class Computed {
   #canvas
   #core
   #valuesOf
   #context
-  #format                      // of the canvas
-  #parts                       // what is on it, where pictures are drawn into parts of it
-  #names                       // of the programs, by their numbers,
-  #pipelines = {}              // and those that are there, by their names
-  #rooms                       // the place of the device's rooms in the module
+  #format                      // the format of the canvas
+  #parts                       // the texture with the content of the canvas, for pictures in parts of the canvas
+  #names                       // names of the programs by their numbers
+  #pipelines = {}              // pipelines by name
+  #rooms                       // address of the fxs_plan_rooms in the module
   #buffers = []
-  #groups = []                 // that were bound for a frame, in their order,
-  #bound = 0                   // and how many of the one that is under way
+  #groups = []                 // bind groups of the last frame in the order of use, kept for the next frame
+  #bound = 0                   // bind groups used by the current frame
   #status
   #place                       // the uniform of ENDS
-  #scenes = new Map()          // their copies: { heads, rows }
-  #next                        // the frame that waits
-  #running                     // until none does
-  #failure                     // of the last frame,
-  #last                        // and the last one that was whole: { width, height, images }
+  #scenes = new Map()          // copies of scenes on the device: { heads, rows }
+  #next                        // the waiting frame
+  #running                     // fulfilled when no frame runs or waits
+  #failure                     // the error of the last frame
+  #last                        // the last complete frame: { width, height, images }
   #freed = false
 
   constructor(canvas, core, device, valuesOf) {
@@ -240,7 +240,7 @@ export class Computed {
 
   // ---- Buffers ------------------------------------------------------------------------------------------------
 
-  /** After a failure, and at the end: the next frame begins with little room. */
+  /** Frees all buffers, after a failure and at the end. The next frame starts with the smallest buffers. */
   #giveBack() {
     this.#forget(() => true)
     for (const buffer of this.#buffers) buffer.destroy()
@@ -253,7 +253,7 @@ export class Computed {
     return this.device.createBuffer({ size, usage, mappedAtCreation })
   }
 
-  /** Makes the buffers as large as the plan wants them. */
+  /** Enlarges the buffers to the sizes of the plan. */
   #reserve(sizes, limit) {
     const { STORAGE, UNIFORM, INDIRECT, COPY_SRC, COPY_DST } = GPUBufferUsage
     const bytes = sizes.map((size, i) => Math.max(size, this.#buffers[i]?.size ?? 64))
@@ -267,12 +267,12 @@ export class Computed {
     })
   }
 
-  /** Of a copy: not every browser takes memory that threads share. */
+  /** Writes a copy, since some browsers refuse shared memory. */
   #write(buffer, to, at, bytes) {
     this.device.queue.writeBuffer(this.#buffers[buffer], to, this.#core.bytes(at, bytes).slice())
   }
 
-  /** A part of a scene, or its heads. */
+  /** Uploads a part of a scene, or its heads. */
   #upload(at, part) {
     this.#core.c.gpu_pieces(this.#rooms, at, part)
     const [bytes, ...pieces] = this.#core.get(0, 10)
@@ -283,7 +283,7 @@ export class Computed {
     return buffer
   }
 
-  /** The copy of a scene, which is made once. */
+  /** The copy of a scene on the device, made on first use. */
   #copyOf(scene) {
     if (!this.#scenes.has(scene)) {
       const at = scene.inside[1]
@@ -304,7 +304,7 @@ export class Computed {
 
   // ---- Drawing ------------------------------------------------------------------------------------------------
 
-  /** Plans a frame, and has it drawn when the one before it is. */
+  /** Plans a frame and queues it. */
   draw(core, width, height, { alpha, into, backdrop, targets = {}, depthBits = 16, ...options }, objects) {
     if (this.lost) throw new Error(LOST)
     checkTargets(targets, width * height)
@@ -349,7 +349,7 @@ export class Computed {
     this.#running = undefined
   }
 
-  /** Until all of it fits; then it is shown. */
+  /** Repeats a frame until all lists fit, then shows it. */
   async #carryOut(frame) {
     const core = this.#core
     this.#forget((scene) => scene.isFreed)
@@ -371,7 +371,7 @@ export class Computed {
     if (this.#freed) throw new Error('the Screen was freed')
   }
 
-  /** What a function gives, or the device's error. */
+  /** Runs a function in error scopes; throws the error of the device, if any. */
   async #scoped(act) {
     let result, thrown
     for (const kind of KINDS) this.device.pushErrorScope(kind)
@@ -389,7 +389,7 @@ export class Computed {
     return given.value
   }
 
-  /** Has the device do the plan's steps. Returns a promise of the status. */
+  /** Submits the steps of the plan. Returns a promise of the status words. */
   #submit(frame) {
     const core = this.#core
     core.check(core.c.gpu_lay_out(frame.at))
@@ -420,7 +420,7 @@ export class Computed {
     return words
   }
 
-  /** A Place of ENDS. */
+  /** Writes the uniform Place of ENDS. */
   #writePlace({ width, height, into: { x = 0, y = 0, depth } = {}, images, depthBits }) {
     const { planes = [], linear = false } = depth ?? {}
     const words = new Int32Array(PLACE)
@@ -430,7 +430,7 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** The groups of a frame are kept for the next, as making them takes a quarter of the steps' time. */
+  /** Sets a bind group; reuses the groups of the last frame: making them takes a quarter of the steps' time. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>
@@ -444,7 +444,7 @@ export class Computed {
     pass.setBindGroup(group, this.#groups[this.#bound++].made)
   }
 
-  /** An fxs_step. */
+  /** Encodes an fxs_step. */
   #step(pass, copies, [program, , x, y, arguments_, argumentsAt, a, b, c, d, uniform, object, part]) {
     const pipeline = this.#pipelines[this.#names[program]]
     const { heads, rows } = copies[object] ?? {}
@@ -474,7 +474,7 @@ export class Computed {
     this.device.queue.submit([encoder.finish()])
   }
 
-  /** Words of the picture. */
+  /** Copies from the device memory. `from` is in words. */
   #copy(encoder, from, to, bytes) {
     encoder.copyBufferToBuffer(this.#buffers[MEMORY], 4 * from, to, 0, bytes)
   }
@@ -501,7 +501,7 @@ export class Computed {
     return (this.#parts = this.device.createTexture({ size: [width, height], format: this.#format, usage }))
   }
 
-  /** Not before there is a picture of the new size. */
+  /** Resizes the canvas only with a complete picture, since that clears it. */
   #resize(width, height) {
     if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height })
   }

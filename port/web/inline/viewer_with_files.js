@@ -1,4 +1,4 @@
-// The element with its files inside.
+// The element with its files embedded.
 import './files.js'
 import './worker.js'
 export * from '../viewer/viewer.js'

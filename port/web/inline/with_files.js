@@ -1,3 +1,3 @@
-// The package with its files inside, for programs whose scripts alone are carried on.
+// The package with its files embedded, for bundlers that copy only scripts.
 import './files.js'
 export * from '../fixsplat.js'

@@ -1,4 +1,4 @@
-/* The configuration of libzip: no other library is there. */
+/* The configuration of libzip, without optional libraries. */
 #include "zipconf.h"
 #define HAVE_STDBOOL_H
 #define HAVE_STRINGS_H

@@ -1,4 +1,5 @@
-/* What libwebp calls for pictures with loss. No .sog has one: src/scene/read/sog.c refuses them by their headers. */
+/* Stubs for the functions of libwebp that decode lossy pictures. A .sog has none: src/scene/read/sog.c refuses them by
+   their headers. */
 #include "src/dec/vp8_dec.h"
 #include "src/dec/webpi_dec.h"
 
@@ -17,7 +18,7 @@ int VP8InitIoInternal(VP8Io *io, int version)
 
 void WebPInitCustomIo(WebPDecParams *params, VP8Io *io)
 {
-    io->opaque = params;             /* from which pictures without loss take the place to decode to */
+    io->opaque = params;             /* lossless pictures read their output buffer from here */
 }
 
 VP8Decoder *VP8New(void)

@@ -1,4 +1,4 @@
-/* Empty functions that libzip and cJSON refer to but readers never call: compression, encryption, writing. */
+/* Stubs for functions that libzip and cJSON refer to and readers never call: compression, encryption, writing. */
 #include "zipint.h"
 
 #include <zlib.h>

@@ -1,21 +1,21 @@
-// Puts the scene into the room of the person who looks, by WebXR's immersive-ar: upright on a floor or a table. A ring
-// shows where it would stand, and a tap or a controller's trigger puts it there. Dragged, it moves; a drag beside it
-// turns it; two fingers on a screen turn it, and make it larger and smaller. xr.js has the session and the pictures.
+// AR (WebXR, immersive-ar): puts the scene upright on a floor or table of the room. A ring shows the place, from hit
+// tests of WebXR; a tap or the trigger of a controller puts the scene there. Dragging the scene moves it, dragging
+// elsewhere turns it, and two fingers on a screen turn and scale it. xr.js has the session and the pictures.
 import { button, ICONS } from './body.js'
 import { programOf } from './eyes.js'
 import { add, dot, unit } from './motion.js'
 import { numbers, Place } from './xr.js'
 
-const TABLE = 0.5 // metres: the longest side of what stands on a table
-const [LEAST, MOST] = [0.02, 200] // metres: of the longest side, by fingers
-const LEVEL = Math.cos(Math.PI / 6) // of a surface's normal: steeper ones are walls
-const BEFORE = 0.7 // metres: so far away is the near side where no surface is known
-const BELOW = 1.2 // metres: so far below the eyes is a floor that is not known
+const TABLE = 0.5 // metres: the longest side of a scene of the size table
+const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side when scaling by fingers
+const LEVEL = Math.cos(Math.PI / 6) // least vertical component of the normal of a level surface
+const BEFORE = 0.7 // metres: distance of the near side if no surface is known
+const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
 const PATIENCE_MS = 8000 // without a surface, until a tap puts the scene in front
-const HINT_MS = 8000 // of what fingers do
-const REACH = 20 // metres: a ray meets the floor no farther away
-const TURNING = 4 // so many times the angle of a drag
-const [RING_LEAST, RING_MOST] = [0.06, 0.5] // metres: the ring's radius
+const HINT_MS = 8000 // how long the hint on gestures is shown
+const REACH = 20 // metres: longest ray to the floor
+const TURNING = 4 // the scene turns by this multiple of the angle of a drag
+const [RING_LEAST, RING_MOST] = [0.06, 0.5] // metres: range of the radius of the ring
 
 const SIZES = { table: (longest) => TABLE / longest, true: () => 1 } // metres a unit
 const OTHER = { table: 'true', true: 'table' }
@@ -35,7 +35,7 @@ void main() {
   at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   gl_Position = projection * view * vec4(ring.xyz + ring.w * vec3(at.x, 0.0, at.y), 1.0);
 }`
-// White between dark edges, premultiplied: it is seen on any floor.
+// The ring is white between dark edges, to be visible on any floor. Colours are premultiplied.
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at;
@@ -57,7 +57,7 @@ sheet.replaceSync(`
 #inRoom .bar { bottom: calc(16px + env(safe-area-inset-bottom)); }
 #inRoom .words { padding: 0 14px; white-space: nowrap; }`)
 
-/** What is shown over the camera's picture, where the browser has that of a page there. */
+/** Makes the panel over the picture of the camera, for browsers with the feature dom-overlay. */
 function panelOf({ root, language }, acts) {
   const panel = document.createElement('div')
   Object.assign(panel, { id: 'inRoom', hidden: true })
@@ -73,19 +73,18 @@ ${button('roomEnd', 'Back to the page', ICONS.close)}</div>`
   return { panel, hint, size: bar.querySelector('#roomSize') }
 }
 
-/** Where a ray begins, and its direction. */
+/** The origin and the direction of a ray. */
 function rayOf({ position, matrix }) {
   return { from: numbers(position), along: [-matrix[8], -matrix[9], -matrix[10]] }
 }
 
-/** Where a ray meets a level plane; null where that is far away or nowhere. */
+/** The point where a ray meets a horizontal plane; null if none is within REACH. */
 function meetsLevel({ from, along }, height) {
   const far = (height - from[1]) / along[1]
   return far > 0 && far < REACH ? add(from, along, far) : null
 }
 
-/** Whether a ray meets a box: the last of the three pairs of planes that it comes behind is before the first that it
- *  leaves. */
+/** True if a ray meets a box: it enters the last pair of planes before it leaves the first (slab test). */
 function meetsBox({ from, along }, { low, high }) {
   let [enters, leaves] = [0, Infinity]
   for (let i = 0; i < 3; i++) {
@@ -97,10 +96,10 @@ function meetsBox({ from, along }, { low, high }) {
   return enters <= leaves
 }
 
-/** The same angle within half a turn of 0. */
+/** The same angle in the range -pi to pi. */
 const least = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI))
 
-/** Where two rays are on the screen, with the first as the origin. */
+/** The distance and the angle between two rays on the screen. */
 function apart([a, b], { matrix }) {
   const axis = (i) => [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]]
   const [p, q] = [a, b].map(({ along }) => [0, 1].map((i) => dot(along, axis(i)) / -dot(along, axis(2))))
@@ -108,18 +107,18 @@ function apart([a, b], { matrix }) {
   return { far: Math.hypot(...to), angle: Math.atan2(to[1], to[0]) }
 }
 
-/** Stands the scene in the room: the Guide of a mode of xr.js. */
+/** Places the scene in the room: the Guide of the mode AR, see xr.js. */
 class Stand {
   #host
   #session
   #size
-  #hits = null // of what is ahead; null where the device does not look for surfaces
-  #ring = null // where the scene would stand
-  #floor = false // whether the floor is at 0
+  #hits = null // hit test source; null if the device does not find surfaces
+  #ring = null // the position of the ring
+  #floor = false // true: the floor is at height 0
   #since = 0
   #taps = false
-  #asked = null // what a button does with a Place
-  #held = [] // sources whose trigger is pressed, or fingers
+  #asked = null // a function that a button applies to the Place
+  #held = [] // input sources with a pressed trigger, or fingers
   #rays = []
   #moves = false
   #program = null
@@ -154,7 +153,7 @@ class Stand {
       this.#hold(this.#held.filter((source) => source !== inputSource)))
     try {
       this.#hits = await session.requestHitTestSource({ space: await session.requestReferenceSpace('viewer') })
-    } catch {} // it does not look for surfaces
+    } catch {} // no hit tests
     this.#since = performance.now()
   }
 
@@ -184,7 +183,7 @@ class Stand {
     this.#saidAt = now
   }
 
-  /** The button has the name of the other size. */
+  /** Names the button after the other size. */
   #name() {
     this.#panel.size.textContent = this.#host.language.of(NAMES[OTHER[this.#size]])
   }
@@ -201,7 +200,7 @@ class Stand {
     return SIZES[this.#size](this.#longest)
   }
 
-  /** The middle of the underside of the scene's box: it is the middle less h up, where h = sum of |up_i| side_i / 2. */
+  /** The middle of the underside of the scene's box: middle - h up, where h = sum of |up_i| side_i / 2. */
   get #foot() {
     const { low, high } = this.#host.scene()
     const up = unit(this.#host.view().up)
@@ -210,7 +209,7 @@ class Stand {
     return add(low.map((x, i) => (x + high[i]) / 2), up, -h)
   }
 
-  /** On the ring when that is chosen; in front where there is none, or none comes. */
+  /** The Place on the ring after a tap; in front of the user if no surface is found; else null. */
   #stand({ pose, frame, space }, taps) {
     this.#ring = this.#hits && this.#surface(frame, space)
     if (this.#ring) return taps ? this.#at(this.#ring, pose.transform) : null
@@ -218,7 +217,7 @@ class Stand {
     return waits ? null : this.#at(this.#ahead(pose.transform), pose.transform)
   }
 
-  /** The nearest level surface that the device looks at. */
+  /** The nearest level surface ahead of the device. */
   #surface(frame, space) {
     const found = frame.getHitTestResults(this.#hits).map((hit) => hit.getPose(space)?.transform)
     const level = found.find((one) => one && one.matrix[5] > LEVEL)
@@ -232,13 +231,13 @@ class Stand {
     return [position.x + far * x, height, position.z + far * z]
   }
 
-  /** Level, where the device looks; its upper edge where it looks straight down. */
+  /** The horizontal direction of view; the upper edge of the device if it looks straight down. */
   #heading(matrix) {
     const ahead = [-matrix[8], -matrix[10]]
     return unit(Math.hypot(...ahead) > 0.01 ? ahead : [matrix[4], matrix[6]])
   }
 
-  /** With the side that the page shows to the person. */
+  /** Turns the side that is visible in the page to the user. */
   #at(point, { position, matrix }) {
     const to = [point[0] - position.x, point[2] - position.z]
     const heading = Math.hypot(...to) > 0.01 ? unit(to) : this.#heading(matrix)
@@ -275,7 +274,7 @@ class Stand {
     return { from: place.at(from), along: place.turned(along) }
   }
 
-  /** By one: along the plane that it stands on, or about the vertical. */
+  /** Applies a drag with one source: along the floor, or a turn about the vertical. */
   #pull(place, before, now) {
     const foot = place.from(this.#foot)
     if (this.#moves) {
@@ -299,7 +298,7 @@ class Stand {
     return Math.min(Math.max((this.#longest * this.#scale) / 2, RING_LEAST), RING_MOST)
   }
 
-  /** In a viewport where nothing else is. */
+  /** Draws the ring in a viewport without a scene. */
   show(gl, { projectionMatrix, transform }, { x, y, width, height }) {
     if (!this.#ring || !this.#host.scene()) return
     this.#program ??= programOf(gl, VERTEX, FRAGMENT)

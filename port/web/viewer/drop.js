@@ -1,8 +1,8 @@
-// Files that are dropped or chosen: those of folders too, and which of them are scenes.
+// Finds the scenes among dropped or chosen files and folders.
 
 const FORMATS = '@FORMATS@'.split(', ')
-const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name)) // names other files
-const MOST = 10000 // files of folders
+const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name)) // these name other files
+const MOST = 10000 // most files in folders
 
 const lastOf = (file) => file.name.split('/').pop().toLowerCase()
 const isOf = (names) => (file) =>
@@ -10,8 +10,7 @@ const isOf = (names) => (file) =>
 const isIndex = isOf(INDEX)
 const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
 
-/** All files of a drop, of its entries and its files. What comes of a folder has its path as its name, as scenes of
-    several files need it. */
+/** All files of a drop, with the files in folders. These have their path as name, for scenes of several files. */
 export async function filesOf(entries, dropped) {
   if (!entries.some((entry) => entry.isDirectory)) return dropped
   const files = []
@@ -26,7 +25,7 @@ async function take(entry, files) {
     return
   }
   const reader = entry.createReader()
-  const next = () => new Promise((done, failed) => reader.readEntries(done, failed)) // some at a time
+  const next = () => new Promise((done, failed) => reader.readEntries(done, failed)) // returns a part of the entries
   for (let some = await next(); some.length; some = await next())
     for (const one of some) {
       if (files.length >= MOST) throw new Error(`${entry.name}: this folder has more than ${MOST} files`)
@@ -34,8 +33,8 @@ async function take(entry, files) {
     }
 }
 
-/** The scenes among files, each a file or the list of its files, and a file of views. An index has what lies below its
-    folder. Where nothing has the name of a scene, one file alone may still be one. */
+// Finds the scenes among files, each a file or a list of files, and a file of views or settings. An index gets all
+// files below its folder. A single file without a known ending is tried as a scene.
 export function scenesIn(files) {
   const isViews = (file) => /\.json$/i.test(file.name) && !isIndex(file)
   const rest = new Set([...files].sort((a, b) => (a.name < b.name ? -1 : 1)))

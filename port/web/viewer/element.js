@@ -1,3 +1,3 @@
-// The element, as bundlers take it.
+// The entry of the element for bundlers.
 import './starts.js'
 export * from './viewer.js'

@@ -1,14 +1,14 @@
-// Scenes that are loaded and drawn in a worker of their own. Each request to the worker returns a promise. When the
-// worker ends, all of its memory is freed.
+// The page's side of worker.js. Each request to the worker returns a promise. Ending the worker frees all of its memory
+// and rejects the open requests.
 import { assets, startWorker } from '../fixsplat_assets.js'
 
-/** What goes to the worker and is not copied. */
+/** The objects to transfer with a value, not copied. */
 const moved = (value) => {
   if (globalThis.OffscreenCanvas && value instanceof OffscreenCanvas) return [value]
   return value instanceof Uint8Array ? [value.buffer] : []
 }
 
-// The script was not found, or is none that this browser knows.
+// The script was not found, or the browser does not support it.
 const NO_WORKER = 'The script of the renderer cannot be loaded: where a bundler has made this page, see Bundlers in the ' +
   'README of fixsplat; else this browser is too old'
 
@@ -17,7 +17,7 @@ export class Engine {
   #ended = ''
   #next = 0
 
-  /** `hear` is told what the worker says by itself; without a number of threads there are as many as processors. */
+  /** `hear` gets messages that are not answers. `threads`: as LoadOptions.threads. */
   constructor(hear, threads) {
     this.threads = threads
     this.worker = startWorker('viewer/worker.js')
@@ -26,8 +26,7 @@ export class Engine {
     if (assets()) this.ask('assets', assets()).catch(() => {})
   }
 
-  /** A File, a list of them, bytes or an address, by the key of the scene, and its place; `previews` where the worker
-      is to tell of parts that have come. */
+  /** Loads a scene. `previews`: the worker sends previews. */
   open(key, source, place = {}, previews = false) {
     return this.ask('open', key, source, place, { threads: this.threads, previews })
   }

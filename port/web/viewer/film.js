@@ -1,15 +1,14 @@
-// A film of a camera track as a .webm, frame by frame. WebCodecs encodes each frame with the time that it has in the
-// film, however long it took to draw. Where there is no WebCodecs (on pages that are not secure, and in older
-// browsers), MediaRecorder takes each frame for as long as it is to be seen, by the clock. Either way the codec (VP9 or
-// VP8, 4:2:0) changes the bytes of what was drawn: at constant quality where the encoder has that, else by bits in
-// proportion to the pixels.
+// Makes a film of a camera track as a .webm, frame by frame. WebCodecs encodes each frame with its time in the film, no
+// matter how long it took to draw. Without WebCodecs (insecure pages, older browsers), MediaRecorder records each frame
+// for its duration, by the clock. The codec (VP9 or VP8, 4:2:0) changes the bytes of the frames. It encodes at constant
+// quality if the encoder supports that, else with a bit rate in proportion to the pixels.
 
 const CODECS = { 'vp09.00.51.08': 'VP9', vp8: 'VP8' }
 const BITS_A_PIXEL = 0.3
-const QUANTIZER = 20 // of VP9: 0 is the finest, 63 the coarsest
-const FAST_BITS = 16e6 // a second, for a MediaRecorder
-const KEY_S = 2 // seconds between frames that need no other
-const MOST_WAITING = 4 // frames in the encoder
+const QUANTIZER = 20 // quantizer of VP9: 0 is the finest, 63 the coarsest
+const FAST_BITS = 16e6 // bits a second of MediaRecorder
+const KEY_S = 2 // seconds between key frames
+const MOST_WAITING = 4 // most frames in the queue of the encoder
 const MOST_FRAMES = 36000
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
@@ -34,7 +33,7 @@ const partOf = (value) => {
   return typeof value === 'string' ? new TextEncoder().encode(value) : value
 }
 
-/** An element: its id, its size in eight bytes, and what is in it. */
+/** An EBML element: id, size in eight bytes, content. */
 function element(id, ...inside) {
   const body = inside.map(partOf).flat(Infinity)
   const size = body.reduce((sum, bytes) => sum + bytes.length, 0)
@@ -43,7 +42,7 @@ function element(id, ...inside) {
 
 const bytesOf = (parts) => parts.reduce((sum, bytes) => sum + bytes.length, 0)
 
-/** Frames from one that needs no other to before the next: milliseconds within are those of a block, below 32768. */
+/** Groups frames into clusters, each from a key frame on. Times in a cluster must be below 32768 ms. */
 function clustersOf(chunks) {
   const clusters = []
   for (const chunk of chunks) {
@@ -59,7 +58,7 @@ function clustersOf(chunks) {
   })
 }
 
-/** A file of the frames { bytes, time, isKey } of a codec, with times in milliseconds. */
+/** Makes a .webm of encoded frames { bytes, time, isKey }, with times in milliseconds. */
 function webmOf(codec, { width, height, rate }, chunks) {
   const head = element(0x1a45dfa3, element(0x4282, 'webm'), element(0x4287, 4), element(0x4285, 2))
   const length = (1000 * chunks.length) / rate
@@ -151,8 +150,8 @@ async function recorded(film, frames) {
   return { blob: new Blob(parts, { type: 'video/webm' }), codec: 'MediaRecorder', frames: count }
 }
 
-/** { blob, codec, frames } of the pixels that `draw(seconds, width, height)` gives for each frame. `film` is { width,
-    height, rate, seconds, bitrate }; `progress` is called with the share that is done, and throws to end it. */
+// Makes a film: { blob, codec, frames, width, height }. `asked` is { width, height, rate, seconds, bitrate }.
+// draw(seconds, width, height) returns the pixels of a frame. progress(share) may throw to cancel.
 export async function filmOf(asked, draw, progress) {
   const even = (n) => Math.max(2 * Math.round(n / 2), 2)
   const { rate = 30, seconds } = asked

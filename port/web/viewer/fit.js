@@ -1,9 +1,9 @@
-// The page of `fixsplat fit --preview`: asks for /fit.json again and again, draws what that says, and puts each newer
-// scene in the place of the one on show.
+// The page of `fixsplat fit --preview`: polls /fit.json, shows its numbers and curve, and replaces the scene by each
+// newer one.
 import './viewer.js'
 
 const ASK_MS = 1000
-const SILENT = 3 // questions without an answer, and the page says so
+const SILENT = 3 // unanswered requests before the page reports it
 const STATES = {
   reads: 'Reading photographs and cameras',
   fits: 'Fitting',
@@ -12,7 +12,7 @@ const STATES = {
   stopped: 'Stopped, and saved',
   failed: 'The fit has failed',
 }
-const TICKS = 4 // of an axis, at most
+const TICKS = 4 // most intervals on an axis
 
 const ui = {}
 for (const element of document.querySelectorAll('[id]')) ui[element.id] = element
@@ -32,7 +32,7 @@ function newViewer(background) {
   return element
 }
 
-/** False where it did not come, or not now. */
+/** Opens or replaces the scene. False if it failed or the viewer is busy. */
 async function open(address, background) {
   viewer ??= newViewer(background)
   if (viewer.hasAttribute('open')) return viewer.replace(address).catch(() => false)
@@ -45,7 +45,7 @@ async function show({ version, background }) {
   if (await open(`../scene.fxs?${version}`, background)) shown = version
 }
 
-/** The server ends when it is asked again: the scene is to be here before that. */
+/** Loads the last scene before the next request, after which the server ends. */
 async function showLast(facts) {
   for (let tries = 0; facts.version !== shown && tries < 20; tries++) {
     await show(facts)
@@ -97,7 +97,7 @@ const draw = (name, attributes, text = '') => {
   return element
 }
 
-/** 1, 2 or 5 times a power of ten, the least that divides a range into no more than TICKS parts. */
+/** The step of an axis: the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS parts. */
 function stepOf(range) {
   const power = 10 ** Math.floor(Math.log10(range / TICKS))
   return power * [1, 2, 5, 10].find((times) => (times * power * TICKS) / range > 0.9999)
@@ -105,7 +105,7 @@ function stepOf(range) {
 
 const short = (n) => (n >= 1000 && n % 100 === 0 ? `${n / 1000}k` : many(n))
 
-/** Points: [step, psnr, ssim]. */
+/** Draws the curve of points [step, psnr, ssim]. */
 function drawCurve({ points, ...facts }) {
   const steps = Math.max(facts.steps, facts.step)
   const { clientWidth: width, clientHeight: height } = ui.curve

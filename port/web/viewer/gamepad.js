@@ -1,9 +1,9 @@
-// Gamepads of the standard mapping (w3.org/TR/gamepad). They are looked at while one is connected, and move the viewer
-// that has the focus, or else the one of which most is on the screen.
-const DEAD = 0.15 // of a stick
-const FAST = 4
+// Gamepads with the standard mapping (w3.org/TR/gamepad). They are polled while one is connected. A gamepad moves the
+// viewer with the focus, else the viewer with the largest visible share.
+const DEAD = 0.15 // dead zone of a stick
+const FAST = 4 // speed with a trigger pressed
 
-// What is moved, by which axes and buttons, and what pressing a button does: the key that does the same, by the mode.
+// Axes and buttons of each motion. `pressed`: for each button, a function of the mode that gives an equivalent key.
 const BINDINGS = {
   fly: [0, 1], // the left stick
   turn: [2, 3], // the right one
@@ -23,16 +23,16 @@ const BINDINGS = {
   },
 }
 
-const viewers = new Map() // what each does, and how much of it is on the screen: { act, share }
+const viewers = new Map() // for each viewer { act, share }: its commands and its visible share
 const watch = new IntersectionObserver((list) => list.forEach(seen), { threshold: [0, 0.25, 0.5, 0.75, 1] })
-let last = 0 // of looking at gamepads; 0 while there is no reason to
-let before = [] // buttons that were pressed then
+let last = 0 // time of the last poll; 0: not polling
+let before = [] // values of the buttons at the last poll
 
-/** A viewer that is in the page, when a gamepad is there. */
+/** Adds a viewer of the page, once a gamepad is connected. */
 export function join(viewer, act) {
   viewers.set(viewer, { act, share: 0 })
   watch.unobserve(viewer)
-  watch.observe(viewer) // tells at once
+  watch.observe(viewer) // reports at once
 }
 
 function seen({ target, isIntersecting, intersectionRatio }) {
@@ -43,7 +43,7 @@ function seen({ target, isIntersecting, intersectionRatio }) {
   requestAnimationFrame(look)
 }
 
-/** The viewer that has the focus, or of which most is on the screen. */
+/** The viewer to move. */
 function meant() {
   for (const viewer of viewers.keys()) if (!viewer.isConnected) watch.unobserve(viewer), viewers.delete(viewer)
   const value = (viewer) => viewers.get(viewer).share + (viewer.matches(':focus-within') ? 1 : 0)
@@ -51,7 +51,7 @@ function meant() {
   return there.sort((a, b) => value(b) - value(a))[0]
 }
 
-/** Where a stick is, without its middle, in which none comes to rest; finer near it. */
+/** The position of a stick without its dead zone; quadratic, for fine control near the middle. */
 function placeOf(pad, axes) {
   const place = axes.map((i) => pad.axes[i] ?? 0)
   const far = Math.hypot(...place)

@@ -1,8 +1,8 @@
-// The stick for a thumb on touchscreens, at the lower left: it flies and walks as W A S D do, while another finger
-// looks.
-const SIZE = 116 // CSS pixels; its middle moves by a third of it
-const REACH = SIZE / 3
-const DEAD = 0.12 // of the reach
+// The on-screen stick for touchscreens, at the lower left. It flies and walks like the keys W A S D, while another
+// finger looks around.
+const SIZE = 116 // diameter in CSS pixels
+const REACH = SIZE / 3 // largest deflection in CSS pixels
+const DEAD = 0.12 // dead zone as a share of REACH
 const rules = `
 #stick { position: absolute; left: calc(16px + var(--left, 0px)); bottom: calc(78px + var(--below, 0px));
   width: ${SIZE}px; height: ${SIZE}px; border-radius: 50%; touch-action: none; cursor: grab;
@@ -15,7 +15,7 @@ const rules = `
 #stick:has(~ #player:not([hidden])) { bottom: calc(132px + var(--below, 0px)); }
 @media (max-height: 420px) { #stick { bottom: calc(66px + var(--below, 0px)); } }`
 
-/** Puts it right above the picture, below all buttons and panels. */
+/** Makes the stick, above the picture and below all buttons and panels. */
 export function joystick(root, act) {
   const sheet = new CSSStyleSheet()
   sheet.replaceSync(rules)
@@ -24,9 +24,9 @@ export function joystick(root, act) {
   stick.id = 'stick'
   stick.ariaHidden = 'true' // keys do the same
   root.getElementById('stage').after(stick)
-  let held = null // the pointer that holds it
+  let held = null // id of the pointer that holds the stick
   let last = 0
-  let at = [0, 0] // right and down, 1 at the most
+  let at = [0, 0] // deflection to the right and down, at most 1
 
   function show(x, y) {
     at = [x, y]

@@ -1,26 +1,25 @@
-// The viewer's words in the language of who looks at it. They are written in English where they are used, and looked up
-// in the table of a language, which is fetched when it is wanted. tests/web/language.mjs holds that each has all words.
+// Translates the texts of the viewer. The source has English texts; a table for each other language maps them to
+// translations and is loaded when needed. tests/web/language.mjs checks that each table is complete.
 
 const TABLES = { de: () => import('./language_de.js'), zh: () => import('./language_zh.js') }
 const NAMES = ['aria-label', 'title', 'placeholder']
 
-/** The first of the languages asked for that there is. */
+/** The first supported language in a list; 'en' if none is. */
 export function chosen(asked) {
   const names = asked.map((one) => one.toLowerCase().split(/[-_]/)[0])
   return names.find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
 }
 
-/** The languages that somebody wants: one by name, then those of the browser. */
+/** The preferred languages: one by name, then the languages of the browser. */
 export const askedFor = (name) => [name, ...(navigator.languages ?? [navigator.language])].filter(Boolean)
 
 export class Language {
   name = 'en'
   #table = new Map()
-  #seen = new WeakMap() // of a text or an attribute: { english, written }
+  #seen = new WeakMap() // for each text node or attribute { english, written }
   #roots = []
 
-  /** The words in this language; {0}, {1} and so on stand for values. Of a line with the name of a file in front what
-      stands behind it. */
+  /** Translates a text and inserts values for {0}, {1}. After a prefix such as "file: ", translates the rest. */
   of(words, ...values) {
     let [at, text] = [0, this.#table.get(words)]
     while (!text && (at = words.indexOf(': ', at) + 2) > 1) text = this.#table.get(words.slice(at))
@@ -31,13 +30,13 @@ export class Language {
     return n.toLocaleString(this.name)
   }
 
-  /** Writes what is in an element in this language, now and whenever it is another. */
+  /** Translates the content of an element, now and after each change of the language. */
   take(root) {
     if (!this.#roots.includes(root)) this.#roots.push(root)
     this.write(root)
   }
 
-  /** All but what has `translate="no"`. */
+  /** Translates texts and attributes, except in elements with translate="no". */
   write(root) {
     const own = (node) => (node.translate === false ? NodeFilter.FILTER_REJECT : NodeFilter.FILTER_ACCEPT)
     const walker = document.createTreeWalker(root, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT, own)
@@ -58,7 +57,7 @@ export class Language {
     this.#seen.set(node, { english, written })
   }
 
-  /** Takes the first of some languages that there is; true where that is another than before. */
+  /** Chooses the first supported language of a list. True if the language changed. */
   async choose(asked) {
     const name = chosen(asked)
     if (name === this.name) return false

@@ -1,5 +1,4 @@
-// The list of the scenes that `fixsplat view --web` serves: their pictures, as they are made, and what goes on until
-// then.
+// The list of scenes of `fixsplat view --web`: polls the server, and shows the picture or the state of each scene.
 import { Language, askedFor } from './language.js'
 
 const ASK_MS = 1000

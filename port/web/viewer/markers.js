@@ -1,10 +1,10 @@
-// Annotations: numbered markers on the picture, which fade where the scene hides them, and the caption of the chosen
-// one.
+// Annotations: numbered markers on the picture, and the caption of the selected one. Markers that the scene hides are
+// faded; the worker finds these by the depths of a small picture.
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
-const AGAIN_MS = 250 // between two looks at what hides markers, at least; and five times as long as one takes
-const SMALL = 320 // pixels of the longer side of the picture that tells
+const AGAIN_MS = 250 // least time between two depth tests; the pause is also at least 5 times the time of a test
+const SMALL = 320 // longer side of the small picture, pixels
 
 const LINK = ICONS.share
 const REMOVE = 'M5 7h14M10 7V4h4v3M7 7l1 13h8l1-13'
@@ -66,7 +66,7 @@ export class Markers {
     this.place()
   }
 
-  /** What a screen reader says of each. */
+  /** Sets the names of the markers for screen readers. */
   name() {
     const { language } = this.#host
     this.#list.forEach(({ title }, i) => {
@@ -75,7 +75,7 @@ export class Markers {
     })
   }
 
-  /** Opens the caption of one; -1 closes it. */
+  /** Opens the caption of an annotation; -1 closes it. */
   choose(index, isEditing) {
     const ui = this.#ui
     if (index < 0 && ui.caption.matches(':focus-within')) this.#leave()
@@ -92,7 +92,7 @@ export class Markers {
     ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
   }
 
-  /** The focus goes from the caption to its marker, where that is to be seen. */
+  /** Moves the focus from the caption to its marker if visible, else to the picture. */
   #leave() {
     const marker = this.#layer.querySelector('[aria-expanded="true"]:not([hidden])')
     ;(marker ?? this.#host.ui.stage).focus({ focusVisible: false })
@@ -102,7 +102,7 @@ export class Markers {
     this.#ui.newTitle.focus()
   }
 
-  /** The title of a marker has changed. */
+  /** Updates the title of an annotation. */
   entitle(index) {
     const { title } = this.#list[index]
     this.#buttons[index].title = title
@@ -110,7 +110,7 @@ export class Markers {
     this.name()
   }
 
-  /** Where they are in the picture that is shown. */
+  /** Moves the markers to their positions in the present picture. */
   place() {
     const { element, camera } = this.#host
     const [width, height, seen] = [element.clientWidth, element.clientHeight, camera()]
@@ -127,7 +127,7 @@ export class Markers {
     this.#timer = setTimeout(() => this.#look(), Math.max(this.#lookedAt + this.#pause - performance.now(), 0))
   }
 
-  /** Which the scene hides, by the depths of a small picture. */
+  /** Fades the markers that the scene hides. */
   async #look() {
     const { element, camera, depths, radius } = this.#host
     const seen = camera()

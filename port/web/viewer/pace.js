@@ -1,31 +1,32 @@
-// Chooses how large pictures are while the camera moves, from the time that pictures of each size have taken.
+// Chooses the size of pictures while the camera moves, by the measured times at each size: the largest size that takes
+// at most AIM_MS, or at most WORTH times the time of the smallest size.
 
-const AIM_MS = 40 // of a picture in motion
-const WORTH = 1.3 // so many times as long as the smallest picture may others take: smaller ones would gain little
-const MARGIN = 1.3 // between the time at which pictures become larger, and that at which they become smaller
-const DIVISORS = [1, 1.5, 2, 3, 4] // of width and height
-const KEPT = 7 // pictures, whose median counts
-const PROBES = 5 // smallest pictures, when the camera moves for the first time
-const PATIENCE = 12 // pictures until they become larger
-const FORGOTTEN = 100 // pictures until what was measured at other sizes is out of date
+const AIM_MS = 40 // aimed time for a picture in motion
+const WORTH = 1.3 // factor over the time of the smallest picture; below it, smaller pictures gain little
+const MARGIN = 1.3 // hysteresis: factor between the limits for growing and for shrinking
+const DIVISORS = [1, 1.5, 2, 3, 4] // divisors of width and height
+const KEPT = 7 // the median of so many last pictures is taken
+const PROBES = 5 // pictures of the smallest size when the camera moves first
+const PATIENCE = 12 // pictures before the size grows
+const FORGOTTEN = 100 // pictures after which times of other sizes are dropped
 
 const LAST = DIVISORS.length - 1
 const STEPS = [...DIVISORS.keys()]
-const share = (step) => 1 / DIVISORS[step] ** 2 // of the whole picture's pixels
+const share = (step) => 1 / DIVISORS[step] ** 2 // share of the pixels of the whole picture
 const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
 export class Pace {
-  #step = 0 // of DIVISORS
-  #times = STEPS.map(() => 0) // milliseconds of a picture at each step; 0 where that is not known
-  #recent = [] // the last pictures at this step
-  #count = 0 // and how many there were
+  #step = 0 // index in DIVISORS
+  #times = STEPS.map(() => 0) // milliseconds for a picture at each step; 0: unknown
+  #recent = [] // times of the last pictures at this step
+  #count = 0 // number of pictures at this step
 
-  /** Of width and height, in motion. */
+  /** The divisor of width and height in motion. */
   get divisor() {
     return DIVISORS[this.#step]
   }
 
-  /** A picture took so long. */
+  /** Takes the time of a picture. */
   take(divisor, milliseconds) {
     const step = DIVISORS.indexOf(divisor)
     if (step === this.#step) this.#measure(milliseconds)
@@ -33,8 +34,7 @@ export class Pace {
     this.#choose()
   }
 
-  /** What changes at one size has changed for all: the machine is busier, or the scene nearer. The first pictures tell
-      of the size itself. */
+  /** After the first KEPT pictures, a change of the time at one size scales the times of all sizes. */
   #measure(milliseconds) {
     this.#recent = [...this.#recent, milliseconds].slice(-KEPT)
     const [time, before] = [median(this.#recent), this.#times[this.#step]]
@@ -43,7 +43,7 @@ export class Pace {
     this.#times[this.#step] = time
   }
 
-  /** What a picture at a step takes: measured, or on the line over pixels through the nearest that are. */
+  /** The time at a step: measured, else interpolated linearly over the number of pixels. */
   #timeAt(step) {
     if (this.#times[step]) return this.#times[step]
     const finer = STEPS.findLast((one) => one < step && this.#times[one])
@@ -52,7 +52,7 @@ export class Pace {
     return this.#times[coarser] + part * (this.#times[finer] - this.#times[coarser])
   }
 
-  /** The largest that takes AIM_MS, or little longer than the smallest. */
+  /** The step to use. */
   #wanted() {
     if (!this.#times[LAST]) return this.#times[0] <= AIM_MS ? 0 : LAST
     if (this.#step === LAST && this.#count < PROBES) return LAST

@@ -1,14 +1,15 @@
-// The picture of a scene in the page: the canvases, the back end that draws on them, and the size of the picture while
-// the camera moves.
+// The picture in the page: its canvas, the back end that draws on it, and its size. The first back end is 'wasm',
+// unless one was chosen. Then a trial in a second worker times the exact back ends of the GPU once; the fastest one
+// draws.
 import { Pace } from './pace.js'
 
 const MOST_PIXELS = 1 << 23
 const LEAST_PIXELS = 1 << 14
-const SHOWN_MS = 100 // after a worker's picture, the browser shows it
-const AGAIN_MS = 5000 // a context that is lost sooner is not asked for again
+const SHOWN_MS = 100 // time in which the browser shows a picture of a worker
+const AGAIN_MS = 5000 // a back end that loses its context sooner is not opened again
 const TRIES = 3
-const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i // what a browser draws by
-const NEXT = { webgpu: 'webgl2', webgl2: 'wasm', 'webgl2-quads': 'wasm' } // where one cannot be had
+const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i // GPUs emulated by the processor
+const NEXT = { webgpu: 'webgl2', webgl2: 'wasm', 'webgl2-quads': 'wasm' } // fallbacks
 
 export const backends = {
   wasm: 'the processor',
@@ -21,12 +22,12 @@ let screens = 0
 
 export class Picture {
   #stage
-  #screen = null // what is drawn on: { engine, id, canvas, backend, openedAt }
+  #screen = null // the present screen: { engine, id, canvas, backend, openedAt }
   #tried = true
   #most = MOST_PIXELS
   #pace = new Pace()
 
-  /** The stage's last child is what is seen: a canvas, or what stands there until the first picture. */
+  /** The last child of the stage is visible: a canvas, or the poster. */
   constructor(stage) {
     this.#stage = stage
   }
@@ -35,8 +36,7 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Draws with a back end from now on, or with the one that a trial finds the fastest; where it cannot be had, with
-      the next. False where the processor takes the place of the graphics card. */
+  /** Opens a back end, or its fallback. Without `wanted`, a trial follows. False: the processor replaces the GPU. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
@@ -59,7 +59,7 @@ export class Picture {
     this.#stage.replaceChildren()
   }
 
-  /** A canvas below what is seen; its id is 0 where a worker cannot have one and gives pixels instead. */
+  /** Makes a canvas below the visible one. Its id is 0 if a worker cannot draw on it but only return pixels. */
   async #open(engine, backend) {
     const canvas = document.createElement('canvas')
     const id = canvas.transferControlToOffscreen ? ++screens : 0
@@ -79,7 +79,7 @@ export class Picture {
     return { width: w, height: h, divisor }
   }
 
-  /** What was drawn, or null where that is of no use any more. */
+  /** Draws a picture and returns its facts; null if the screen was lost or changed meanwhile. */
   async draw(camera, { divisor, ...options }) {
     const screen = this.#screen
     const { pixels, lost, ...facts } = await screen.engine.ask('draw', screen.id, camera, options)
@@ -97,7 +97,7 @@ export class Picture {
     }, SHOWN_MS)
   }
 
-  /** Half as many pixels from now on; false where they are few already. */
+  /** Halves the number of pixels from now on; false below the minimum. */
   shrink({ width, height }) {
     this.#most = (width * height) / 2
     return this.#most >= LEAST_PIXELS
@@ -105,8 +105,8 @@ export class Picture {
 
   // ---- Back ends ----------------------------------------------------------------------------------------------------
 
-  /** The other exact back ends' turn, once, out of sight and in a worker of its own, which `copy` gives the scenes:
-      where one is faster, it draws from now on, and this is its engine. */
+  // Times the exact back ends of the GPU once, on hidden canvases in a new worker; copy(engine) gives it the scenes. If
+  // one is faster, it draws from now on, and its engine is returned; else null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true
@@ -123,7 +123,7 @@ export class Picture {
     return wins ? engine : null
   }
 
-  /** Of a scene of which only parts are here there is no copy, and so no trial. */
+  /** Opens back ends in a worker with copies of the scenes. Fails for streamed scenes, which cannot be copied. */
   async #copies(engine, copy, backends) {
     await copy(engine)
     const opened = []
@@ -131,7 +131,7 @@ export class Picture {
     return opened.filter(Boolean)
   }
 
-  /** Goes on after a context or a device was lost: with another of the same kind, or with the next back end. */
+  /** Continues after a lost context or device: with a new one of the same kind, or with the fallback. */
   async lost(id) {
     const { engine, id: own, backend, openedAt } = this.#screen ?? {}
     if (!engine || id !== own) return false
@@ -150,7 +150,7 @@ function free(canvas) {
   canvas.remove()
 }
 
-/** The exact back ends that a graphics card draws by: not where the processor does its work. */
+/** The exact back ends on a real GPU, which the processor does not emulate. */
 async function ofGraphicsCard() {
   if (!globalThis.OffscreenCanvas) return []
   return [(await hasWebGpu()) && 'webgpu', hasWebGl() && 'webgl2'].filter(Boolean)
@@ -170,7 +170,7 @@ function hasWebGl() {
   return !!gl && !BY_PROCESSOR.test(name)
 }
 
-/** Of these the one whose picture takes the least time. */
+/** The screen with the shortest time for a picture. */
 async function fastest(own, others, camera, { divisor, ...options }) {
   const least = async ({ engine }, id) => {
     const times = []

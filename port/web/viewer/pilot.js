@@ -1,36 +1,36 @@
-// Moves the camera of the viewer: from view to view, and by pointers and keys, whose effect depends on the mode (orbit,
-// fly or walk).
+// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys. The effect of
+// input depends on the mode (orbit, fly or walk). motion.js has the geometry, walk.js the walking.
 import * as motion from './motion.js'
 
 const GLIDE_MS = 350
-const IDLE_MS = 2500 // from the last act until the scene turns by itself
+const IDLE_MS = 2500 // without input, until the scene turns by itself
 const TURN = 0.25 // radians a second
 const UPRIGHT = [0, -1, 0]
-const BY_KEY = 400 // pixels of a drag a second
-const BY_ZOOM = 4 // seconds of walking
+const BY_KEY = 400 // a key turns like a drag at this speed, pixels a second
+const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
 
 export class Pilot {
   camera = null
   mode = 'orbit' // or fly or walk
-  walker = null // of walk.js
+  walker = null // see walk.js
   up = UPRIGHT
   views = []
   index = 0
-  home = () => null // the camera that a settings file begins with
+  home = () => null // the start view of a settings file
   speed = 0.5
   fov = 50
-  ahead = null // what lies in the middle of the picture, where that is known
-  turns = false // by itself
-  touched = false // by pointers or keys, since the scene is there
-  gliding = null // what was begun last, until it ends
+  ahead = null // the point in the middle of the picture, if known
+  turns = false // true: the scene turns by itself
+  touched = false // true: the camera was moved since the scene was opened
+  gliding = null // the token of the current glide
   #element
   #moved
   #scene = null
-  #given = false // up is: not as the scene or a file has it
+  #given = false // true: the up direction was set by upright(), not by a scene or file
   #actedAt = 0
-  #turning = 0 // the next frame of turning by itself
+  #turning = 0 // the animation frame of turning
 
-  /** `moved` is called after each change of the camera: whether it is in motion, and whether by a hand. */
+  /** moved(isMoving, byHand) is called after each change of the camera. */
   constructor(element, moved) {
     this.#element = element
     this.#moved = moved
@@ -41,7 +41,7 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** Views, the one to begin with where that is not the first, and a function of the camera to begin with without views. */
+  /** Takes a list of views. `view`: the start view, if not the first. home(): the start view without a list. */
   takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0
@@ -54,7 +54,7 @@ export class Pilot {
     this.show(view ?? this.start)
   }
 
-  /** The view that it starts with and goes back to: of the file of views, of the scene, or the whole scene. */
+  /** The start view, from the settings file, the list of views or the scene; else a view of the whole scene. */
   get start() {
     return this.#given ? motion.level(this.#begins, this.up) : this.#begins
   }
@@ -77,7 +77,7 @@ export class Pilot {
     return Math.max(Math.hypot(...motion.add(this.#scene.high, this.#scene.low, -1)) / 2, 1e-3)
   }
 
-  /** A camera as the renderer takes it. */
+  /** Converts a camera for the renderer. */
   rendered({ width, height }, camera = this.camera) {
     return motion.rendered(camera, width, height, Math.min(this.radius / 100, 0.2))
   }
@@ -88,7 +88,7 @@ export class Pilot {
     this.#moved(false, false)
   }
 
-  /** The next camera of a track that is played. */
+  /** Shows the next camera of a playing track. */
   follow(camera) {
     if (!this.#scene) return
     this.#actedAt = performance.now()
@@ -101,7 +101,7 @@ export class Pilot {
     this.#moved(true, byHand)
   }
 
-  /** True when it is there; false where something else has moved the camera meanwhile. */
+  /** Moves the camera smoothly. True on arrival; false if something else has moved the camera meanwhile. */
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
@@ -127,7 +127,7 @@ export class Pilot {
     })
   }
 
-  /** Nearer to a point, and about it from then on. */
+  /** Moves nearer to a point and makes it the point to turn about. */
   goTo(point) {
     if (this.walks) return this.walker?.begin(point)
     const eye = motion.add(point, motion.add(this.camera.eye, point, -1), 0.6)
@@ -143,14 +143,14 @@ export class Pilot {
     if (this.#scene) this.show({ ...this.camera, fov })
   }
 
-  /** Without a direction, as it was found in the scene. */
+  /** Sets the up direction; undefined: as in the scene. */
   upright(up) {
     this.#given = !!up
     this.up = up ?? this.#scene?.first.up ?? UPRIGHT
     if (this.#scene) this.show(this.start)
   }
 
-  /** Turns the scene while nobody does anything. */
+  /** Turns the scene while the user does nothing. */
   turnByItself(on) {
     if (this.turns === on) return
     this.turns = on
@@ -168,20 +168,20 @@ export class Pilot {
 
   // ---- Pointers and keys: by pixels, by a factor, in units of speed -------------------------------------------------
 
-  /** What input.js calls, with what others do. */
+  /** The commands for input.js: of this class, and `others`. */
   acts(others) {
     const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows', 'turn']
     return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }
   }
 
-  /** By a hand. */
+  /** Sets the camera by an input of the user. */
   act(camera) {
     this.touched = true
     this.#actedAt = performance.now()
     this.#move(camera, true)
   }
 
-  /** Half a turn across the height. */
+  /** A drag across the height of the element is half a turn. */
   #turned(turn, dx, dy) {
     const angle = Math.PI / this.#element.clientHeight
     if (this.#scene && (dx || dy)) this.act(turn(this.camera, this.up, dx * angle, dy * angle))
@@ -208,7 +208,7 @@ export class Pilot {
     else if (this.#scene) this.act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
   }
 
-  /** In flight the way to what lies ahead, else to what the camera turns about. */
+  /** Scales the distance: when flying, to the point ahead; else to the point that the camera turns about. */
   zoom(factor) {
     if (!this.#scene) return
     if (this.walks) this.walker?.go(0, BY_ZOOM * (1 - factor))
@@ -216,7 +216,7 @@ export class Pilot {
     else this.act(motion.zoom(this.camera, factor, 1e-4 * this.radius))
   }
 
-  /** On foot down and up are left and right. */
+  /** Moves the camera. When walking, `down` turns left and right. */
   fly(right, down, forward) {
     if (!this.#scene || !(right || down || forward)) return
     if (this.walks) {
@@ -227,19 +227,19 @@ export class Pilot {
     this.act(motion.fly(this.camera, right * step, down * step, forward * step))
   }
 
-  /** The arrow keys, to the right and down, seconds. */
+  /** Applies the arrow keys: seconds to the right and down. */
   arrows(right, down) {
     if (this.walks) this.fly(right, 0, -down)
     else this.turn(right, down)
   }
 
-  /** Moves the camera round, or looks there. */
+  /** Orbits the scene, or looks around. */
   turn(right, down) {
     const sign = this.mode === 'orbit' ? -BY_KEY : BY_KEY
     this.drag(sign * right, sign * down)
   }
 
-  /** How far it is to what is seen: flight is slow near things, and fast far from them. */
+  /** The distance to the visible surface, which scales the speed of flight. */
   get #reach() {
     const to = this.isFlying ? this.ahead : this.camera.look
     const far = to ? motion.distance({ eye: this.camera.eye, look: to }) : this.radius

@@ -1,4 +1,4 @@
-// The bar that plays camera tracks: play and pause, a slider to scrub, a choice of the track, a film.
+// The bar for camera tracks: play and pause, a slider, a choice of the track, a button for a film.
 import { button } from './body.js'
 
 const PLAY = 'M7 4.5v15l12-7.5z'
@@ -26,14 +26,14 @@ export class Player {
     ui.play.onclick = () => acts.toggle()
     ui.time.oninput = () => acts.seek(Number(ui.time.value))
     ui.time.onkeydown = ({ key }) => {
-      if (key.toLowerCase() === 'k') acts.toggle() // which fields keep to themselves
+      if (key.toLowerCase() === 'k') acts.toggle() // keys in fields do not reach the viewer
     }
     ui.track.onchange = () => acts.choose(Number(ui.track.value))
     ui.film.onclick = () => acts.film()
     host.language.write(bar)
   }
 
-  /** The tracks there are, and the one that is chosen. */
+  /** Shows a list of tracks and the selected one. */
   show(tracks, index) {
     const { bar, track, time } = this.#ui
     const { language } = this.#host
@@ -57,7 +57,7 @@ export class Player {
     play.querySelector('path').setAttribute('d', plays ? PAUSE : PLAY)
   }
 
-  /** The share of a film that is done; null when there is none. */
+  /** Shows the progress of a film, 0 to 1; null: no film. */
   filming(share) {
     const { film, clock, time, play, track } = this.#ui
     const words = this.#host.language.of(share === null ? 'Save a film' : 'Stop the film')

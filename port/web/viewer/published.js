@@ -1,4 +1,4 @@
-// The script of a page that `fixsplat publish` wrote: it follows the links that it gives.
+// The script of a page of `fixsplat publish`: the address of the page sets view and annotation, as its own links do.
 import './viewer.js'
 import { followAddress } from './views.js'
 

@@ -1,11 +1,11 @@
-// The scenes of a viewer: the element <fixsplat-scene>, which puts one more scene into a <fixsplat-viewer>, and what is
-// known of each.
+// The scenes of a viewer: the element <fixsplat-scene>, which adds a scene to a <fixsplat-viewer>, and Item, the state
+// of each scene.
 
 import { addressOf, nameOf } from './views.js'
 
-const RADIANS = Math.PI / 360 // half of a degree
+const RADIANS = Math.PI / 360 // half a degree, for quaternions
 
-/** Numbers of an attribute, between spaces or commas; undefined without it. */
+/** The numbers of an attribute, separated by spaces or commas; undefined without the attribute. */
 function numbersOf(element, name, ...counts) {
   const text = element.getAttribute(name)
   if (text === null) return undefined
@@ -22,7 +22,7 @@ const product = ([a, b, c, d], [e, f, g, h]) => [
   a * h + b * g - c * f + d * e,
 ]
 
-/** By degrees about x, then y, then z, as `fixsplat convert --rotate`; as a quaternion. */
+/** The quaternion of a rotation by degrees about x, then y, then z, as in `fixsplat convert --rotate`. */
 const quaternionOf = (degrees) =>
   degrees.map((angle, axis) => {
     const part = [Math.cos(angle * RADIANS), 0, 0, 0]
@@ -30,7 +30,7 @@ const quaternionOf = (degrees) =>
     return part
   }).reduce((before, next) => product(next, before))
 
-/** Where a scene lies, as `render` takes objects; nothing of it where it lies as in its file. */
+/** The placement of a scene by its attributes, as a `Placed`; without fields for missing attributes. */
 function placeOf(element) {
   const rotation = numbersOf(element, 'rotation', 3, 4)
   const [scale] = numbersOf(element, 'scale', 1) ?? []
@@ -49,13 +49,12 @@ function placeOf(element) {
   return Object.fromEntries(Object.entries(place).filter(([, value]) => value !== undefined))
 }
 
-/** Attributes that tell of a scene; the viewer watches them. */
+/** The attributes of a scene; the viewer observes them. */
 export const WATCHED = ['src', 'position', 'rotation', 'scale', 'opacity', 'tint', 'hidden']
 
 const asText = (value) => (typeof value === 'object' ? [...value].join(' ') : `${value}`)
 
 export class PlacedScene extends HTMLElement {
-  /** A file, or the files of a scene, in place of the address `src`; to be set before it is put into a viewer. */
   source = null
 
   static {
@@ -76,7 +75,7 @@ if (!customElements.get('fixsplat-scene')) customElements.define('fixsplat-scene
 
 let keys = 0
 
-/** An address as a whole; one that is none stays as it is. */
+/** An absolute address; files and invalid addresses are returned unchanged. */
 function wholeOf(source) {
   try {
     return typeof source === 'string' ? addressOf(source) : source
@@ -85,18 +84,18 @@ function wholeOf(source) {
   }
 }
 
-/** A scene that is asked for. */
+/** A wanted or loaded scene. */
 export class Item {
   key = ++keys
-  engine = null // the worker that has it
-  facts = null // what that has said of it
-  bytes = null // the packed scene, on its way from one worker to another
+  engine = null // the worker that holds it
+  facts = null // the answer of the worker
+  bytes = null // the packed scene, while it moves from one worker to another
   failed = false
-  wrong = null // an Error of its place, which stays as it was
+  wrong = null // an Error in its placement; the last valid one is kept
   #place = {}
   #timer = 0
 
-  /** The element is null for the scene of the viewer's own `src`. */
+  /** `element`: null for the scene of `src` or `open`. */
   constructor(source, element = null) {
     Object.assign(this, { source: wholeOf(source), element })
   }
@@ -116,13 +115,13 @@ export class Item {
     return this.#place
   }
 
-  /** What a page is told of it. */
+  /** The ShownScene for events and properties. */
   get told() {
     const { name, count, low, high } = this.facts
     return { source: this.source, name, count, low, high, element: this.element }
   }
 
-  /** Calls in so many seconds, unless it is kept meanwhile. */
+  /** Calls a function after some seconds, unless `keep` is called before. */
   let(seconds, call) {
     this.#timer ||= setTimeout(call, 1000 * seconds)
   }

@@ -1,3 +1,3 @@
-// The elements where a page is made by a server, which shows nothing: the browser has them then.
+// Empty classes of the elements for server-side rendering; the browser defines the real ones.
 export class Viewer {}
 export class PlacedScene {}

@@ -1,7 +1,7 @@
-// Reads and writes the viewer's settings files, and reads those of supersplat-viewer, versions 1 and 2. What is wrong
-// in one is left out, with a line in words; the rest is taken. What comes out is { camera, annotations, tracks, skybox,
-// start } and some of the settings of the element; any may be missing. A camera is { eye, look, up, fov, longer };
-// `longer`: fov is that of the longer side of the picture.
+// Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part of a
+// file is left out with a line of text; the rest is taken. The result is { camera, annotations, tracks, skybox, start }
+// and some settings of the element; each may be missing. A camera is { eye, look, up, fov, longer }; with `longer`, fov
+// is the field of view of the longer side of the picture.
 import { LOOPS } from './track.js'
 import { hasNumbers } from './views.js'
 
@@ -11,11 +11,11 @@ const MOST_KEYS = 10000
 const MOST_TITLE = 200 // characters
 const MOST_TEXT = 5000
 const MOST_SECONDS = 86400
-const MOST_WORDS = 5 // lines about one file
+const MOST_WORDS = 5 // most lines about a file
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
   ['eyeHeight', 0, FAR]]
-const SIZES = ['table', 'true', 'off'] // in AR
+const SIZES = ['table', 'true', 'off'] // values of ar
 const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
 
@@ -44,7 +44,7 @@ function listOf(value, name, most, words) {
   return value.slice(0, most)
 }
 
-/** A camera of our own. */
+/** Checks a camera of our own format. */
 export function poseOf(value, name = 'camera') {
   need(isObject(value), `${name}: expected an object`)
   const { up, fov, longer } = value
@@ -85,9 +85,9 @@ function trackOf(value, name) {
   return { ...how, ...(longer === true && { longer }), keys: taken }
 }
 
-// ---- Those of supersplat-viewer ------------------------------------------------------------------------------------
+// ---- Files of supersplat-viewer ------------------------------------------------------------------------------------
 
-/** Its scenes are turned half about the axis z. */
+/** Converts a vector: supersplat-viewer turns scenes by half a turn about the axis z. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
 const UP = [0, -1, 0]
 
@@ -95,10 +95,10 @@ function poseOfTheirs({ position, target, fov } = {}) {
   return { eye: turned(position), look: turned(target), up: UP, fov, longer: true }
 }
 
-/** Rows of three of a list. */
+/** Entry i of a flat list of vectors. */
 const rowsOf = (list, i) => (Array.isArray(list) ? list.slice(3 * i, 3 * i + 3) : undefined)
 
-/** Times are frames; in early files without a rate they are seconds. */
+/** Converts a track. Times are in frames; in early files without a frame rate, in seconds. */
 function trackOfTheirs(track, fov) {
   if (!isObject(track)) return track
   const { name, duration, frameRate, loopMode, interpolation, smoothness, keyframes } = track
@@ -123,10 +123,10 @@ const COLOUR = [0, 0, 0]
 const byte = (x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, '0')
 const hex = (colour) => (isVector(colour) ? `#${colour.map(byte).join('')}` : colour)
 
-/** Calls for each of a list that is one; what is none is told of later. */
+/** Maps a list. Other values are returned as they came; checked() reports them. */
 const eachOf = (list, of) => (Array.isArray(list) ? list.map(of) : list)
 
-/** Says what of theirs there is nothing of here. */
+/** Adds lines about features that this viewer lacks. */
 function sayLeftOut({ postEffectSettings, soundUrl, tonemapping }, words) {
   const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {})
   const names = effects.filter(([, effect]) => effect?.enabled).map(([name]) => name)
@@ -156,7 +156,7 @@ function fromTheirs(file, words) {
 
 // ---- All -----------------------------------------------------------------------------------------------------------
 
-/** Says what is wrong with each part, and leaves that out. */
+/** Checks each part of a file. Leaves faulty parts out, with a line about each. */
 function checked(file, words) {
   const settings = {}
   const take = (name, read) => {
@@ -191,7 +191,7 @@ function checked(file, words) {
   return settings
 }
 
-/** { settings, words }: what a file says, and lines about what of it is left out. An Error where it is none. */
+/** Reads a file: { settings, words }, with lines about ignored parts. Throws an Error if it is not a settings file. */
 export function settingsOf(name, text) {
   let file
   try {
@@ -214,7 +214,7 @@ function shortened(words) {
   return more > 0 ? [...words.slice(0, MOST_WORDS), `and ${more} more of the kind`] : words
 }
 
-/** The same of lists that a program gives. An Error where anything is wrong. */
+/** Checks lists from a program. Throws an Error if anything is wrong. */
 export function listsOf(given) {
   const words = []
   const settings = checked(given, words)
@@ -222,5 +222,5 @@ export function listsOf(given) {
   return settings
 }
 
-/** The text of a file of our own. */
+/** The text of a settings file. */
 export const textOfSettings = (settings) => `${JSON.stringify({ fixsplat: 1, ...settings }, null, 2)}\n`

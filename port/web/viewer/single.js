@@ -1,5 +1,5 @@
-// The script of a page that `fixsplat publish --single` wrote. It makes addresses of the files that the page carries,
-// so that their own scripts find them, and opens the scene.
+// The script of a page of `fixsplat publish --single`, which contains all files of the viewer and the scene. It makes a
+// blob: address for each file, changes imports and `new URL` to these addresses, and opens the scene.
 
 const carried = (id) => document.getElementById(id)
 
@@ -11,10 +11,9 @@ async function unpacked(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer())
 }
 
-/** Gives files addresses (blob:), and has `new URL('simd.wasm', import.meta.url)` be that of the file. Returns them by
-    the names of the files. */
+/** Makes blob: addresses for files, returned by file name, and makes new URL(file, import.meta.url) return them. */
 function addressAll(files) {
-  const base = 'https://fixsplat.invalid/' // what scripts take for their folder; there is nothing, and nobody asks
+  const base = 'https://fixsplat.invalid/' // placeholder for the folder of the scripts; never requested
   const imports = /(\bfrom\s*|\bimport\s*\(?\s*)(["'])(\.\.?\/[^"'\s]+)\2/g
   const types = { js: 'text/javascript', wasm: 'application/wasm', css: 'text/css' }
   const addresses = {}
@@ -29,7 +28,7 @@ function addressAll(files) {
     return (addresses[name] = URL.createObjectURL(new Blob([content], { type })))
   }
 
-  /** A script, that imports others by their addresses here. */
+  /** The text of a script with blob: addresses in its imports. */
   function scriptOf(name) {
     const here = base + name
     const addressed = (all, before, quote, path) => {
@@ -52,7 +51,7 @@ function addressAll(files) {
       this.#isOwn = true
     }
 
-    /** A file that the page carries is of no other server. */
+    /** Files in the page have the origin of the page. */
     get origin() {
       return this.#isOwn ? location.origin : super.origin
     }
@@ -60,8 +59,8 @@ function addressAll(files) {
   return addresses
 }
 
-/** A worker. Of file:// it cannot be a module, nor have addresses of the page: it is sent the files, and then does as
-    the page does. What comes before its script has begun is kept for that. */
+// The script of a worker. On file:// it cannot be a module and cannot use blob: addresses of the page. So it is sent
+// the files and makes its own addresses. Messages that arrive before its real script has started are kept for it.
 function work(addressAll) {
   const kept = []
   const keep = (event) => kept.push(event.data)

@@ -1,16 +1,16 @@
-// The picture behind a scene: an equirectangular one, which the worker turns into the backdrop of each frame. Of its
-// columns the middle one is ahead, along the axis z unless that is up; its top row is up. All in sums, products,
-// quotients and roots of doubles, so that browsers agree where they decode a picture alike.
+// The skybox: makes the backdrop of a frame from an equirectangular picture, in the worker. The middle column of the
+// picture is ahead, along the axis z (along -y if z is up); its top row is up. Only sums, products, quotients and
+// square roots of doubles are used, so all browsers give the same bytes if they decode the picture to the same bytes.
 import { download } from '../read.js'
 import { add, cross, dot, unit } from './motion.js'
 
 const MOST_BYTES = 256e6
 const MOST_WIDTH = 4096
-const SPAN = 8 // pixels
+const SPAN = 8 // pixels between exact directions
 const TURN = 2 * Math.PI
 const skies = new Map()
 
-/** Pixels of an address: { width, height, pixels }. */
+/** Downloads and decodes a picture: { width, height, pixels }. */
 async function pixelsOf(url) {
   const file = await download(new URL(url), { most: MOST_BYTES }).catch((error) => {
     throw error.isSlow || error.isLarge ? error : new Error(`${url}: there is no picture at this address`)
@@ -28,7 +28,7 @@ async function pixelsOf(url) {
   return { width, height, pixels: context.getImageData(0, 0, width, height).data }
 }
 
-/** atan(x) / 2 pi of 0 to 1: Abramowitz and Stegun 4.4.49, with an error of at most 4e-9. */
+/** atan(x) / 2 pi for x of 0 to 1: Abramowitz and Stegun 4.4.49, with an error of at most 4e-9. */
 function turnsOfPart(x) {
   const s = x * x
   const even = ((((0.0028662257 * s - 0.0161657367) * s + 0.0429096138) * s - 0.075289640) * s + 0.1065626393) * s
@@ -44,7 +44,7 @@ function turnsOf(y, x) {
   return y < 0 ? -half : half
 }
 
-/** The axes of a camera and what a pixel is of their unit. */
+/** The axes of a camera, the slope for a step of one pixel, and the principal point. */
 function raysOf(camera, width, height) {
   if (camera.rotation) {
     const [right, down, forward] = [0, 1, 2].map((i) => camera.rotation.map((row) => row[i]))
@@ -60,7 +60,7 @@ function raysOf(camera, width, height) {
   return { right, down: cross(forward, right), forward, step, cx: width / 2, cy: height / 2 }
 }
 
-/** Up, ahead and to the right of a sky. */
+/** The axes of a sky: right, up, ahead. */
 function axesOf(up) {
   const above = unit(up)
   const start = Math.abs(above[2]) > 0.9 ? [0, -1, 0] : [0, 0, 1]
@@ -68,7 +68,7 @@ function axesOf(up) {
   return [cross(ahead, above), above, ahead]
 }
 
-/** Writes the pixel between four of a sky, at u of 0 to 1 to the right and v down. */
+/** Samples the sky bilinearly at u (to the right) and v (down), 0 to 1, and writes the pixel. */
 function sample({ width, height, pixels }, u, v, out, at) {
   const x = (u - Math.floor(u)) * width - 0.5
   const y = Math.min(Math.max(v * height - 0.5, 0), height - 1)
@@ -89,8 +89,9 @@ function sample({ width, height, pixels }, u, v, out, at) {
   out[at + 3] = 255
 }
 
-/** What a camera sees of a sky: a frame's pixels. Between every eighth of a row u and v are linear, a fraction of
-    a pixel of the sky from what they are; not near the poles, and not where u begins anew. */
+// The pixels of a frame that show the sky. u and v are exact for every SPAN-th pixel of a row and interpolated linearly
+// between, which is wrong by a fraction of a pixel of the sky. Near the poles and where u wraps around, all pixels are
+// exact.
 function seen(sky, camera, up, width, height) {
   const { right, down, forward, step, cx, cy } = raysOf(camera, width, height)
   const axes = axesOf(up)
@@ -126,7 +127,7 @@ function seen(sky, camera, up, width, height) {
   return out
 }
 
-/** The backdrop of a frame: of the sky { url, up }; an Error where there is none. */
+/** The backdrop of a frame, of the sky { url, up }. Throws an Error if the picture cannot be loaded. */
 export async function backdropOf({ url, up }, camera, { width, height }) {
   if (!skies.has(url)) skies.clear(), skies.set(url, pixelsOf(url))
   return seen(await skies.get(url), camera, up, width, height)

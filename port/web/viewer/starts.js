@@ -1,4 +1,4 @@
-// How the element starts its worker in what a bundler has made.
+// Starts the worker of the element after a bundler has moved its script.
 import { setStart } from '../fixsplat_assets.js'
 
 setStart('viewer/worker.js', () => new Worker(new URL('./worker_whole.js', import.meta.url), { type: 'module' }))

@@ -1,4 +1,6 @@
-// What settings files, annotations and camera tracks need beside a scene: fetched with the first of them.
+// Settings files, annotations, camera tracks and films of the viewer. Loaded when the first of them is used.
+// settings.js reads the files, markers.js shows annotations, track.js computes the path of a track, player.js is the
+// bar that plays it.
 import { staysInside } from '../read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
@@ -7,17 +9,17 @@ import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
 import { addressOf, nameOf, textAt } from './views.js'
 
-const KEY_S = 2 // seconds between two keys that are added
+const KEY_S = 2 // seconds between added keys
 const FLIGHT_MS = 1000
-const NEARER = 0.6 // of the distance is left to an annotation without a camera
-const LONGEST_S = 0.5 // of one step of playing
-const WAIT_MS = 100 // between two looks whether parts of a scene have come
-const PATIENCE_MS = 30000
+const NEARER = 0.6 // factor for the distance to an annotation without a camera
+const LONGEST_S = 0.5 // longest step of playing
+const WAIT_MS = 100 // pause of a film before it repeats a frame with missing parts
+const PATIENCE_MS = 30000 // longest wait for missing parts
 const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attributes that a file may set
-const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // of the element's other settings those that it may have
+const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // other settings that a file may set
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
-/** Whether a settings file may name this picture: one beside it, or inside it. */
+/** True if a settings file may use this picture: it is in the folder of the file or below, or a data: address. */
 const isOwn = (url) => /^data:/i.test(url.trim()) || staysInside(url.trim())
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
 
@@ -27,18 +29,18 @@ export class Tour {
   #player
   #annotations = []
   #tracks = []
-  #index = -1 // of the annotation whose caption is open
+  #index = -1 // index of the annotation with an open caption
   #edits = false
   #track = 0
-  #made = null // the path of the track that is chosen: { told, up, path }
-  #seconds = 0 // of playing
+  #made = null // the cached path of the selected track: { told, up, path }
+  #seconds = 0 // time of playing
   #plays = false
-  #last = null // the camera that was shown last
+  #last = null // the last camera shown by playing
   #filming = null
-  #reading = null // the last file that was asked for
-  #given = [] // attributes that a settings file has set
+  #reading = null // the token of the last read
+  #given = [] // attributes set by the settings file
   #home = null
-  #start = null // what a file begins with, until it has
+  #start = null // the start action of the file, until it is done
 
   constructor(host) {
     this.#host = host
@@ -63,8 +65,7 @@ export class Tour {
 
   // ---- Settings -----------------------------------------------------------------------------------------------------
 
-  /** Reads the file of an address, or a File, or what such a file says. Lines about what of it is left out; none where
-      another is read since. */
+  /** Reads settings. Returns lines about ignored parts; no line if another read has begun meanwhile. */
   async read(source) {
     const own = (this.#reading = {})
     const isAddress = typeof source === 'string'
@@ -97,12 +98,12 @@ export class Tour {
     this.tracks = tracks
   }
 
-  /** The camera that a file begins with, and goes back to; null without one. */
+  /** The start view of the settings file; null without one. */
   get home() {
     return this.#home && this.#cameraOf(this.#home)
   }
 
-  /** Begins as the settings say, when the scene is there. */
+  /** Does the start action of the file, after the scene is loaded. */
   begin() {
     const start = this.#start
     this.#start = null
@@ -110,7 +111,7 @@ export class Tour {
     if (start === 'track' && this.#tracks.length && !reduced()) this.play()
   }
 
-  /** What a settings file of what there is would say. */
+  /** The present state as the content of a settings file. */
   get saved() {
     const { element, current } = this.#host
     const all = { ...element.settings, skybox: element.getAttribute('skybox') }
@@ -148,7 +149,7 @@ export class Tour {
     return this.#index
   }
 
-  /** Flies to one, by its number from 0, and opens its caption. Errors number them from `from` on. */
+  /** Opens an annotation by its index from 0, and flies to it. Messages of errors count from `from`. */
   async goTo(index, from = 0) {
     const [one, { length }] = [this.#annotations[index], this.#annotations]
     const range = length ? `, expected ${from} to ${from + length - 1}` : ''
@@ -177,7 +178,7 @@ export class Tour {
     this.#host.tell('annotation', { index, annotation: this.annotations[index] ?? null })
   }
 
-  /** A new one at a point, seen as now, whose words are to be written. */
+  /** Adds an annotation at a point with the present camera, and opens its caption for writing. */
   mark(position) {
     this.#annotations.push({ position, title: '', text: '', camera: this.#poseOf(this.#host.current()) })
     this.#edits = true
@@ -199,7 +200,7 @@ export class Tour {
 
   // ---- Tracks -------------------------------------------------------------------------------------------------------
 
-  /** Made anew where up is another: keys may have none. */
+  /** The path of the selected track. It depends on the up direction, since keys may have none of their own. */
   get #path() {
     const [told, up] = [this.#tracks[this.#track], this.#host.up()]
     if (!told) return null
@@ -215,7 +216,7 @@ export class Tour {
     this.choose(0)
   }
 
-  /** The track that is played from now on. */
+  /** Selects a track. */
   choose(index) {
     this.pause()
     this.#track = index
@@ -224,7 +225,7 @@ export class Tour {
     this.#tell()
   }
 
-  /** The camera as it is now as a key, two seconds behind the last. */
+  /** Adds the present camera to the track as a key, KEY_S after the last one. Returns the number of keys. */
   addKey() {
     const key = this.#poseOf(this.#host.current())
     const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
@@ -257,7 +258,7 @@ export class Tour {
     this.#host.tell('timeupdate', { time: this.time, track: this.#track })
   }
 
-  /** From where it was paused, or of another track from its start. */
+  /** Plays a track; continues if it was paused. */
   play(index = this.#track) {
     if (!this.#tracks[index]) throw new Error(`track ${index}: there are ${this.#tracks.length}`)
     if (index !== this.#track) this.choose(index)
@@ -270,7 +271,7 @@ export class Tour {
     let before = performance.now()
     const step = (now) => {
       if (!this.#plays) return
-      if (this.#host.current() !== this.#last) return this.pause() // by a hand, or a program
+      if (this.#host.current() !== this.#last) return this.pause() // the user or a program has moved the camera
       this.#seconds += Math.min((now - before) / 1000, LONGEST_S)
       before = now
       this.#show()
@@ -308,7 +309,7 @@ export class Tour {
 
   // ---- Films --------------------------------------------------------------------------------------------------------
 
-  /** { blob, codec, frames, width, height } of a track; of a 'pingpong' there and back. */
+  /** Makes a film of a track: { blob, codec, frames, width, height }. A 'pingpong' track is filmed there and back. */
   async film({ track = this.#track, rate, bitrate, progress = () => {}, ...size } = {}) {
     const told = this.#tracks[track]
     if (!told) throw new Error(`track ${track}: there are ${this.#tracks.length}`)
@@ -320,7 +321,7 @@ export class Tour {
     return filmOf({ width, height, rate, bitrate, seconds }, draw, progress)
   }
 
-  /** A picture's pixels when all parts of the scene are there that it wants. */
+  /** The pixels of a picture without missing parts; waits for them. */
   async #whole(camera, width, height) {
     const until = performance.now() + PATIENCE_MS
     for (;;) {
@@ -356,12 +357,12 @@ export class Tour {
 
   // ---- Both ---------------------------------------------------------------------------------------------------------
 
-  /** A picture is shown. */
+  /** Called after each picture. */
   drawn() {
     this.#markers.place()
   }
 
-  /** The language is another. */
+  /** Called after a change of the language. */
   rename() {
     this.#markers.name()
     this.#player.show(this.#tracks, this.#track)

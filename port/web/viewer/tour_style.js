@@ -1,4 +1,4 @@
-// The rules of markers, captions and the player: a sheet that the element takes, and no file, for bundlers and policies.
+// The CSS rules of markers, captions and the player. They are a script, because bundlers and policies may block a file.
 export const rules = `
 #markers { position: absolute; inset: 0; isolation: isolate; overflow: hidden; pointer-events: none; }
 .marker { position: absolute; left: -15px; top: -15px; min-width: 30px; height: 30px; border-radius: 15px;

@@ -1,12 +1,13 @@
-// Camera tracks: keys with times, and cameras between them. A track is { name, loop, duration, smoothness, step,
-// longer, keys }, a key { time, eye, look, up, fov }, times and duration are seconds. settings.js has checked all of it.
+// Camera tracks: interpolates cameras between keys with times, by cubic Hermite curves.
+// A track is { name, loop, duration, smoothness, step, longer, keys }, a key is { time, eye, look, up, fov }. Times and
+// durations are in seconds. settings.js has checked the track.
 
 export const LOOPS = ['none', 'repeat', 'pingpong']
 
 const flat = ({ eye, look, up, fov }) => [...eye, ...look, ...up, fov]
 
-/** Keys of a track that is repeated, with two more before and behind: the path closes. The last key counts as one
-    second before the first of the next time where the track ends with it, as in supersplat-viewer. */
+/** The keys of a repeated track, with two more keys before and after, which close the path. If the track ends with its
+    last key, a second is inserted before the first key of the next round, as in supersplat-viewer. */
 function closed(keys, duration) {
   if (keys.length < 2) return keys
   const length = duration + (duration === keys.at(-1).time ? 1 : 0)
@@ -15,7 +16,7 @@ function closed(keys, duration) {
   return [...before.map((key) => later(key, -length)), ...keys, ...behind.map((key) => later(key, length))]
 }
 
-/** The part of the keys before a time, by halving: the last that is not later, but never the last of all. */
+/** The index of the last key at or before a time, by bisection; at most the last key but one. */
 function segmentAt(keys, time) {
   let [low, high] = [0, keys.length - 2]
   while (low < high) {
@@ -26,13 +27,13 @@ function segmentAt(keys, time) {
   return low
 }
 
-/** The change of each number at a key, a second: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
+/** The slope of each number at a key: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
 function slopes(keys, i) {
   const [before, after] = [keys[Math.max(i - 1, 0)], keys[Math.min(i + 1, keys.length - 1)]]
   return after.values.map((x, k) => (x - before.values[k]) / (after.time - before.time))
 }
 
-/** Hermite's cubic between two keys, t of 0 to 1. */
+/** The cubic Hermite curve between two keys; t is 0 to 1. */
 function between(keys, i, t, smoothness) {
   const [a, b] = [keys[i], keys[i + 1]]
   const scale = smoothness * (b.time - a.time)
@@ -47,14 +48,14 @@ const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1))
 export class Track {
   #keys
 
-  /** `up` where a key has none. */
+  /** `up`: for keys without an up vector. */
   constructor(track, up) {
     Object.assign(this, track)
     const keys = track.loop === 'repeat' ? closed(track.keys, track.duration) : track.keys
     this.#keys = keys.map((key) => ({ time: key.time, values: flat({ up, ...key }) }))
   }
 
-  /** Seconds of the track after so many of playing. */
+  /** The time in the track after `seconds` of playing. */
   timeAt(seconds) {
     const { loop, duration } = this
     if (loop === 'repeat') return seconds % duration
@@ -63,7 +64,7 @@ export class Track {
     return there > duration ? 2 * duration - there : there
   }
 
-  /** Where it ends by itself. */
+  /** True if playing ends by itself. */
   get ends() {
     return this.loop === 'none'
   }
@@ -82,7 +83,7 @@ export class Track {
   }
 }
 
-/** The vertical field of view of a camera whose own is that of the picture's longer side, where it says so. */
+/** Converts the field of view of the longer side, if `longer` is set, to the vertical one. */
 export function upright({ longer, ...camera }, aspect) {
   const tan = Math.tan((camera.fov * Math.PI) / 360)
   return longer && aspect > 1 ? { ...camera, fov: (360 / Math.PI) * Math.atan(tan / aspect) } : camera

@@ -3,40 +3,41 @@ import type { Vector } from '../fixsplat.js'
 type How = boolean | AddEventListenerOptions
 export type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
 
-/** Where the viewer looks from. */
+/** The camera of the viewer. */
 export interface ViewerCamera {
-  /** Scene units. */
+  /** The position of the camera, in scene units. */
   eye: [number, number, number]
-  /** The point that it turns about. */
+  /** The point that the camera looks at and turns about, in scene units. */
   look: [number, number, number]
+  /** The direction that points up in the picture. */
   up: [number, number, number]
   /** The vertical field of view, 1 to 170 degrees. */
   fov: number
-  /** Whether its rays are parallel. */
+  /** True for an orthographic camera. */
   flat: boolean
-  /** How far right and down of the middle the axis lies, in heights of the picture. */
+  /** The offset of the camera's axis from the middle of the picture, right and down, in heights of the picture. */
   shift: [number, number]
 }
 
-/** Some of a camera; what it leaves out stays as it is. */
+/** A part of a camera; the other fields stay unchanged. */
 export type SomeCamera = { [Name in keyof ViewerCamera]?: Readonly<ViewerCamera[Name]> }
 
-/** Where a scene lies among others: as the attributes of <fixsplat-scene>. */
+/** The placement of a scene, as in the attributes of <fixsplat-scene>. */
 export interface Place {
-  /** World units. */
+  /** The position in world units; 0 0 0 by default. */
   position?: Vector | string | null
-  /** Degrees about x, then y, then z; or a quaternion w, x, y, z. */
+  /** Degrees about x, then y, then z; or a quaternion w, x, y, z. No rotation by default. */
   rotation?: Vector | readonly [number, number, number, number] | string | null
-  /** Above 0. */
+  /** A scale above 0; 1 by default. */
   scale?: number | string | null
-  /** 0 to 1. */
+  /** A factor for the opacity, 0 to 1; 1 by default. */
   opacity?: number | string | null
-  /** Factors for red, green and blue, 0 to 4 each. */
+  /** Factors for red, green and blue, 0 to 4 each; 1 1 1 by default. */
   tint?: Vector | string | null
 }
 
-/** <fixsplat-scene>: one more scene in the <fixsplat-viewer> around it. `hidden` leaves it out. Its properties are its
-    attributes, and so texts when they are read. */
+/** The element <fixsplat-scene> adds a scene to the <fixsplat-viewer> around it. The attribute `hidden` hides the
+    scene. Each property sets an attribute, so reading it returns text. */
 export class PlacedScene extends HTMLElement {
   get src(): string | null
   set src(address: string | null)
@@ -50,240 +51,268 @@ export class PlacedScene extends HTMLElement {
   set opacity(value: Place['opacity'])
   get tint(): string | null
   set tint(value: Place['tint'])
-  /** A file, or the files of one scene, in place of `src`; to be set before the element is in a viewer. */
+  /** A file, or the files of one scene, to show instead of `src`. Set it before the element is put into a viewer. */
   source: File | File[] | null
 }
 
-/** A scene that is there. */
+/** A loaded scene. */
 export interface ShownScene {
-  /** Its address, or its file or files. */
+  /** The address, the file or the files of the scene. */
   source: string | File | File[]
   name: string
-  /** Gaussians. */
+  /** The number of Gaussians. */
   count: number
-  /** Its box, in its own units. */
+  /** The smallest (`low`) and largest (`high`) x, y, z of the scene, in its own units. */
   low: number[]
   high: number[]
-  /** Its element; null for that of `src` and `open`. */
+  /** The element of the scene; null for the scene of `src` or `open`. */
   element: PlacedScene | null
 }
 
-/** What is at a pixel. */
+/** The Gaussian at a pixel, found by `pick`. */
 export interface Found {
-  /** In the world. */
+  /** A point in world coordinates. */
   position: [number, number, number]
-  /** Along the camera's axis, world units. */
+  /** The distance from the camera along its axis, in world units. */
   depth: number
-  /** Its number in the packed scene. */
+  /** The index of the Gaussian in the packed scene. */
   gaussian: number
   scene: ShownScene
 }
 
-/** All that a person can set, by the names of the attributes where there is one. */
+/** The settings of the viewer. A setting with an attribute has the name of the attribute. */
 export interface Settings {
-  /** #rrggbb. */
+  /** The background colour, #rrggbb. By default dark or light, as the system prefers. */
   background: string
+  /** The back end; '' chooses the fastest exact one. */
   backend: Backend | ''
-  /** Gaussians of a picture, of scenes with levels of detail; 0 for all. */
+  /** The largest number of Gaussians in a picture, for scenes with levels of detail; 0, the default: no limit. */
   budget: number
-  /** Pixels; 0 for all. */
+  /** The smallest detail to draw in pixels, for scenes with levels of detail; 0, the default: no limit. */
   detail: number
+  /** True turns the scene while the user does nothing. */
   turn: boolean
+  /** How the user moves the camera; 'orbit' by default. */
   mode: 'orbit' | 'fly' | 'walk'
-  /** Of the eye above the ground, for walking, scene units; 0: as the start view or the scene's own height tells. */
+  /** The height of the eye above the ground while walking, in scene units. 0, the default: estimated from the start
+      view or from the height of the scene. */
   eyeHeight: number
-  /** Of flight and of walking, 0.1 to 2. */
+  /** The speed of flying and walking, 0.1 to 2; 0.5 by default. */
   speed: number
+  /** The vertical field of view, 1 to 170 degrees. */
   fov: number
+  /** True for an orthographic camera. */
   flat: boolean
-  /** The direction that is up. */
+  /** The up direction of the scene. */
   up: number[]
-  /** Of width and height in device pixels, 0.25 to 1. */
+  /** The resolution of the picture as a share of the device pixels in width and height, 0.25 to 1; 1 by default. */
   sharpness: number
-  /** Whether colours change with the direction of view. */
+  /** False draws colours without their dependence on the direction of view. True by default. */
   colours: boolean
-  /** Whether pictures a second are shown. */
+  /** True shows the frame rate and other numbers of the picture. */
   readout: boolean
-  /** In AR: the longest side is half a metre, or a unit is a metre, or AR is not offered. */
+  /** The size of the scene in AR. 'table', the default: the longest side is half a metre. 'true': a scene unit is a
+      metre. 'off': AR is not offered. */
   ar: 'table' | 'true' | 'off'
 }
 
-/** An Error in words for people; `cause` is the one of the program. */
+/** An Error with a message for the user of the page, in the language of the viewer. `cause` is the original Error. */
 export interface ViewerError extends Error {
   kind: 'format' | 'damaged' | 'missing' | 'network' | 'memory' | 'browser' | 'policy' | 'other'
-  /** What could not be opened, where it is about a scene. */
+  /** The scene that could not be opened, if the error concerns a scene. */
   source?: string | File | File[]
 }
 
-/** What a <fixsplat-viewer> tells. None of these bubbles. */
+/** The events of <fixsplat-viewer>. They do not bubble. */
 export interface ViewerEvents {
-  /** A scene is whole. */
+  /** A scene is loaded. */
   load: CustomEvent<ShownScene>
-  /** How far a scene has come: `done` is a share, where that is known, and `bytes` have come. */
+  /** The progress of loading a scene. `done` is the completed share of the stage, 0 to 1; undefined if it is not known.
+      `bytes` is the number of downloaded bytes. */
   progress: CustomEvent<{
     source: ShownScene['source']; name: string; element: PlacedScene | null
     stage: 'download' | 'prepare'; done?: number; bytes?: number
   }>
-  /** `error` is a ViewerError. */
+  /** An error; its property `error` is a ViewerError. */
   error: ErrorEvent
-  /** The camera has changed: by a pointer or a key, or else by a program. */
+  /** The camera has changed. `byHand`: true for input by pointer, key or gamepad, false for a program. */
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
-  /** People turn the scene, fly or walk from now on. */
+  /** The mode has changed. */
   mode: CustomEvent<{ mode: Settings['mode'] }>
-  /** A click on the scene, in CSS pixels of the element. */
+  /** A click on the scene. `x` and `y` are CSS pixels of the element. `found` is null if nothing is at this pixel. */
   pick: CustomEvent<{ x: number; y: number; found: Found | null }>
-  /** A picture is shown: `drawn` Gaussians, with `missing` parts that are still to come; `divisor` is what its width
-      and height were divided by while the camera moved. */
+  /** A picture is shown. `drawn`: the number of Gaussians. `missing`: the number of parts that have not arrived.
+      `divisor`: width and height were divided by this number because the camera moves; 1 at rest. */
   frame: CustomEvent<{
     width: number; height: number; divisor: number; milliseconds: number; backend: Backend
     drawn: number; missing: number
   }>
-  /** The caption of an annotation is opened, or closed: then `index` is -1 and `annotation` null. */
+  /** The caption of an annotation was opened or closed. If it was closed, `index` is -1 and `annotation` is null. */
   annotation: CustomEvent<{ index: number; annotation: Annotation | null }>
-  /** A track is played, paused, at its end, or shows another time: that in seconds. */
+  /** A track was started, was paused, has ended, or shows another time. `time` is in seconds. */
   play: CustomEvent<{ track: number }>
   pause: CustomEvent<{ track: number }>
   ended: CustomEvent<{ track: number }>
   timeupdate: CustomEvent<{ track: number; time: number }>
-  /** Pictures for a headset or a phone, of VR or AR: `scale` is their size, of the viewport's. */
+  /** Pictures were drawn for VR or AR. `scale`: their size as a share of the viewport, in width and height. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
-/** A camera of a settings file. */
+/** A camera in a settings file. */
 export interface Pose {
   eye: Vector
   look: Vector
-  /** The scene's up by default. */
+  /** The direction that points up in the picture; the up direction of the scene by default. */
   up?: Vector
-  /** Degrees, 1 to 170. */
+  /** The vertical field of view, 1 to 170 degrees. */
   fov: number
-  /** Whether `fov` is that of the picture's longer side, as in supersplat-viewer, and not the vertical one. */
+  /** True if `fov` is the field of view of the longer side of the picture, as in supersplat-viewer. False by
+      default. */
   longer?: boolean
 }
 
-/** A text at a place of the world. */
+/** A text at a position in the world. */
 export interface Annotation {
   position: Vector
-  /** At most 200 and 5,000 characters; shown as plain text, with its lines. */
+  /** Plain text, at most 200 characters. */
   title?: string
+  /** Plain text with line breaks, at most 5,000 characters. */
   text?: string
-  /** Where it is seen from; without one the camera turns to it, and comes nearer. */
+  /** The camera that shows the annotation. By default the camera turns to the annotation and moves nearer. */
   camera?: Pose
 }
 
-/** A track of the camera: cubic curves through its keys. */
+/** A camera track: a path of the camera along cubic curves through its keys. */
 export interface CameraTrack {
   name?: string
-  /** What comes behind the end; 'none' by default. */
+  /** The behaviour at the end of the track; 'none', the default, stops there. */
   loop?: 'none' | 'repeat' | 'pingpong'
-  /** Seconds; the time of the last key by default. */
+  /** The duration in seconds; the time of the last key by default. */
   duration?: number
-  /** 0 for straight lines, 1 for the smoothest; 1 by default. */
+  /** The smoothness of the path: 0 is straight lines with a stop at each key, 1 the smoothest. 1 by default. */
   smoothness?: number
-  /** Whether each key stays until the next. */
+  /** True shows each key until the time of the next one, without motion between. False by default. */
   step?: boolean
+  /** As `Pose.longer`, for all keys. */
   longer?: boolean
-  /** At least one, at most 10,000, in the order of their times, which are seconds. */
+  /** 1 to 10,000 keys. `time` is in seconds and must increase from key to key. */
   keys: readonly (Omit<Pose, 'longer'> & { time: number })[]
 }
 
-/** A settings file. Versions 1 and 2 of supersplat-viewer's are read too. */
+/** A settings file. Settings files of supersplat-viewer, versions 1 and 2, are read too. */
 export interface SettingsFile
   extends Partial<Omit<Settings, 'backend' | 'fov' | 'flat' | 'up' | 'readout'>> {
+  /** The version of the format. */
   fixsplat: 1
+  /** The start view. */
   camera?: Pose
-  /** An equirectangular picture: an address in the folder of the file or below it, or data:. */
+  /** The address of an equirectangular picture, in the folder of this file or below it; or a data: address. */
   skybox?: string
-  /** At most 200. */
+  /** At most 200 annotations. */
   annotations?: readonly Annotation[]
-  /** At most 20. */
+  /** At most 20 tracks. */
   tracks?: readonly CameraTrack[]
-  /** What begins with the scene: 'track' and 'annotation' are the first of these. */
+  /** The action when the scene is loaded: 'track' plays the first track, 'annotation' opens the first
+      annotation, 'camera', the default, shows the start view. */
   start?: 'camera' | 'track' | 'annotation'
 }
 
+/** Options of `Viewer.film`. */
 export interface FilmOptions {
-  /** From 0; the one that is chosen by default. */
+  /** The index of the track, from 0; the selected track by default. */
   track?: number
-  /** Pixels, made even; those of the picture by default. */
+  /** The size in pixels, rounded to even numbers; the size of the picture by default. */
   width?: number
   height?: number
   /** Frames a second, 1 to 120; 30 by default. */
   rate?: number
-  /** Bits a second; without it the quality is constant where the encoder has that. */
+  /** Bits a second. By default the quality is constant if the encoder supports that, else 0.3 bits a pixel (16e6 bits a
+      second with MediaRecorder). */
   bitrate?: number
-  /** Called with the share that is done; what it throws ends the film. */
+  /** Called with the completed share, 0 to 1. An exception from this function cancels the film. */
   progress?: (share: number) => void
 }
 
-/** A film as a .webm. */
+/** A film as a .webm file. */
 export interface Film {
   blob: Blob
-  /** 'MediaRecorder' where there is no WebCodecs: frames then have the times at which they were drawn. */
+  /** 'MediaRecorder' is used if WebCodecs is missing; its frames are timed by the clock while they are drawn. */
   codec: 'VP9' | 'VP8' | 'MediaRecorder'
   frames: number
   width: number
   height: number
 }
 
-/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height, joystick, ar. */
+/** The element <fixsplat-viewer>. Attributes: src, cameras, view, background (#rrggbb), budget, detail, poster, turn,
+    backend, threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height, joystick, ar. */
 export class Viewer extends HTMLElement {
+  /** 'empty': no scene. 'loading': a scene or a part of it is loading. 'moving': the camera moves. 'still': the picture
+      is complete. */
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
-  /** What draws; to set it is to set the attribute. */
+  /** The back end that draws; undefined before the first scene. Setting it sets the attribute `backend`. */
   get backend(): Backend | undefined
   set backend(name: Backend | '' | null | undefined)
-  /** Eye, look, up and field of view: ten numbers with commas, as the attribute `view`. Three more where not 0:
-      1 for parallel rays, and how far right and down of the middle the axis lies, in heights of the picture. Empty without a scene. */
+  /** The camera as text: eye, look, up and field of view, ten numbers separated by commas. Three more numbers follow if
+      any is not 0: 1 for an orthographic camera, then `ViewerCamera.shift`. Empty without a scene. */
   get view(): string
-  /** As to set the attribute. */
+  /** Sets the attribute `view`. */
   set view(text: string | null | undefined)
-  /** The address of the viewer's page with this scene and view. */
+  /** An address of the viewer's page that shows this scene with this view. */
   readonly link: string
-  /** The scenes on show. */
+  /** The scenes in the picture. */
   readonly scenes: ShownScene[]
-  /** A copy; null without a scene. Some of one may be set, before there is a scene too: then it begins so. An Error
-      where a number is missing. */
+  /** A copy of the camera; null without a scene. A part of a camera may be set. Before a scene is loaded, it sets the
+      start view; then `eye` and `look` are required. Setting a field with the wrong count of numbers throws an
+      Error. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
-  /** All; some may be set. To set an address is to set the attribute, which is that of a settings file. */
+  /** All settings. Setting an object changes the settings in it. Setting a string sets the attribute `settings`, the
+      address of a settings file. */
   get settings(): Settings
   set settings(values: { [Name in keyof Settings]?: Settings[Name] | null } | string)
-  /** Opens an address, a file, or the files of one scene; what there was stays where that fails. */
+  /** Opens a scene: an address, a file, or the files of one scene. It replaces the scene of `src` or of an earlier
+      `open`. False if it cannot be opened; the earlier scene then stays. */
   open(source: string | File | File[]): Promise<boolean>
-  /** Puts one more scene beside those there are: a new <fixsplat-scene> in this element. */
+  /** Adds a scene to the picture, as a new <fixsplat-scene> in this element. */
   add(source: string | File | File[], place?: Place): PlacedScene
-  /** Takes away what `src`, `open` or a person has opened; each <fixsplat-scene> of the page stays. */
+  /** Removes the scenes opened by `src`, by `open` or by the user. Each <fixsplat-scene> of the page stays. */
   clear(): void
-  /** Puts the scene of another address in the place of the one on show; the camera stays. False where there is no scene
-      yet, or where it is not the time: ask again. */
+  /** Replaces the scene by the scene of another address; the camera stays. False if no scene is loaded, or if the
+      viewer is busy; then try again later. */
   replace(source: string): Promise<boolean>
-  /** Of the views of `cameras`, from 0. */
+  /** Shows a view of the attribute `cameras`. The index counts from 0 and wraps around. */
   showView(index: number): void
-  /** Moves the camera in so many milliseconds, 1000 by default; at once where the machine is set to less motion. True
-      when it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
+  /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion. True
+      when the camera has arrived; false without a scene, or if the user, a program or another scene has moved the
+      camera meanwhile. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
-  /** What is at a place, in CSS pixels of the element; null where nothing is. */
+  /** Finds the Gaussian at a point of the element, in CSS pixels; null if nothing is there. */
   pick(x: number, y: number): Promise<Found | null>
-  /** Copies; some may be set, which are there a moment later. What is wrong in one is an event `error`. */
+  /** A copy of the annotations. A new list takes effect a moment later; an error in it is an event `error`. */
   get annotations(): Annotation[]
   set annotations(list: readonly Annotation[])
+  /** A copy of the tracks. A new list takes effect a moment later; an error in it is an event `error`. */
   get tracks(): CameraTrack[]
   set tracks(list: readonly CameraTrack[])
-  /** Opens the caption of an annotation, from 0, and flies to it. True when it is there. Rejects where there is none. */
+  /** Opens the caption of an annotation and flies to it. The index counts from 0. True when the camera has arrived.
+      Rejected if the annotation does not exist. */
   goTo(index: number): Promise<boolean>
-  /** Plays a track, from 0, or the one that is chosen, from where it was paused. Rejects where there is none. */
+  /** Plays a track, by its index from 0; the selected track by default. A paused track continues. Rejected if the track
+      does not exist. */
   play(track?: number): Promise<void>
   pause(): void
-  /** Shows a time of the track, seconds. */
+  /** Pauses the track and shows it at a time in seconds. */
   seek(seconds: number): void
+  /** The time of the selected track, in seconds. */
   readonly time: number
+  /** The duration of the selected track, in seconds. */
   readonly duration: number
   readonly paused: boolean
-  /** Each frame is drawn whole, as `fixsplat render` draws it, and goes to the codec, which changes its bytes. */
+  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`; the codec changes its bytes. */
   film(options?: FilmOptions): Promise<Film>
-  /** Reads a settings file: its address, a File, or what it says. What it gives in place of annotations, tracks and camera
-      takes the place of those that are there. Lines about what of it is left out. Rejects where it is none. */
+  /** Reads a settings file: an address, a File, or the content of a file as an object. Its camera, annotations and
+      tracks replace the present ones. Returns a line about each part of the file that was ignored. Rejected if it is
+      not a settings file. */
   readSettings(source: string | File | object): Promise<string[]>
   addEventListener<Name extends keyof ViewerEvents>(
     name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: How): void
@@ -292,36 +321,49 @@ export class Viewer extends HTMLElement {
   addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: How): void
 }
 
-/** The attributes as frameworks take them: `true` and '' are there, `undefined` is not. */
+/** The attributes for frameworks such as React. `true` and '' set an attribute without a value. */
 export interface ViewerAttributes {
+  /** The address of a scene. */
   src?: string
+  /** The address of a cameras.json file with views. */
   cameras?: string
+  /** The start view, as `Viewer.view`. */
   view?: string
   background?: string
   budget?: number | string
   detail?: number | string
+  /** The address of a picture to show until the first picture of the scene. */
   poster?: string
   backend?: Backend | ''
+  /** The number of threads that draw, as `LoadOptions.threads`. */
   threads?: number | string
   turn?: '' | true
-  /** Nothing but the picture. */
+  /** Hides the whole interface. */
   noui?: '' | true
-  /** Which parts of the interface there are, and no others; all without it. */
+  /** The parts of the interface to show; all by default. */
   ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
-  /** The scene's name in the corner; without it that of its file. */
+  /** The name of the scene in the corner; the name of its file by default. */
   label?: string
+  /** 'page': the wheel scrolls the page, unless the element has the focus or Ctrl is held. */
   wheel?: 'page' | ''
   ar?: Settings['ar']
+  /** The time in seconds that a removed scene stays in memory; 60 by default. */
   keep?: number | string
+  /** The address of a settings file. */
   settings?: string
+  /** The number of the annotation to show, from 1. */
   annotation?: number | string
+  /** The address of an equirectangular picture behind the scene. */
   skybox?: string
+  /** The language: 'de', 'en' or 'zh'; by default the first supported language of the browser. */
   lang?: string
   'eye-height'?: number | string
+  /** The on-screen stick for flying and walking: '' shows it, 'none' hides it. By default it is shown on touchscreens,
+      unless `noui` or `ui` is set. */
   joystick?: '' | 'none'
 }
 
-/** As of a cameras.json. */
+/** A camera in the format of a cameras.json file. */
 export interface EyeCamera {
   width: number
   height: number

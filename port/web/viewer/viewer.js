@@ -1,5 +1,9 @@
-// The element <fixsplat-viewer src=... cameras=... view=...>, which shows scenes in a page: that of `src`, and those of
-// the elements <fixsplat-scene> in it. The page index.html consists of one such element.
+// The element <fixsplat-viewer src=... cameras=... view=...> shows scenes in a page: the scene of `src`, and a scene
+// for each <fixsplat-scene> in it. Scenes are loaded and drawn in a worker (engine.js, worker.js). `src` and `open`
+// load their scene in a new worker, which replaces the present one when the scene has arrived (#openAlone). Further
+// scenes are loaded in the present worker (#load); #gather brings the loaded scenes in line with the wanted ones. Pilot
+// moves the camera, Picture owns the canvas and the back end, Panels the visible texts and buttons. index.html is a
+// page with one such element.
 import { addressIn } from '../fixsplat_assets.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
@@ -12,16 +16,16 @@ import { Item, PlacedScene, WATCHED } from './scenes.js'
 import { style } from './style.js'
 import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 
-const STILL_MS = 150 // after the last motion
-const GLIDE_MS = 1000 // of `flyTo`
-const KEPT_S = 60 // seconds that scenes stay in memory after they were taken away
-const HINT_MS = 5000 // between two hints that the wheel scrolls the page
-const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6] // of the slider; behind the last, no limit
+const STILL_MS = 150 // after this time without motion, the picture is at rest
+const GLIDE_MS = 1000 // default duration of flyTo
+const KEPT_S = 60 // default seconds that a removed scene stays in memory
+const HINT_MS = 5000 // least time between two hints about the wheel
+const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6] // steps of the slider; one more: no limit
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
-const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on secure pages alone
+const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // headset browsers, which have WebXR on secure pages only
 
-const MOST_AWAY = 2 // viewers out of the page that keep their scenes: of more, those that left first do not
+const MOST_AWAY = 2 // viewers outside the document that keep their scenes; the oldest beyond this number free them
 const away = new Set()
 
 const template = document.createElement('template')
@@ -34,41 +38,41 @@ export class Viewer extends HTMLElement {
     'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar']
 
   #headset = null
-  #room = null // AR as a mode of it
-  #engine = null // of the scenes on show
-  #opening = null // what is loading in a worker of its own: { engine, item, name, views, view }
-  #adding = null // what is loading beside scenes on show
-  #taken = Promise.resolve() // one scene after the other
-  #gathered = Promise.resolve()
-  #items = [] // scenes that are there or asked for
-  #main = null // that of `src` or `open` among them
-  #src = null // the attribute's value that was opened last
-  #dropped = [] // the elements of files that were dropped
+  #room = null // the class AR, if the device has AR
+  #engine = null // the worker of the visible scenes
+  #opening = null // the scene that loads in a new worker: { engine, item, views, view }
+  #adding = null // the item that loads in the present worker
+  #taken = Promise.resolve() // queue of #inTurn
+  #gathered = Promise.resolve() // queue of #gather
+  #items = [] // scenes that are loaded or wanted
+  #main = null // the item of src or open
+  #src = null // the last opened value of the attribute
+  #dropped = [] // elements of dropped files
   #leaving = 0
   #isHere = false // in a document
-  #scene = null // of all on show: count, box and first view
+  #scene = null // facts of all visible scenes together: count, box, first view
   #picture
   #pilot = new Pilot(this, (moving, byHand) => this.#moved(moving, byHand))
   #good = null // the camera of the last picture
-  #asked = null // a camera for a scene that is still to come
-  #linked = null // that of the attribute `view`, where the scene began with it
-  #busy = false
+  #asked = null // the start view for the next scene
+  #linked = null // the start view from the attribute, if the scene began with one
+  #busy = false // a picture is being drawn
   #switching = false
-  #held = false // the scene stays as it is: a trial has a copy of it, or another takes its place
+  #held = false // blocks trials and replace: the scenes are being copied or replaced
   #changed = false
-  #missing = 0 // parts that the last picture lacked
-  #stuck = false // and that do not come
+  #missing = 0 // missing parts of the last picture
+  #stuck = false // missing parts will not arrive
   #movedAt = -Infinity
   #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
   #language = new Language()
-  #acts // what input of all kinds calls
-  #stick = null // of joystick.js, and whether there is use for it: a touchscreen
-  #touches = matchMedia('(pointer: coarse)').matches
-  #tour = null // of annotations, tracks and settings files, once there is any: a promise of it, and it
-  #touring = null
-  #begins = null // a promise: the settings file has been read
-  #noSky = '' // the address of a sky that cannot be had
+  #acts // commands of keyboard, mouse, touch and gamepad
+  #stick = null // a promise of the stick of joystick.js
+  #touches = matchMedia('(pointer: coarse)').matches // true on a touchscreen: the stick is useful
+  #tour = null // annotations, tracks and settings files; loaded with the first of them
+  #touring = null // the promise of #tour
+  #begins = null // fulfilled when the settings file has been read
+  #noSky = '' // the address of a skybox that failed to load
   #ui
   #panels
 
@@ -93,7 +97,7 @@ export class Viewer extends HTMLElement {
   connectedCallback() {
     clearTimeout(this.#leaving)
     this.#leaving = 0
-    if (this.#isHere) return this.#readSrc() // moved
+    if (this.#isHere) return this.#readSrc() // moved within the document
     this.#isHere = true
     away.delete(this)
     this.state = this.#scene ? 'loading' : 'empty'
@@ -116,10 +120,10 @@ export class Viewer extends HTMLElement {
     addEventListener('gamepadconnected', this.joined)
     try {
       if (navigator.getGamepads().some(Boolean)) this.joined()
-    } catch {} // not on this page, or not in this browser
+    } catch {} // gamepads are not supported or not allowed
   }
 
-  /** One that is put elsewhere within the same task goes on. */
+  /** Waits for the end of the task: an element that is moved in the document keeps running. */
   disconnectedCallback() {
     this.#leaving = setTimeout(() => this.#leave())
   }
@@ -134,7 +138,7 @@ export class Viewer extends HTMLElement {
     this.#headset?.end()
     const isLoading = this.#opening
     this.#cancel()
-    if (isLoading) this.#src = null // begins anew
+    if (isLoading) this.#src = null // loads again after the return
     for (const item of this.#items) this.#letGo(item)
     away.add(this)
     if (away.size > MOST_AWAY) [...away][0].#end()
@@ -166,7 +170,6 @@ export class Viewer extends HTMLElement {
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
   }
 
-  /** empty, loading, moving or still. */
   get state() {
     return this.getAttribute('state')
   }
@@ -174,7 +177,6 @@ export class Viewer extends HTMLElement {
     this.setAttribute('state', value)
   }
 
-  /** What draws: wasm, webgl2, webgl2-quads or webgpu. */
   get backend() {
     return this.#picture.backend
   }
@@ -182,7 +184,6 @@ export class Viewer extends HTMLElement {
     this.#setAttribute('backend', name)
   }
 
-  /** eye, look, up and fov, ten numbers with commas, or thirteen: as the attribute `view`. */
   get view() {
     return this.#pilot.camera ? textOf(this.#pilot.camera) : ''
   }
@@ -190,36 +191,31 @@ export class Viewer extends HTMLElement {
     this.#setAttribute('view', text)
   }
 
-  /** As React has it, which sets the property where there is one. */
+  /** React sets properties, also to null and undefined; these remove the attribute. */
   #setAttribute(name, value) {
     if (value === null || value === undefined) this.removeAttribute(name)
     else this.setAttribute(name, value)
   }
 
-  /** eye, look, up, fov, flat and shift; null without a scene. */
   get camera() {
     return this.#pilot.camera && structuredClone(this.#pilot.camera)
   }
-  /** Some of these; where there is no scene yet, that is how the next begins. */
   set camera(camera) {
     if (this.#scene) this.#goTo(checkedCamera(camera, this.#pilot.camera))
     else this.#asked = camera && checkedCamera(camera)
   }
 
-  /** At once, and no scene that comes later moves it. */
+  /** Sets the camera without motion. Scenes that are added later do not change it. */
   #goTo(camera) {
     if (camera && this.#scene) this.#pilot.touched = true
     this.#pilot.show(camera)
   }
 
-  /** Moves there. True when it is there, false where a hand, a program or another scene has taken the camera
-      meanwhile. */
   async flyTo(camera, { duration = GLIDE_MS } = {}) {
     if (!this.#scene) return false
     return this.#pilot.glide(checkedCamera(camera, this.#pilot.camera), duration)
   }
 
-  /** What is at a place of the element, in CSS pixels; null where nothing is. */
   async pick(x, y) {
     if (!this.#scene || !this.clientWidth || !this.clientHeight) return null
     const found = await this.#pick(x / this.clientWidth, y / this.clientHeight, this.#frame()).catch(() => null)
@@ -229,12 +225,11 @@ export class Viewer extends HTMLElement {
     return item ? { position, depth, gaussian, scene: item.told } : null
   }
 
-  /** All settings, and what some of them are to be. */
   get settings() {
     return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
   }
   set settings(values) {
-    if (typeof values === 'string') return this.setAttribute('settings', values) // as React has it
+    if (typeof values === 'string') return this.setAttribute('settings', values) // React sets the property
     const names = Object.keys(this.#table)
     for (const name of Object.keys(values))
       if (!names.includes(name)) throw new Error(`${name}: expected one of ${names.join(', ')}`)
@@ -243,14 +238,14 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** Of the scene of `src` or `open`, where it has one. */
+  /** The address of the scene of `src` or `open`; empty for files. */
   get #address() {
     const { source } = this.#main ?? {}
     return typeof source === 'string' ? source : ''
   }
 
-  /** The viewer's page with this scene and view; this page where it is of this scene alone (`linksHere`), or where a
-      bundler has left out that one. */
+  /** A link to the viewer's page with this scene and view. It is a link to this page instead if `linksHere` is set, or
+      if a bundler left the viewer's page out. */
   get link() {
     const link = this.linksHere ? null : addressIn('viewer/index.html')
     if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`
@@ -267,7 +262,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Annotations, camera tracks and settings files ----------------------------------------------------------------
 
-  /** Fetched with the first of them. */
+  /** Loads tour.js on first use. */
   #tourNow() {
     return (this.#touring ??= import('./tour.js').then(({ Tour }) => (this.#tour = new Tour(this.#tourHost()))))
   }
@@ -301,8 +296,6 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Reads a settings file of ours or of supersplat-viewer: an address, a File or what such a file says. Lines about
-      what of it is left out. */
   async readSettings(source) {
     const tour = await this.#tourNow()
     const words = await tour.read(source)
@@ -316,7 +309,7 @@ export class Viewer extends HTMLElement {
     this.#begins = this.readSettings(this.getAttribute('settings')).catch((error) => this.#fail(error))
   }
 
-  /** As the address or the settings file say, with a scene that is new. */
+  /** For a new scene: opens the annotation of the attribute, else begins as the settings file says. */
   #beginTour(view) {
     if (this.hasAttribute('annotation')) this.#goToAttribute()
     else if (!view) this.#tour?.begin()
@@ -377,7 +370,7 @@ export class Viewer extends HTMLElement {
     return (await this.#tourNow()).film(options)
   }
 
-  /** The page, with the same settings, at an annotation. */
+  /** The link of the page with an annotation opened. */
   #linkTo(index) {
     const link = new URL(this.link)
     link.hash = `annotation=${index + 1}`
@@ -413,7 +406,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Opening ------------------------------------------------------------------------------------------------------
 
-  /** Opens what `src` names, where that is another scene; without it that of the last is taken away. */
+  /** Opens the scene of `src` if the attribute has changed; removes the last one if the attribute is empty. */
   #readSrc() {
     const src = this.getAttribute('src')
     if (src === this.#src) return
@@ -422,7 +415,6 @@ export class Viewer extends HTMLElement {
     else this.clear()
   }
 
-  /** Takes away what `src`, `open` or a drop has opened; elements <fixsplat-scene> of the page stay. */
   clear() {
     if (this.#opening && !this.#opening.item.element) this.#cancel()
     this.#main = null
@@ -430,7 +422,7 @@ export class Viewer extends HTMLElement {
     this.#gather()
   }
 
-  /** The views that the attribute `cameras` names; none where that fails. */
+  /** The views of the attribute `cameras`; an empty list on failure. */
   async #fetchViews() {
     const url = this.getAttribute('cameras')
     return url ? fetchViews(url).catch((error) => this.#fail(error) ?? []) : []
@@ -441,15 +433,13 @@ export class Viewer extends HTMLElement {
     if (this.#scene && url === this.getAttribute('cameras')) this.#takeViews(views)
   }
 
-  /** A picture that stands there until the scene's first. */
+  /** Shows a poster until the first picture of the scene. */
   #showPoster(url) {
     if (this.#scene) return
     this.#ui.stage.querySelector('img')?.remove()
     this.#ui.stage.append(Object.assign(new Image(), { src: url, alt: '' }))
   }
 
-  /** Opens a file, the files of a scene or an address; the scene there was stays where that fails. True where it is
-      open. */
   async open(source, views = [], view = null) {
     const item = this.#keptOf(source) ?? new Item(source)
     this.#cancel()
@@ -462,14 +452,13 @@ export class Viewer extends HTMLElement {
     return true
   }
 
-  /** What was opened before, was taken away and is still there. */
+  /** The item of a source that was removed and is still in memory. */
   #keptOf(source) {
     const { source: address } = new Item(source)
     const isKept = (item) => item.source === address && !item.element && item !== this.#main
     return this.#items.find((item) => isKept(item) && item.engine && item.engine === this.#engine)
   }
 
-  /** Puts one more scene beside those there are. Its element has its place, and takes it away by `remove`. */
   add(source, place = {}) {
     const element = Object.assign(new PlacedScene(), place)
     if (typeof source === 'string') element.src = source
@@ -477,7 +466,7 @@ export class Viewer extends HTMLElement {
     return this.appendChild(element)
   }
 
-  /** Loads a scene in a worker of its own, which takes the place of the one on show when the scene is there. */
+  /** Loads a scene in a new worker. When the scene, or a preview, has arrived, this worker replaces the present one. */
   async #openAlone(item, views, view) {
     const opening = (this.#opening = { item, views, view })
     this.#begin(item)
@@ -506,8 +495,7 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Puts another scene in the place of the one on show, by the same camera and without a word. False where there is none,
-      or not now. */
+  /** Does not show progress and sends no event. */
   async replace(url) {
     const [engine, item] = [this.#engine, this.#main]
     if (!this.#scene || !item || item.engine !== engine || this.#opening || this.#held) return false
@@ -523,12 +511,11 @@ export class Viewer extends HTMLElement {
 
   // ---- Several scenes -----------------------------------------------------------------------------------------------
 
-  /** The scenes on show. */
   get scenes() {
     return this.#scene ? this.#shown.map((item) => item.told) : []
   }
 
-  /** What is asked for, in order. */
+  /** The items of `src` or `open` and of all elements <fixsplat-scene>, in order, without the failed ones. */
   get #wantedItems() {
     const elements = [...this.querySelectorAll('fixsplat-scene')].filter((one) => one.source || one.getAttribute('src'))
     return [this.#main, ...elements.map((element) => this.#itemOf(element))].filter((item) => item && !item.failed)
@@ -545,7 +532,7 @@ export class Viewer extends HTMLElement {
     return own ?? item
   }
 
-  /** Brings what is shown to what is asked for. True where something is on show then. */
+  /** Loads, places and removes scenes until the visible items are the wanted ones. True if a scene is visible then. */
   #gather() {
     const next = () => this.#gatherNow().catch((error) => this.#engine && this.#fail(error))
     return (this.#gathered = this.#gathered.then(next).then(() => !!this.#scene))
@@ -575,7 +562,7 @@ export class Viewer extends HTMLElement {
     if (missing) this.#gather()
   }
 
-  /** Loads one more in the worker of those on show. */
+  /** Loads an item in the present worker. */
   async #load(engine, item) {
     const { bytes } = item
     if (!bytes) this.#begin(item)
@@ -611,7 +598,7 @@ export class Viewer extends HTMLElement {
     } else this.#change()
   }
 
-  /** Keeps a scene that nobody asks for any more for a while, and the worker while there are scenes in it. */
+  /** Keeps an unwanted scene for `keep` seconds, then frees it. Ends the worker after its last scene. */
   #letGo(item) {
     const seconds = this.hasAttribute('keep') ? this.#numberOf('keep') : KEPT_S
     item.let(seconds, () => {
@@ -649,7 +636,7 @@ export class Viewer extends HTMLElement {
     return new Engine(hear, Number(this.getAttribute('threads')) || undefined)
   }
 
-  /** Ends what is loading, and with it what is already seen of it. */
+  /** Cancels loading, and removes a preview of the scene. */
   #cancel() {
     const { engine } = this.#opening ?? {}
     this.#begun()
@@ -666,7 +653,7 @@ export class Viewer extends HTMLElement {
     engine?.end()
   }
 
-  /** Scenes are in another worker from now on, or in none: what is not there yet is loaded again. */
+  /** Changes to another worker, or to none. `there`: the items that it holds; others are loaded again. */
   #leaveTo(engine, there = []) {
     this.#items = this.#items.filter((item) => item === this.#main || item.element || there.includes(item))
     for (const item of this.#items) item.engine = there.includes(item) ? engine : null
@@ -689,7 +676,7 @@ export class Viewer extends HTMLElement {
     else if (told.stage === 'noSky') this.#sayNoSky(told)
     else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
     else if (told.stage === 'preview') {
-      if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {}) // the whole will tell
+      if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {}) // the whole scene will report it
     } else this.#hearOfProgress([this.#opening?.item, this.#adding].find((item) => item?.key === told.key), told)
   }
 
@@ -703,9 +690,9 @@ export class Viewer extends HTMLElement {
     this.dispatchEvent(new CustomEvent(event, { detail }))
   }
 
-  /** Says it, to the page's program too. */
+  /** Shows an error in words for the user, and sends the event `error`. */
   async #fail(cause, { source } = {}) {
-    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) } // where the words cannot be fetched
+    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) } // if words.js cannot be loaded
     const { wordsOf } = await import('./words.js').catch(() => bare)
     const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
     const error = Object.assign(new Error(message, { cause }), { kind, source })
@@ -720,7 +707,7 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  /** Parts of a scene have come; or, with words, no more will. */
+  /** Parts of a streamed scene have arrived; with `words`, requests have failed. */
   #hearOfParts(opening, words) {
     if (opening && opening.engine !== this.#engine) return
     if (words) {
@@ -735,12 +722,12 @@ export class Viewer extends HTMLElement {
     return this.#inTurn(() => this.#takeNext(opening, scene, views))
   }
 
-  /** One change of what draws after the other. */
+  /** Runs changes of worker or back end one after the other. */
   #inTurn(change) {
     return (this.#taken = this.#taken.catch(() => {}).then(change))
   }
 
-  /** Draws anew where something else draws now; where the scene was closed meanwhile nobody wants to know. */
+  /** Draws again after a change of the back end. Ignores a failure if the scene was closed meanwhile. */
   #redraw(change) {
     const engine = this.#engine
     this.#inTurn(change).then(
@@ -749,7 +736,7 @@ export class Viewer extends HTMLElement {
     )
   }
 
-  /** A scene, or as much of it as has come. */
+  /** Shows a scene or a preview of it. */
   async #takeNext(opening, facts, views) {
     const { engine, item, view } = opening
     if (opening !== this.#opening) return
@@ -768,10 +755,10 @@ export class Viewer extends HTMLElement {
     else this.#takeViews(views, view ?? this.#asked)
   }
 
-  /** The scenes of elements, which another worker gets without another download. */
+  /** Takes the bytes of the scenes of elements, so that the new worker need not download them. */
   async #packAll() {
     for (const item of this.#shown.filter(({ element }) => element))
-      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // of one in parts nothing
+      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // fails for streamed scenes
   }
 
   #takeWorker(engine, item) {
@@ -802,7 +789,7 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Scenes among files, each in the order of its name, and a list of views. */
+  /** Opens the scenes among files, and a file of views or settings. */
   async #openFiles(files) {
     try {
       const { scenes, views } = (await import('./drop.js')).scenesIn(files)
@@ -818,10 +805,10 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** The first takes the place of what was opened before, with the others beside it. */
+  /** Opens the first scene instead of the present one, and adds the others to it. */
   async #openScenes([first, ...more]) {
     if (!(await this.open(first))) return false
-    this.removeAttribute('label') // that was of another
+    this.removeAttribute('label') // belonged to the former scene
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#dropped = more.map((files) => this.add(files))
     if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)
@@ -854,17 +841,16 @@ export class Viewer extends HTMLElement {
     return { ...size, ...bounds, sky, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
   }
 
-  /** That of an attribute; 0 where it is none above 0. */
+  /** The number in an attribute; 0 if it is not a positive number. */
   #numberOf(name) {
     return Math.max(Number(this.getAttribute(name)), 0) || 0
   }
 
-  /** Splats, where the attribute `budget` has them. */
   get #budget() {
     return Math.round(this.#numberOf('budget')) || undefined
   }
 
-  /** The place of the slider for the budget that there is. */
+  /** The position of the slider for the present budget. */
   get #budgetPlace() {
     const place = BUDGETS.findIndex((budget) => budget >= this.#budget)
     return place < 0 ? BUDGETS.length : place
@@ -877,7 +863,6 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** One step of the slider, in a scene with levels. */
   #stepBudget(step) {
     if (!this.#scene?.levels) return this.#panels.note('This scene has no levels of detail: all of it is drawn')
     const whole = BUDGETS.filter((budget) => budget < this.#scene.count).length
@@ -902,7 +887,7 @@ export class Viewer extends HTMLElement {
     return asked in backends ? asked : ''
   }
 
-  /** Draws with what the attribute `backend` says, or what turns out to be the fastest. */
+  /** Opens the back end of the attribute `backend`. Without one, a trial chooses the fastest later (#rest). */
   async #switch(engine) {
     this.#switching = true
     const has = await this.#picture.open(engine, this.#wanted).finally(() => (this.#switching = false))
@@ -910,7 +895,7 @@ export class Viewer extends HTMLElement {
     return true
   }
 
-  /** One picture at a time; what has changed meanwhile is drawn after it. */
+  /** Draws one picture at a time. Changes during drawing cause another picture. */
   async #draw() {
     if (this.#busy || this.#switching || !this.#scene || document.hidden) return
     if (!this.clientWidth || !this.clientHeight || this.#headset?.isOn) return
@@ -941,7 +926,7 @@ export class Viewer extends HTMLElement {
     this.#tour?.drawn()
   }
 
-  /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, nothing moves. */
+  /** After a failed picture: halves the pixels if memory was short, or goes back to the last good camera. */
   #refused(error) {
     if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
@@ -961,7 +946,7 @@ export class Viewer extends HTMLElement {
     else this.#rest()
   }
 
-  /** What there is time for when nothing moves. */
+  /** Work while nothing moves: measures the distance ahead for flying, and tries the other back ends once. */
   async #rest() {
     this.state = 'still'
     const [engine, options] = [this.#engine, this.#frame()]
@@ -984,7 +969,7 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  /** Gives another worker the scenes of one. */
+  /** Copies the scenes of a worker to another. */
   async #copy(engine, other, items) {
     const list = items.map(({ key, place }) => ({ key, place }))
     for (const { key, place } of list) await other.open(key, await engine.ask('packed', key), place)
@@ -1003,13 +988,12 @@ export class Viewer extends HTMLElement {
     this.#panels.note(name ? 'View {0} of {1}: {2}' : 'View {0} of {1}', this.#pilot.index + 1, views.length, name)
   }
 
-  /** What is seen at a place of the picture, whose sides are 1. */
+  /** Picks at x, y, 0 to 1 across the picture. */
   #pick(x, y, options) {
     const at = [x * options.width, y * options.height].map(Math.floor)
     return this.#engine.ask('pick', ...at, this.#pilot.rendered(options), options)
   }
 
-  /** A click without a drag. */
   async #click(x, y) {
     const found = await this.pick(x, y)
     if (this.#scene) this.#tell('pick', { x, y, found })
@@ -1024,7 +1008,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Headset ------------------------------------------------------------------------------------------------------
 
-  /** Buttons for what the device has: VR, also where there would be one if the page were secure, and AR. */
+  /** Shows the buttons for VR and AR. In a headset, VR is shown on insecure pages too, to tell the reason. */
   async #findHeadset() {
     const { headset, room, arSize } = this.#ui
     const { xr } = navigator
@@ -1039,13 +1023,13 @@ export class Viewer extends HTMLElement {
     room.onclick = () => this.#headset.enter(this.#room)
   }
 
-  /** The size that the scene has in a room: table or true; off where it is not to be seen there. */
+  /** The size of the scene in AR: 'table', 'true' or 'off'. */
   get #inRoom() {
     const asked = this.getAttribute('ar')
     return ['true', 'off'].includes(asked) ? asked : 'table'
   }
 
-  /** It stands at the page's camera; the page's picture stays as it is meanwhile. */
+  /** The headset starts at the camera of the page. The picture in the page does not change meanwhile. */
   async #newHeadset() {
     const { Headset } = await import('./xr.js')
     return new Headset({
@@ -1125,7 +1109,6 @@ export class Viewer extends HTMLElement {
     else this.requestFullscreen?.().catch(() => this.#panels.note('This browser keeps the page as it is'))
   }
 
-  /** orbit, fly or walk. */
   #setMode(mode) {
     this.#pilot.mode = mode
     this.#panels.setMode(mode)
@@ -1135,7 +1118,7 @@ export class Viewer extends HTMLElement {
     else if (this.#scene) this.#change()
   }
 
-  /** From where the camera is, when there is a scene. */
+  /** Starts walking at the camera. */
   async #walk() {
     const { Walker } = await import('./walk.js')
     const pilot = this.#pilot
@@ -1150,7 +1133,7 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** A stick for the thumb: on touchscreens, but for pages that show the picture alone; and where `joystick` asks. */
+  /** Shows the on-screen stick: as `joystick` says, by default on touchscreens without `noui` and `ui`. */
   async #showStick() {
     const auto = this.#touches && !this.matches('[noui], [ui]') ? '' : 'none'
     const is = this.#pilot.mode !== 'orbit' && (this.getAttribute('joystick') ?? auto) !== 'none'
@@ -1158,7 +1141,7 @@ export class Viewer extends HTMLElement {
     if (this.#stick) (await this.#stick).hidden = !is
   }
 
-  /** The mouse looks around without a button, until Escape. */
+  /** Captures the mouse: it looks around without a button, until Escape. */
   #capture() {
     if (!this.#pilot.walks) this.#setMode('fly')
     this.#ui.stage.requestPointerLock?.()?.catch(() => this.#panels.note('This browser keeps the mouse to itself'))
@@ -1193,7 +1176,7 @@ export class Viewer extends HTMLElement {
     does[key.length === 1 ? key.toLowerCase() : key]?.()
   }
 
-  /** How each setting is read and written; files of settings have these names. */
+  /** The getter and the setter of each setting. Settings files use the same names. */
   #table = {
     background: [() => this.#colour, (value) => this.#setAttribute('background', value)],
     backend: [() => this.#wanted, (value) => this.#setAttribute('backend', value)],
@@ -1212,7 +1195,7 @@ export class Viewer extends HTMLElement {
     readout: [() => !this.#ui.readout.hidden, (value) => (this.#ui.readout.hidden = !value)],
   }
 
-  /** What a field of the panel says. */
+  /** Applies a field of the settings panel. */
   #set({ name, type, value, checked }) {
     if (name === 'budget') return this.#setBudget(Number(value))
     if (name === 'eyeHeight') value = this.#pilot.walker.usual * 2 ** value
@@ -1279,7 +1262,7 @@ export class Viewer extends HTMLElement {
     this.addEventListener('dragleave', over(false))
     this.addEventListener('drop', (event) => {
       over(false)(event)
-      const { items, files } = event.dataTransfer // empty when the event is over
+      const { items, files } = event.dataTransfer // emptied after the event
       this.#takeDrop([...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean), [...files])
     })
   }

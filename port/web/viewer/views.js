@@ -1,7 +1,6 @@
-// Reads the views of a cameras.json file, of links and of a page's address, and writes links. A camera is an object
-// { eye, look, up, fov, flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are
-// parallel. `shift` is the horizontal and vertical distance of the camera's axis from the middle of the picture, divided
-// by the height of the picture.
+// Reads views from cameras.json files, links and the page's address, and writes links. A camera is { eye, look, up,
+// fov, flat, shift }. `look` is the point that the camera turns about. `flat`: orthographic. `shift` is the offset of
+// the camera's axis from the middle of the picture, right and down, in heights of the picture.
 import { download } from '../read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
@@ -21,7 +20,7 @@ export function addressOf(url) {
   }
 }
 
-/** The last part of an address; it may have any bytes. */
+/** The file name in an address. It may contain invalid escapes. */
 export function nameOf(url) {
   const name = url.split(/[?#]/)[0].split('/').pop()
   try {
@@ -56,13 +55,12 @@ export async function textAt(url, words) {
 
 export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))
 
-// Attributes of the element that are parameters of a page's address too.
+// Attributes of the element that may also be parameters of the page's address.
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']
 
-/** Does as the page's address says: attributes by its parameters, camera and annotation by what stands behind #, then
-    too when that changes. */
+/** Sets attributes by the page's address: by its parameters, and by each #fragment (view, annotation). */
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)
   for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
@@ -90,7 +88,7 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
   return [...eye, ...look, ...up, fov, ...more].join()
 }
 
-/** A camera that a program gives, which may leave out what another has. */
+/** Checks a camera. Missing fields are taken from `other`, else from the defaults. */
 export function checkedCamera(given, other = {}) {
   const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
   for (const [name, value] of Object.entries(given)) {

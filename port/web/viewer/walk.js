@@ -1,36 +1,37 @@
-// Walking: the eye stays at its height above the ground. The ground and walls are found in a map of heights, a small
-// picture of depths that the worker draws straight down from the eye, of what lies around. It is drawn as every picture
-// is, so it has what people see: all scenes, at their places, with the levels of detail that there are.
+// Walking: the eye stays at its height above the ground, low steps are climbed, walls stop. Ground and walls are found
+// in a height map of the surroundings: a small orthographic picture of depths that the worker draws straight down from
+// the eye. It is drawn as every picture is, so it agrees with the visible picture. A new map is requested as the eye
+// moves.
 import { add, cross, dot, unit } from './motion.js'
 
-const CELLS = 48 // of a map's side
-const FOCAL = 4096 // the renderer's steps of a focal length, in pixels a unit
-// The rest of these lengths are in heights of the eye.
-const CELL = 1 / 16
-const REACH = 1.25 // from the middle of a map: beyond, the next is waited for
-const STALE = 0.4 // so far from there the next is asked for
-const FOOT = 0.12 // around it the ground is looked at
-const BODY = 0.2 // as near things come
-const STEP = 0.25 // is climbed
-const DROP = 2 // is gone down; what lies deeper is a hole
-const STRIDE = 0.05 // of one step of the way, at most
-const BACK = 0.4 // from a point that is gone to
-const PACE = 2.5 // a second, at a speed of 1
-const LEAST = 3 // cells that stop: fewer are stray Gaussians
-const EASE = 10 // of what the eye lacks of its height, a second
-const STALE_MS = 1000
+const CELLS = 48 // cells along a side of a map
+const FOCAL = 4096 // the renderer rounds focal lengths to 1 / FOCAL pixels a unit
+// The lengths from CELL to PACE are in heights of the eye.
+const CELL = 1 / 16 // size of a cell
+const REACH = 1.25 // walking farther from the middle of a map waits for the next one
+const STALE = 0.4 // distance from the middle of a map that requests the next one
+const FOOT = 0.12 // radius around a point for measuring the ground
+const BODY = 0.2 // least distance to walls
+const STEP = 0.25 // height of a step that is climbed
+const DROP = 2 // depth that is stepped down; deeper is a hole
+const STRIDE = 0.05 // longest single step
+const BACK = 0.4 // distance to a chosen point on arrival
+const PACE = 2.5 // distance a second at a speed of 1
+const LEAST = 3 // blocked cells that stop; fewer are stray Gaussians
+const EASE = 10 // rate a second of the exponential approach to the height
+const STALE_MS = 1000 // a map is renewed after this time
 const GLIDE_MS = 500
-const TRIES = 8 // places for the first step, from the camera to what it looks at
-const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180) // along a wall
+const TRIES = 8 // places tried for the first position, from the camera to its target
+const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180) // ways along a wall
 
-/** The mean of the middle half, which stray Gaussians do not move. */
+/** The mean of the middle half of a list, robust against stray Gaussians. */
 function middle(list) {
   const [from, to] = [list.length >> 2, list.length - (list.length >> 2)]
   const half = list.sort((a, b) => a - b).slice(from, to)
   return half.reduce((sum, x) => sum + x, 0) / half.length
 }
 
-/** Heights of what is below a place, along `up`: cells of `cell` units, for an eye of one height. */
+/** A height map below a place, along `up`, for one height of the eye. Cells have the size `cell` in scene units. */
 class Ground {
   constructor(facts) {
     Object.assign(this, facts)
@@ -38,7 +39,7 @@ class Ground {
     this.level = dot(this.place, this.axes.up)
   }
 
-  /** Of cells around a point; -Infinity where nothing is. */
+  /** The heights of the cells around a point; -Infinity if nothing is there. */
   heights(point, radius) {
     const from = add(point, this.place, -1)
     const [x, y] = [this.axes.right, this.axes.down].map((axis) => dot(from, axis) / this.cell + CELLS / 2 - 0.5)
@@ -51,7 +52,7 @@ class Ground {
     return found
   }
 
-  /** How far a point is from the middle, across. */
+  /** The horizontal distance of a point from the middle. */
   distance(point) {
     const from = add(point, this.place, -1)
     return Math.hypot(dot(from, this.axes.right), dot(from, this.axes.down))
@@ -63,24 +64,24 @@ export class Walker {
   #host
   #ground = null
   #asking = null
-  #feet = 0 // how high the ground is on which it stands
-  #floats = false // where there has been no ground yet
-  #eye = null // where it has put the eye; another one is elsewhere, and has to come down
+  #feet = 0 // height of the ground under the feet
+  #floats = false // true: no ground was found yet
+  #eye = null // the eye as set by walking; if the camera has another, begin() must run again
   #usual = { scene: null, height: 1 }
-  #last = 0 // of rising and sinking
+  #last = 0 // time of the last step of #ease; 0: not running
 
-  /** The host has scene(), height() (0 for the usual one), draw(camera, size), a promise of depths, and note(words). */
+  /** The host has scene(), height() (0: usual), draw(camera, size) (a promise of depths), and note(words). */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host
   }
 
-  /** Of the eye above the ground, scene units. */
+  /** The height of the eye above the ground, in scene units. */
   get height() {
     return this.#host.height() || this.#usual.height
   }
 
-  /** Where no number is given. */
+  /** The estimated height, used without eye-height. */
   get usual() {
     return this.#usual.height
   }
@@ -89,7 +90,7 @@ export class Walker {
     return unit(this.#pilot.up)
   }
 
-  /** A level direction; that of the camera's up where it looks straight up or down. */
+  /** The horizontal direction of view. If the camera looks straight up or down, its up vector gives the direction. */
   #level(camera) {
     const up = this.#up
     const ahead = add(camera.look, camera.eye, -1)
@@ -99,8 +100,7 @@ export class Walker {
     return unit(steep ? flat(camera.up.map((x) => -Math.sign(dot(ahead, up)) * x)) : level)
   }
 
-  /** Stands on the ground: in front of a point, or below the camera, or where there is the first on the way to what the
-      camera looks at. */
+  /** Goes to the ground: in front of a point, or below the camera, or the first ground on the way to its target. */
   async begin(point = null) {
     const own = (this.#asking = {})
     const { camera } = this.#pilot
@@ -123,7 +123,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** A photograph is taken from eye level. Where the camera was chosen to show all, the scene's own height tells. */
+  /** Estimates the height of the eye: from the start view if a photograph gave it, else an eighth of the scene. */
   async #findUsual() {
     const scene = this.#host.scene()
     if (this.#usual.scene === scene) return
@@ -153,13 +153,13 @@ export class Walker {
     return depths && new Ground({ place: eye, axes, cell: 1 / fx, height, depths })
   }
 
-  /** How high the ground below a point is, between two heights; null where there is none. */
+  /** The height of the ground at a point, between two heights; null without ground. */
   #groundAt(ground, point, height, low = -Infinity, high = Infinity) {
     const found = ground.heights(point, FOOT * height).filter((y) => y > low && y <= high)
     return found.length ? middle(found) : null
   }
 
-  /** A place for the eye, above ground. */
+  /** A position for the eye above ground; null if none was found. */
   async #spot(camera) {
     const up = this.#up
     const way = add(camera.look, camera.eye, -1)
@@ -173,12 +173,12 @@ export class Walker {
     return null
   }
 
-  /** In front of a point that was looked at from a camera, the eye at its height above it. */
+  /** A position for the eye in front of a point, at eye height above it. */
   #before(point, camera) {
     return add(add(point, this.#level(camera), -BACK * this.height), this.#up, this.height)
   }
 
-  /** A camera at a place, that looks where it did, or ahead where that is too near or too far up or down. */
+  /** A camera at a position with the old target, which is moved if it is too near or too steep. */
   #upright(camera, eye) {
     const up = this.#up
     const ahead = add(camera.look, eye, -1)
@@ -191,7 +191,7 @@ export class Walker {
 
   // ---- Steps --------------------------------------------------------------------------------------------------------
 
-  /** To the right and ahead, seconds at full speed. */
+  /** Walks to the right and ahead, for seconds at full speed. */
   go(right, forward) {
     const { camera } = this.#pilot
     if (!this.#host.scene() || !(right || forward)) return
@@ -211,7 +211,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** One step, or as much of it along a wall as there is room for. */
+  /** Takes one step, along a wall if the way is blocked. Returns the new position. */
   #step(place, way, length) {
     const up = this.#up
     const now = this.#stops(place)
@@ -226,13 +226,13 @@ export class Walker {
     return place
   }
 
-  /** Cells around a place that are too high for a step. */
+  /** The number of cells around a position that are too high for a step. */
   #stops(place) {
     const limit = this.#feet + STEP * this.height
     return this.#ground.heights(place, BODY * this.height).filter((y) => y > limit).length
   }
 
-  /** On the ground there; over a hole the last one counts. */
+  /** Updates the height of the feet; over a hole it stays. */
   #stand(place) {
     const { height } = this
     const low = this.#floats ? -Infinity : this.#feet - DROP * height
@@ -248,7 +248,7 @@ export class Walker {
     this.#pilot.act({ ...camera, eye, look: add(camera.look, add(eye, camera.eye, -1)) })
   }
 
-  /** Has the next map drawn, where this one is of another place or time. */
+  /** Requests a new map if the present one is too far away or too old. */
   async #look(place) {
     const { height } = this
     const level = this.#feet + height
@@ -264,12 +264,12 @@ export class Walker {
     this.#ease()
   }
 
-  /** The height is another. */
+  /** Called after the height of the eye has changed. */
   stand() {
     if (this.#pilot.camera?.eye === this.#eye) this.#ease()
   }
 
-  /** Brings the eye to its height, a part of the way with each picture, unless the camera is on its way elsewhere. */
+  /** Moves the eye smoothly to its height, unless the camera glides elsewhere. */
   #ease() {
     if (this.#last) return
     const step = (now) => {

@@ -1,10 +1,10 @@
-// What a viewer says of an error to people who do not know how a scene is made, and the kind of it for programs.
+// Converts an error to a text for users of a page, and to a kind for programs.
 
 const FORMATS = '@FORMATS@'
 const size = (bytes) => (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} KB` : `${(bytes / 1e6).toFixed(1)} MB`)
 
-// Kind, what an Error's message has, and the words for that, which `say` has in another language; without words the
-// message says it. The first that fits.
+// Rows: kind, pattern of the message, and a function that writes the text with `say`, which translates. Without a
+// function, the message is the text. The first matching row is used.
 const TABLE = [
   ['browser', /^no WebAssembly$/, (say) =>
     say('This browser has no WebAssembly, or it is switched off: a newer one shows the scene')],
@@ -27,7 +27,7 @@ const TABLE = [
     say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
 ]
 
-/** The kind of an error and its words. */
+/** The kind and the text of an error: { kind, words }. */
 export function wordsOf({ message }, say) {
   for (const [kind, pattern, write] of TABLE) {
     const found = message.match(pattern)

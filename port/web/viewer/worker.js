@@ -1,23 +1,25 @@
-// The worker of a viewer's scenes. It loads and draws them while the page goes on responding.
+// The worker of a viewer. It loads and draws the scenes, so that the page stays responsive. The page (engine.js) sends
+// requests { id, word, args }; `words` below has the function of each. Every request gets an answer { id, result } or
+// { id, error }. Messages with a `stage` are sent without a request.
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from '../fixsplat.js'
 
-const SEEN = 40000 // Gaussians of a preview that is shown, at least
-const SEEN_SHARE = 1 / 3 // or of the download
-const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
-const AHEAD_MS = 600 // how far a camera in motion is followed, for parts that are to come
-const STOPPED_MS = 300 // between two pictures: the camera did not move
+const SEEN = 40000 // least number of Gaussians in a preview,
+const SEEN_SHARE = 1 / 3 // or least share of the download
+const PREVIEW_MS = 1000 // longest wait until the page has drawn a preview
+const AHEAD_MS = 600 // extrapolation of the motion of the camera, for prefetching
+const STOPPED_MS = 300 // a camera counts as stopped after this time between two pictures
 const NO_DEPTH = 0xffffffff
-const UNIT = 65536 // depths of a scene unit
+const UNIT = 65536 // depth of one scene unit
 const screens = {}
-const scenes = new Map() // by the page's keys
-let placed = [] // what is drawn: { key, place }
+const scenes = new Map() // by the keys of the page
+let placed = [] // the scenes to draw: { key, place }
 let how
 let drawn = () => {}
 
 const isThere = ({ key }) => scenes.has(key)
 const objects = () => placed.filter(isThere).map(({ key, place }) => ({ scene: scenes.get(key), ...place }))
 
-/** A point of a scene in the world: v + 2 w (q x v) + 2 q x (q x v), with the quaternion's length 1. */
+/** Places a point in the world. Rotation by a unit quaternion (w, q): v + 2 w (q x v) + 2 q x (q x v). */
 function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 }) {
   const [w, ...q] = rotation.map((x) => x / Math.hypot(...rotation))
   const cross = (a, b) => [1, 2, 0].map((j, i) => a[j] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[j])
@@ -36,9 +38,9 @@ function boxOf(list) {
   return { low, high }
 }
 
-let seen = {} // which scenes `first` is of, and that
+let seen = {} // the cached first view, and its scenes
 
-/** Where it is seen from at first: chosen anew with each other scene, not where one is moved. */
+/** The first view of all scenes. Chosen again if the list of scenes changes, not if a scene is moved. */
 function firstOf(list) {
   const of = placed.filter(isThere).map(({ key }) => key).join()
   if (seen.of !== of || seen.last !== list.at(-1).scene) seen = { of, last: list.at(-1).scene, first: firstView(list) }
@@ -46,7 +48,7 @@ function firstOf(list) {
   return { first: seen.first, start: Object.keys(place).length ? null : scene.start }
 }
 
-/** Of all that is drawn. */
+/** The facts of all visible scenes together; null without a scene. */
 function whole() {
   const list = objects()
   if (!list.length) return null
@@ -63,8 +65,7 @@ function put(key, scene) {
   scenes.set(key, scene)
 }
 
-/** What has come of a scene so far: loading goes on when it was drawn. Few Gaussians, enlarged, are a fog: the page's
-    poster, or nothing, tells more. */
+/** Shows a preview; loading waits until it was drawn. A preview of few Gaussians is only fog, so it is skipped. */
 function preview(key, part, share) {
   if (part.count < SEEN && share < SEEN_SHARE) return part.free()
   put(key, part)
@@ -75,13 +76,13 @@ function preview(key, part, share) {
   })
 }
 
-/** Calls when the browser has taken what was drawn: not while a worker is busy. */
+/** Calls a function after the browser has shown the canvas; the worker must be idle for that. */
 function onScreen(call) {
   if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
   else call()
 }
 
-/** What was drawn, with the pixels where there is no screen; null where the screen has failed. */
+/** Draws on a screen; without a screen returns the pixels. Null if the screen has failed. */
 async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
@@ -101,7 +102,7 @@ async function draw(id, camera, options) {
   }
 }
 
-/** The options of a frame, with what lies behind the scene where that is a picture. */
+/** The options of a frame with the skybox as backdrop. */
 async function withSky({ sky, ...options }, camera) {
   if (!sky) return options
   try {
@@ -113,9 +114,9 @@ async function withSky({ sky, ...options }, camera) {
   }
 }
 
-let last // the camera of the last picture, and when that was
+let last // position and time of the last picture
 
-/** Has fetched what the camera is to see soon, where it goes on as it did. */
+/** Prefetches parts for the camera AHEAD_MS from now, if it continues its motion. */
 function lookAhead(camera, options) {
   const list = objects()
   if (!list.some(({ scene }) => scene.paged && !scene.failure)) return
@@ -128,12 +129,12 @@ function lookAhead(camera, options) {
   const position = camera.position.map((x, i) => x + far * (x - before.position[i]))
   try {
     foresee(list, { ...camera, position }, options)
-  } catch {} // a place where no camera can be
+  } catch {} // the position is not valid for a camera
 }
 
-let eyes // what WebGL or WebGPU draws a headset's pictures on: { canvas, screen }
+let eyes // the canvas of pictures for a headset: { canvas, screen }
 
-/** Pictures side by side, or null where that failed. */
+/** Draws the pictures of several cameras side by side on the GPU. Null if the canvas is too small. */
 async function bitmapOf(cameras, options, backend) {
   const { width, height } = options
   if (eyes?.screen.backend !== backend) {
@@ -153,7 +154,7 @@ async function bitmapOf(cameras, options, backend) {
   return canvas.transferToImageBitmap()
 }
 
-/** Of a scene in parts by what is there. */
+/** Depths of a picture, by the loaded parts. */
 const depthOf = (camera, options) =>
   render(objects(), camera, { ...options, fetch: false, targets: { depth: true } }).depth
 const unitsOf = (code) => (code === NO_DEPTH ? Infinity : code / UNIT)
@@ -176,7 +177,7 @@ const words = {
     return factsOf(scene)
   },
 
-  /** What is drawn from now on; the scenes that it leaves out stay here. */
+  /** Sets the scenes to draw. The others stay in memory. */
   place(list) {
     placed = list
     return whole()
@@ -201,7 +202,7 @@ const words = {
     delete screens[id]
   },
 
-  /** On a screen; without one the pixels are the answer. */
+  /** Draws on a screen; for an unknown id, the answer has the pixels. */
   async draw(id, camera, options) {
     const start = performance.now()
     const isRough = screens[id]?.backend === 'webgl2-quads'
@@ -211,7 +212,7 @@ const words = {
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
-  /** What one or two eyes see, each as alone: the pixels of each, or where the graphics card draws a bitmap. */
+  /** Draws one or two eyes, each byte for byte as a mono picture: { pictures } of pixels, or a GPU's { bitmap }. */
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
@@ -231,11 +232,10 @@ const words = {
     return png(pixels, options.width, options.height)
   },
 
-  /** How far away what is seen at each pixel is; Infinity where nothing is. */
+  /** The depth at each pixel in scene units; Infinity if nothing is there. */
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
 
-  /** How far away what is seen at pixels of a small picture is, along the axis of view; Infinity where nothing is. The
-      farthest of nine neighbours, as a marker lies on what it marks. */
+  /** Depths at some pixels: the farthest of 3 x 3 pixels, since a marker is on the surface that it marks. */
   depths(pixels, camera, options) {
     const { width, height } = options
     const depth = depthOf(camera, options)

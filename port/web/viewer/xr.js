@@ -1,24 +1,25 @@
-// Shows the scene in a headset or a phone by WebXR. A worker draws a pair of pictures, one for each eye, for the newest
-// pose of the head; one picture where the device has one view. Each frame shows the newest complete pair, moved to the
-// present pose. VR puts the scene around the person who looks; ar.js puts it into the room.
+// Shows the scene in a headset or a phone by WebXR. The worker draws a picture for each eye at the latest pose of the
+// head; one picture if the device has one view. Drawing takes longer than a frame of the device, so each frame shows
+// the latest complete pictures, reprojected to the present pose (eyes.js). VR puts the scene around the user; ar.js
+// puts it into the room.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
-const REACH = 2 // metres: so far away is what the camera turns about
+const REACH = 2 // metres: distance of the point that the camera turns about
 const NEAR = 0.1 // metres
-const AIM_MS = 50 // of a pair of pictures
+const AIM_MS = 50 // aimed time for a pair of pictures
 const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
-const [PUSHED, IDLE] = [0.7, 0.3] // of a thumbstick, for a turn and for the next
+const [PUSHED, IDLE] = [0.7, 0.3] // deflection of a thumbstick that starts a turn, and that allows the next one
 const DEAD = 0.15
 
-/** Where the room lies in the scene: its axes (right, up, back) there, its origin, and how long a metre is. */
+/** The placement of the room in the scene: its axes (right, up, back), its origin, and scene units a metre. */
 export class Place {
   constructor(axes, units, origin = [0, 0, 0]) {
     Object.assign(this, { axes, units, origin })
   }
 
-  /** Level; a direction of the room, its x and z, is where the camera looks. */
+  /** A level placement: a direction of the room (x, z) becomes the direction of view of the camera. */
   static towards([hx, hz], { camera, up }, units) {
     const y = unit(up)
     const level = (a) => add(a, y, -dot(a, y))
@@ -30,7 +31,7 @@ export class Place {
     return new Place([mixed(hx, -hz), y, mixed(hz, hx)], units)
   }
 
-  /** The head is at the camera's eye and looks where the camera does. */
+  /** A placement with the head at the eye of the camera, in the same direction of view. */
   static of(view, { matrix, position }) {
     const place = Place.towards(unit([-matrix[8], -matrix[10]]), view, distance(view.camera) / REACH)
     return place.held(numbers(position), view.camera.eye)
@@ -51,7 +52,7 @@ export class Place {
     return this.axes.map((axis) => dot(axis, to) / this.units)
   }
 
-  /** The same, moved so that a point of the room lies there. */
+  /** Moves the placement so that a point of the room is at a point of the scene. */
   held(point, there) {
     const moved = new Place(this.axes, this.units)
     moved.origin = add(there, moved.turned(point), -this.units)
@@ -62,7 +63,7 @@ export class Place {
     return new Place(this.axes, this.units, add(this.origin, by, times))
   }
 
-  /** Turned about the vertical by an angle to the right, and a metre so many times as long. */
+  /** Turns about the vertical by an angle to the right, and scales the metre by a factor. */
   changed(angle, times) {
     const axes = this.axes.map((axis) => rotate(axis, this.axes[1], -angle))
     return new Place(axes, this.units * times, this.origin)
@@ -81,7 +82,7 @@ const pushed = (x = 0) => (Math.abs(x) < DEAD ? 0 : x)
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
-/** Where the person stands in the scene: at the page's camera, and from there on by thumbsticks. */
+/** The Guide of VR: starts at the camera of the page, and moves by thumbsticks. */
 class Walker {
   #host
   #turning = false
@@ -90,7 +91,7 @@ class Walker {
     this.#host = host
   }
 
-  /** The left stick moves where the head looks, the right one turns, and goes up and down. */
+  /** The left stick moves in the direction of view; the right one turns, and moves up and down. */
   step(place, { pose, session, seconds }) {
     const { matrix, position } = pose.transform
     place ??= Place.of(this.#host.view(), pose.transform)
@@ -110,10 +111,10 @@ class Walker {
   }
 }
 
-/** What a mode is: its session of WebXR, the name and the end in errors, the spaces in the order in which they are
- *  asked for, whether the picture is transparent where the scene is not, and who says where the room lies.
- *  That has step(place, now), which gives the Place of a frame, or null where there is none yet; and where it needs
- *  them `options` of the session, begin(session, space), end(), and show(gl, view, viewport) of frames without one. */
+/** A mode: the type of the WebXR session, the name and the words for errors, the reference spaces to try in order,
+ * `clear` for a transparent background, and the class Guide, which places the room in the scene. A Guide has
+ * step(place, now): it returns the Place of a frame, or null if none is chosen yet. It may have `options` of the
+ * session, begin(session, space), end(), and show(gl, view, viewport) for frames without a Place. */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
@@ -134,13 +135,13 @@ export class Headset {
   #gl
   #scale
   #place = null
-  #asked = null // what is being drawn, by which engine
+  #asked = null // the current request: { engine }
   #entering = false
   #grips = []
   #last = 0
 
-  /** The host has engine(), backend(), scene(), options(), view() with camera and up, and what a mode's guide needs; it
-   *  hears changed(isOn), drawn(detail) and say(error). */
+  /** The host has engine(), backend(), scene(), options(), view() with camera and up, the members that a Guide needs,
+   * and the callbacks changed(isOn), drawn(detail), say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -210,7 +211,7 @@ export class Headset {
     session.requestAnimationFrame(step)
   }
 
-  /** The first that the device has; its name. */
+  /** Takes the first reference space of the mode that the device supports. Returns its name. */
   async #takeSpace(session) {
     const { spaces } = this.#mode
     for (const name of spaces) {
@@ -264,14 +265,14 @@ export class Headset {
     })
   }
 
-  /** About how far away the scene is. */
+  /** The approximate distance of the scene. */
   #far({ rotation, position }) {
     const { low, high } = this.#host.scene()
     const middle = low.map((x, i) => (x + high[i]) / 2 - position[i])
     return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
   }
 
-  /** One pair at a time; the time from question to answer says how large the next is. */
+  /** Requests one pair of pictures at a time. The time until the answer decides the size of the next pair. */
   async #ask(engine, views) {
     const asked = (this.#asked = { engine })
     const scale = this.#scale.value
@@ -295,7 +296,7 @@ export class Headset {
 
   // ---- Controllers --------------------------------------------------------------------------------------------------
 
-  /** A hand that grips pulls the scene along; two also turn it, and draw it larger and smaller. */
+  /** A gripping controller moves the scene; two also turn and scale it. */
   #pull(frame) {
     const gripping = [...this.#session.inputSources].filter((s) => s.gripSpace && s.gamepad?.buttons[1]?.pressed)
     const now = gripping.map((source) => ({ source, pose: frame.getPose(source.gripSpace, this.#space) }))
