@@ -10,7 +10,7 @@
 
 #include "check.h"
 #include "one_scene.h"
-#include "src/core/parts.h"
+#include "src/core/frame.h"
 #include "tree_scene.h"
 
 enum { WIDTH = TREE_WIDTH, HEIGHT = TREE_HEIGHT, PIXELS = WIDTH * HEIGHT * 4, COUNT = TREE_COUNT };
