@@ -380,20 +380,20 @@ static int open_osmesa(void **self, const fxs_backend_options *options, fxs_mess
 
 const fxs_backend fxs_backend_gles = {
     .name = "gles", .does = "OpenGL ES 3.0 by EGL, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_exact, .open = open_exact, SHARED
+    .can = FXS_CAN_EXACT | FXS_CAN_PART, .device = device_exact, .open = open_exact, SHARED
 };
 
 const fxs_backend fxs_backend_gles_fetch = {
     .name = "gles-fetch", .does = "the same device by framebuffer fetch, without lists: the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_fetch, .open = open_fetch, SHARED
+    .can = FXS_CAN_EXACT | FXS_CAN_PART, .device = device_fetch, .open = open_fetch, SHARED
 };
 
 const fxs_backend fxs_backend_gles_quads = {
     .name = "gles-quads", .does = "the same device, quads blended by the hardware: inexact",
-    .can = FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_quads, .open = open_quads, SHARED
+    .can = FXS_CAN_PART, .device = device_quads, .open = open_quads, SHARED
 };
 
 const fxs_backend fxs_backend_osmesa = {
     .name = "osmesa", .does = "OpenGL by OSMesa, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_osmesa, .open = open_osmesa, SHARED
+    .can = FXS_CAN_EXACT | FXS_CAN_PART, .device = device_osmesa, .open = open_osmesa, SHARED
 };
