@@ -668,8 +668,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* moments: means may have any value, squares at least 0, other factors 0 to
-                                            1 */
+    for (int i = 0; i < 6 * 4; i++) {    /* moments: means any, squares from 0, others 0 to 1 */
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);
