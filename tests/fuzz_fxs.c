@@ -5,7 +5,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The result of one frame. */
 typedef struct result {
     int error;
     unsigned char pixels[2][FUZZ_ROOM / 16];

@@ -13,7 +13,7 @@ enum { CONTROL = 12, FRAMES = 3, TURNS = 40, WAIT_NS = 2000000 };
 typedef struct fuzz_source {
     const unsigned char *bytes;
     size_t there, claimed;
-    uint32_t reads, fails_each, lies_each;   /* reads so far; every n-th read fails or lies, 0: none */
+    uint32_t reads, fails_each, lies_each;   /* reads; every n-th one fails or lies, 0: none */
     int closed;
 } fuzz_source;
 
@@ -61,8 +61,8 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     return error;
 }
 
-/* Without limits the whole scene is drawn without a cut. A random tree's nodes do not bound their children, so such
-   frames cannot be compared. */
+/* Only frames with limits can be compared: without them the whole scene has no cut, and a random tree's nodes do not
+   bound their children. */
 static int has_cut(const fxs_scene *scene, const fxs_options *options)
 {
     return options->detail_q8 || (options->budget && options->budget < scene->count);

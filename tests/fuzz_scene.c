@@ -1,4 +1,4 @@
-/* Fuzzes the scene readers: a file is read whole, rewound, and read again with the same result. */
+/* Fuzzes the scene readers: a file is read twice with the same result. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -14,7 +14,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
-    size_t bytes, headers;         /* headers: bytes of the headers of the file and its chunks, at the start */
+    size_t bytes, headers;         /* headers: bytes of file and chunk headers, at the start */
     const unsigned char *original, *other;
     uint32_t how;
 } target;
@@ -26,8 +26,7 @@ static uint32_t scribble_random(uint32_t *seed)
     return *seed ^= *seed << 5;
 }
 
-/* Overwrites a random range: with bytes of one of the two scenes, which keep headers in range, or up to 64 bytes with
-   one value. */
+/* Overwrites a random range: with one scene's bytes, which keep headers in range, or up to 64 equal bytes. */
 static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);

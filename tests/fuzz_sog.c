@@ -1,6 +1,6 @@
 /* Fuzzes scenes in several files: a zipped .sog, SOG as files and streamed, a tileset, an .lcc, and gsplat's folder
-   with parts 0 to 6 as its images. Two bytes give each part's size; an empty environment is absent. A scene is read
-   whole, rewound, and read again with the same result. */
+   with parts 0 to 6 as images. Two bytes give each part's size; an empty environment is absent. A scene is read twice
+   with the same result. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* Fuzzes .spz in memory. The data after byte 0 are gzipped if it is odd, because mutations would break gzip's checksum.
-   A scene is read whole, rewound, and read again with the same result. */
+   A scene is read twice with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +15,6 @@ static void check_message(const fxs_message *message)
         abort();
 }
 
-/* Returns the number of Gaussians, or -1. */
 static long read_all(fxs_spz *spz, fxs_gaussian *last)
 {
     static fxs_gaussian gaussians[100];

@@ -1,6 +1,6 @@
 /* Decompression bombs: small scene files that demand much are refused within little time and memory, with a message.
    Honest small files are read; data are decompressed once. `test_bombs --write FOLDER` keeps the files. */
-#define _DEFAULT_SOURCE
+#define _DEFAULT_SOURCE   /* wait4 */
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -29,6 +29,7 @@ static void write_file(const char *name, const void *data, size_t length)
     }
 }
 
+/* ---- Parts of bombs -------------------------------------------------------------------------------------------- */
 
 /* A lossless WebP of one colour: five prefix codes of one symbol each, so a pixel takes no bits. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
@@ -48,7 +49,6 @@ static void put_zeros(int count)
         put(i ? ",0" : "0");
 }
 
-/* A meta.json of version 2 with these image names. */
 static void put_meta(int count, const char *const names[5])
 {
     put("{\"version\":2,\"count\":%d,\"means\":{\"mins\":[0,0,0],\"maxs\":[1,1,1],\"files\":[\"%s\",\"%s\"]},", count,
@@ -97,7 +97,7 @@ static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
     return length;
 }
 
-/* A .glb whose nodes place meshes, one for each .spz in the binary chunk, in turn. */
+/* A .glb with nodes that place meshes in turn, one for each .spz in the binary chunk. */
 static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_size[], int count)
 {
     size_t at = 0;
@@ -130,8 +130,9 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
     return size;
 }
 
+/* ---- Bombs ----------------------------------------------------------------------------------------------------- */
 
-enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* a byte for every 256 Gaussians */
+enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* a byte for at most 256 Gaussians */
 
 /* One entry serves as all images; zero padding after it deflates to almost nothing. */
 static void make_padded_sog(const char *name)
@@ -268,7 +269,7 @@ static void make_shared_images(const char *name)
     free(image);
 }
 
-/* A .gltf whose buffers are all the same file of a million bytes, which starts with an .spz. */
+/* A .gltf with one file of a million bytes, which starts with an .spz, as all its buffers. */
 static void make_shared_buffer(const char *name)
 {
     uint8_t *spz = calloc(PADDED, 1);
@@ -324,7 +325,6 @@ static size_t put_deflated(uint8_t *out, size_t room, size_t count)
     return room - stream.avail_out;
 }
 
-/* A .rad with one chunk of `count` nodes. */
 static void write_rad(const char *name, size_t count, const zero_column *columns, const char *more)
 {
     static uint8_t payload[1 << 19];
@@ -365,7 +365,7 @@ static void make_inflating_rad(const char *name)
     write_rad(name, 4000000, columns, "");
 }
 
-/* The largest count that is always allowed, with SH degree 3, in one chunk. */
+/* The largest count that is always allowed, with SH degree 3. */
 static void make_wide_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f32", 12}, {"alpha", "f32", 4}, {"rgb", "f32", 12},
@@ -491,7 +491,7 @@ static int import(const char *name, fxs_message *said)
     return result;
 }
 
-/* Runs in a separate process with limits on memory and time. */
+/* Runs in a separate process with limits. */
 static void import_measured(const struct bomb *b)
 {
     const struct rlimit most = {(rlim_t)4 << 30, (rlim_t)4 << 30};
@@ -530,6 +530,7 @@ static void every_bomb_ends(void)
     }
 }
 
+/* ---- Limits ---------------------------------------------------------------------------------------------------- */
 
 static int open_limited(const char *name, uint64_t max_gaussians, uint64_t max_memory)
 {
@@ -713,7 +714,7 @@ static void every_bomb_ends(void)
 static int run_tests(int argc, char **argv)
 {
     (void)argv;
-    if (argc == 3)   /* no files to write */
+    if (argc == 3)
         return 1;
     RUN(every_bomb_ends);
     return check_report();

@@ -328,7 +328,7 @@ static void metashape_components(void)
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
 
-/* Photographs match those of COLMAP's convention to the pixel, and cameras match within rounding. */
+/* Photographs match COLMAP's convention to the pixel, cameras within rounding. */
 static void photographs(void)
 {
     const fxs_photos_options options = {.hold_out = 3};

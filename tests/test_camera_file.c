@@ -59,7 +59,6 @@ static long read_views(const char *name, fxs_file_view **views)
     return count;
 }
 
-/* Expects reading to fail with these words in the message. */
 static void check_fault(const char *name, const char *words)
 {
     fxs_file_view *views;
@@ -216,7 +215,7 @@ static void colmap_txt(void)
     check_fault("", "image 0: not nine numbers and a name");
 }
 
-/* Checks whether the first view is marked as bent by its lens; its pinhole camera is read in any case. */
+/* Checks if the first view is marked as bent by its lens; its pinhole camera is always read. */
 static void check_bends(const char *name, int bends)
 {
     fxs_file_view *views;
@@ -415,7 +414,6 @@ static void inria_extended(void)
     }
 }
 
-/* Written cameras read back unchanged. */
 static void written(void)
 {
     fxs_file_view views[2], *again;
@@ -741,7 +739,6 @@ static void check_matrices(int flat, const double at[6])
 
 static const double frustum[6] = {-0.1, 0.3, -0.05, 0.2, 0.25, 50};
 
-/* Expects a pair of matrices to be refused with these words. */
 static void refuses_matrices(const double view[16], const double projection[16], const char *words)
 {
     fxs_camera camera;
@@ -976,7 +973,7 @@ static void start_is_placed(void)
     CHECK(start.tangent == 0 && start.position[0] == 0 && fabs(start.up[2] + 1) < 1e-12);
 }
 
-/* Handheld cameras around a subject, rolled to either side, one of them level; up is no axis. */
+/* Handheld cameras around a subject, rolled to either side, one level; up is no axis. */
 static void start_view_is_upright(void)
 {
     enum { COUNT = 12, LEVEL = 7 };

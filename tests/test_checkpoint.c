@@ -528,7 +528,6 @@ static void names_of_photographs_do_not_matter(void)
 
 /* ---- Faults ------------------------------------------------------------------------------------------------------ */
 
-/* Expects resuming to fail with this error and reason. */
 static int refused(const char *name, int error, const char *why)
 {
     fxs_fit *fit = (fxs_fit *)&fit;
@@ -662,7 +661,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* the version with antialiasing, whose cameras hash differently */
+    change("half", 1, 19);          /* the version with antialiasing hashes cameras differently */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));

@@ -48,7 +48,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* Creates a back end with a fake function. Returns the error; *out is null on failure. */
+/* Creates a back end with a fake function; *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -72,7 +72,6 @@ static void close_compute(fxs_compute *c)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* Renders in plain C. */
 static int render_there(const fxs_request *request, fxs_stats *stats)
 {
     fxs_context context;
@@ -106,7 +105,6 @@ static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stat
     return error;
 }
 
-/* Prints the first difference and the number of differing bytes. */
 static int is_equal(const picture *a, const picture *b)
 {
     size_t first = a->bytes, differing = 0;
@@ -121,7 +119,6 @@ static int is_equal(const picture *a, const picture *b)
     return !differing;
 }
 
-/* Pictures and counts must be equal. */
 static int is_same(fxs_request *request, picture *a, picture *b)
 {
     fxs_stats of_a, of_b;

@@ -15,12 +15,12 @@
 
 enum { WIDTH = TREE_WIDTH, HEIGHT = TREE_HEIGHT, PIXELS = WIDTH * HEIGHT * 4, COUNT = TREE_COUNT };
 
-static fxs_packed_scene packed[3];          /* one for each profile */
+static fxs_packed_scene packed[3];
 static fxs_scene scenes[3];
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
-/* Sums the shares of the chunks from each leaf to the root. */
+/* Sums the shares from each leaf to the root. */
 static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, uint32_t whole, uint8_t *to)
 {
     whole += drawn[chunk] > 0 ? (uint32_t)drawn[chunk] : 0;
@@ -121,7 +121,6 @@ static void test_monotonic(void)
     check_monotonic(&scenes[2], camera_at(0.2, -0.5, -1.5));
 }
 
-/* Returns how many drawn chunks grow. */
 static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t budget)
 {
     unsigned char pixels[4];
@@ -383,8 +382,8 @@ static void fetch(partial *p, uint32_t chunk)
     p->places[chunk] = p->held++;
 }
 
-/* A few missing chunks are fetched after each frame. The picture approaches, and finally equals, that of the whole
-   scene. */
+/* A few missing chunks are fetched after each frame. The picture approaches the whole scene's, and finally equals
+   it. */
 static void test_in_part(void)
 {
     static unsigned char wanted[PIXELS];

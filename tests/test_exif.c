@@ -156,7 +156,6 @@ static void lies(void)
 
 /* ---- Orientations ------------------------------------------------------------------------------------------------ */
 
-/* Reads the photograph one/images/a.jpg with a camera of this size. */
 static int read_with(int camera_width, int camera_height)
 {
     const fxs_photos_options options = {0};
@@ -165,8 +164,8 @@ static int read_with(int camera_width, int camera_height)
     return read_photos("one", &options);
 }
 
-/* Where a stored pixel appears by the standard: the first row at the top, bottom, left or right, and the first column
-   likewise. */
+/* Where a stored pixel appears by the standard: the first row is the top, bottom, left or right, likewise the first
+   column. */
 static void shown_at(int orientation, int x, int y, int w, int h, int at[2])
 {
     static const struct {
@@ -268,7 +267,7 @@ static int heif_is_here(void)
     return read_file("a.heic") != FXS_ERR_UNSUPPORTED;
 }
 
-/* Writes the photograph with bytes changed at an offset from each occurrence of `name`. */
+/* Writes the photograph with bytes changed at an offset from each `name`. */
 static void put_changed_heif(const char *name, size_t offset, const void *bytes, size_t size)
 {
     static uint8_t changed[sizeof turned_heif];
@@ -383,8 +382,8 @@ static void put_chained_heif(const void *bytes, size_t size, size_t times)
     put_file("a.heic", chained, sizeof turned_heif + times * size + ZEROS);
 }
 
-/* References that each contain all later ones, as children or as their numbers, are refused before they take quadratic
-   time. Many plain references are accepted. */
+/* References that each contain all later ones, as children or numbers, are refused before they take quadratic time.
+   Many plain references are accepted. */
 static void heif_references(void)
 {
     static const uint8_t child[] = {0, 0, 0, 12, 'i', 'r', 'e', 'f', 0, 0, 0, 0};

@@ -50,7 +50,6 @@ static int draw(const fxs_context *context, const fxs_object *object, const fxs_
     return error;
 }
 
-/* The largest difference of a channel. */
 static int apart(const uint32_t *a, const uint32_t *b)
 {
     int most = 0;
@@ -127,8 +126,8 @@ static void test_end_of_a_long_list(void)
     free(wall.data);
 }
 
-/* An occluder behind everything hides nothing, at any place in a list. Pixels stay open to the end of the list, so most
-   entries count; several scenes put one at any given place. */
+/* An occluder behind everything hides nothing, at any place in a list. Pixels stay open, so most entries count; several
+   scenes put one at any place. */
 static void test_occluder_behind_a_long_list(void)
 {
     enum { SIZE = 16, COUNT = 80000 };

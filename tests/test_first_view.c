@@ -41,7 +41,6 @@ static int make(turned *t, const char *name)
            fxs_scene_open(&t->scene, t->packed.data, t->packed.bytes);
 }
 
-/* Sets the turned object, its box and its up vector. */
 static void turn(turned *t, const double r[9])
 {
     fxs_object_init(&t->object, &t->scene);
@@ -160,7 +159,6 @@ static double uniform(double low, double high)
     return low + (high - low) * (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/* A random direction. */
 static void find_direction(double d[3])
 {
     const double angle = uniform(0, 6.283185307179586), height = uniform(-1, 1), out = sqrt(1 - height * height);
@@ -188,7 +186,6 @@ static void put(const double p[3], const double normal[3], double size)
     g->opacity = 2;
 }
 
-/* A parallelogram with corner o and sides u, v. */
 static void lay_panel(const double o[3], const double u[3], const double v[3], int count)
 {
     const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
@@ -365,7 +362,6 @@ static int make_kind(turned *t, const struct kind *kind)
     return error || fxs_scene_open(&t->scene, t->packed.data, t->packed.bytes);
 }
 
-/* Checks the view in the scene's own axes. */
 static void check_kind(const turned *t, const struct kind *kind, const double r[9])
 {
     fxs_file_view view;

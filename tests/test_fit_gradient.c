@@ -1,13 +1,12 @@
-/* The gradients of a step against central differences of a forward pass in doubles, written from the formulas alone,
- * for every parameter. The cases: Gaussians inside and outside the cut-offs, at the picture's edges, with clamped
- * Jacobian slopes, colours clamped at 0, alphas at 0.99, closed pixels, ignored pixels, exposures and poses. Also the
- * cut-offs themselves, and the bounds of scales. */
+/* The gradients of a step against central differences of a forward pass in doubles, for every parameter: Gaussians
+ * inside and outside the cut-offs, at the picture's edges, with clamped Jacobian slopes, colours clamped at 0, alphas
+ * at 0.99, closed and ignored pixels, exposures, poses. Also the cut-offs, and the bounds of scales. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
 enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* the parameters and the 2D centre */
-enum { DEPTH = 3 };                /* depth of what the camera shows, which scales the rate of shifts */
+enum { DEPTH = 3 };                /* visible depth, which scales the rate of shifts */
 
 /* ---- The reference ----------------------------------------------------------------------------------------------- */
 
@@ -165,7 +164,7 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
     return capped ? CAPPED : IN;
 }
 
-/* Rotates the camera by 2 atan(|a| / 2) about a in its frame (Rodrigues), and moves it along its unrotated axes. */
+/* Rotates the camera by 2 atan(|a| / 2) about a in its frame (Rodrigues); moves it along its unrotated axes. */
 static void pose(scene *s)
 {
     const double *a = s->pose, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), angle = 2 * atan(length / 2);
@@ -184,7 +183,6 @@ static void pose(scene *s)
     }
 }
 
-/* A map with 12 nonzero numbers. */
 static const double affine[FXS_FIT_GAIN] = {1.25, -0.125, 0.0625, 0.1875, 0.75, -0.0625, -0.25, 0.125, 1.125, 0.0625,
                                             -0.03125, 0.125};
 
@@ -320,13 +318,12 @@ static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposur
 
 /* ---- Gradients against differences ------------------------------------------------------------------------------- */
 
-/* Exposures and poses of two photographs. */
 typedef struct photographs {
     fxs_fit_gain gains[2];
     fxs_fit_pose poses[2];
 } photographs;
 
-/* Runs a first step, which leaves a tenth of each gradient as Adam's mean. The photograph is the second one. */
+/* Runs a first step, which leaves a tenth of each gradient as Adam's mean, on the second photograph. */
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
     const int is_affine = s->exposure == FXS_FIT_EXPOSURE_AFFINE;
@@ -362,7 +359,7 @@ static double gradient_of(const fxs_fit_model *m, int i, int k)
     return (double)m->means[(size_t)k * m->stride + (size_t)i] / (double)0.1f;
 }
 
-/* The size of the gradients of a parameter's group. */
+/* The largest gradient in a parameter's group. */
 static double size_of(const double *d, int k)
 {
     static const int ends[] = {FXS_FIT_SCALE, FXS_FIT_ROTATION, FXS_FIT_OPACITY, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS};
@@ -443,7 +440,6 @@ static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
     }
 }
 
-/* All versions must give the same bytes. */
 static void check_versions(const scene *s, const fxs_fit_model *c, const photographs *photographs_of_c)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -588,7 +584,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Bisects a number of the case to two adjacent floats, of which only `high` has the property. */
+/* Bisects a number of the case to two adjacent floats; only `high` has the property. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {
@@ -604,7 +600,6 @@ static void close_in(pixel_case *c, float *number, float *low, float *high, int 
     CHECK(has(c));
 }
 
-/* A splat with the same alpha everywhere. */
 static fxs_fit_splat everywhere(double alpha)
 {
     const fxs_fit_splat s = {.centre = {8, 8}, .offset = (float)-log2(alpha), .limit = FXS_FIT_FAINT,
@@ -758,8 +753,9 @@ static void test_no_colour(void)
     }
 }
 
-/* The scale bound of Gaussians in front of two cameras, in doubles: by the nearer camera; by the other a tenth outside
-   its picture, where the nearer one is far off; none a fifth outside, or behind both. */
+/* The scale bound in front of two cameras, in doubles, is the nearer one's. A Gaussian a tenth outside the farther
+   camera's picture, but too far outside the nearer one's, has the farther one's bound. A fifth outside or behind both
+   it has none. */
 static void test_bounds_of_scales(void)
 {
     enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };
@@ -775,8 +771,7 @@ static void test_bounds_of_scales(void)
         float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
         for (int i = 0; i < FXS_FIT_GROUP; i++)
             for (int k = 0; k < 3; k++) {
-                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* picture widths from the
-                                                                                             left */
+                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* widths from the left */
                 const float along = i == BEHIND ? -4 : 4, aside = along * (40 * at - of[0].middle[0]) / of[0].focal[0];
                 parameters[k][i] = of[0].eye[k] + along * of[0].rotation[6 + k] + aside * of[0].rotation[k];
                 parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 2;

@@ -38,7 +38,6 @@ static int is_ignored(const pictures *p, int pixel)
     return p->is_masked && !p->mask[pixel];
 }
 
-/* Ignores a random disc and one pixel in `rare`. */
 static void make_mask(pictures *p, int rare)
 {
     const double middle[2] = {fit_uniform(0, p->width), fit_uniform(0, p->height)};
@@ -226,7 +225,6 @@ static void test_cut_white(void)
         }
 }
 
-/* Results of the passes in one version. */
 typedef struct outcome {
     float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } outcome;

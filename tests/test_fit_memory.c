@@ -133,7 +133,7 @@ static void test_no_memory(void)
 }
 
 /* At most twice the size of parameters, gradients and moments, also while Gaussians are added and through the profile.
-   No growth once their number is constant. */
+   With a constant number it does not grow. */
 static void test_amount(void)
 {
 #ifdef COUNTING

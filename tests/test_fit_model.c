@@ -517,7 +517,6 @@ static size_t not_shared(const fxs_fit_model *m, size_t i, const fxs_fit_model *
            differing(m, i, old, of, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS) + !has_moments(m, i, -1);
 }
 
-/* The Gaussian of `old` at the same position. */
 static size_t source_of(const fxs_fit_model *m, size_t i, const fxs_fit_model *old)
 {
     for (size_t k = 0; k < old->count; k++)
@@ -660,7 +659,7 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* 0 by default. Otherwise it falls to a tenth, in mcmc and fast over the fit's own steps, and ramps up for 500 steps
+/* 0 by default. Otherwise it falls to a tenth, in mcmc and fast over the fit's own steps, and ramps up over 500 steps
    after the start and each reset. */
 static void rates_of_exposures(void)
 {
@@ -716,7 +715,7 @@ static void mcmc_recipe(void)
     CHECK(fxs_fit_first_opacity(FXS_FIT_MCMC) == 0.5f && fxs_fit_first_scale(FXS_FIT_FAST) == 0.1f);
 }
 
-/* Scales are bounded at step 1, each 100th, the one before the last tenth, and the last, by photographs at that step's
+/* Scales are bounded at step 1, each 100th, the last before the last tenth, and the last, by photographs of that step's
    size. */
 static void bounds_of_scales(void)
 {
@@ -821,7 +820,7 @@ static void gradients_beyond(void)
         }
 }
 
-/* A regulariser whose square overflows, and a negative square: the parameter stays. */
+/* If a regulariser's square overflows or a square is negative, the parameter stays. */
 static void regularisers_beyond(void)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -846,7 +845,7 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* The covariance is that of Sigma xi sigmoid(...) amount, over many equal shapes; the best version equals plain C. */
+/* Covariance of Sigma xi sigmoid(...) amount, over many equal shapes; the best version equals plain C. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -884,6 +883,7 @@ static void noise(void)
     fxs_fit_model_free(&other);
 }
 
+/* ---- The square cut-off ------------------------------------------------------------------------------------------ */
 
 /* Pictures of one white Gaussian by Kerbl et al.'s rule, in doubles: tiles by the square, pixels by 1/255. */
 static void square(void)
@@ -1025,7 +1025,6 @@ static void hard_scenes(void)
     }
 }
 
-/* Hashes the Gaussians after 720 steps. */
 static uint64_t bytes_of_fit(unsigned cpu)
 {
     fxs_fit *fit;

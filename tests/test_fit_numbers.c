@@ -6,7 +6,6 @@
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-/* A random float with this exponent and sign. */
 static float number(int exponent, int is_negative)
 {
     const float x = (float)ldexp(1 + (double)(fit_random() >> 41) * 0x1p-23, exponent);
@@ -19,7 +18,7 @@ static void check_relative(const char *name, float x, float found, double wanted
         printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
 }
 
-/* Tolerances: the polynomial's rounding and, for exp_e, that of the argument, which grows with it. */
+/* Tolerances: the polynomial's rounding; for exp_e also the argument's, which grows with it. */
 static void test_exponentials(void)
 {
     fit_state = 1;
@@ -295,8 +294,8 @@ static void test_affine_steps(void)
           gain.at[0] == 1 && gain.at[1] == 0);
 }
 
-/* Batches with more photographs than a sum has parts. After each step the means are neutral within rounding, and
-   photographs outside the batch have all moved alike. */
+/* Batches with more photographs than a sum has parts: after each step the means are neutral within rounding, and
+   photographs outside the batch moved alike. */
 static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };

@@ -53,7 +53,6 @@ static int make_model(fxs_fit_model *m)
     return CHECK(!error);
 }
 
-/* A view on a circle around the scene. */
 static void set_view(int i)
 {
     const double turn = 6.283185307179586 * i / VIEWS, c = cos(turn), s = sin(turn);
@@ -220,7 +219,7 @@ static double largest_of(const float *values, size_t count)
     return most;
 }
 
-/* Compares within single-precision rounding. */
+/* Within single-precision rounding. */
 static void compare(const decoded *d, const fxs_gaussian *g)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity));
@@ -348,7 +347,6 @@ static void test_same_bytes(void)
     fxs_pool_destroy(pool);
 }
 
-/* The blocks of a saved state. */
 typedef struct store {
     unsigned char *bytes;
     size_t count;

@@ -24,7 +24,6 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The colour of a point on a sphere. */
 static void shade(const sphere *s, const double at[3], uint8_t colour[3])
 {
     static const double light[3] = {0.48, -0.6, -0.64};
@@ -58,7 +57,6 @@ static void trace(const double eye[3], const double ray[3], uint8_t colour[3])
     }
 }
 
-/* A view from `eye` to the scene's centre, y down. */
 static void look(fxs_file_view *v, int scale, const double eye[3])
 {
     const double length = sqrt(dot(eye, eye)), across = sqrt(eye[0] * eye[0] + eye[2] * eye[2]);
@@ -493,8 +491,7 @@ static void test_masks_that_ignore_nothing(void)
     check_fit(&fits[HALF_THE_SIZE], ~0u, 2);
 }
 
-/* Changed exposures leave a large loss after 700 steps without fitted exposures. With fitted ones the loss after 1,400
-   steps is normal; with known ones it is small from the start. */
+/* Changed exposures leave a large loss. Fitted exposures remove it; known ones begin with a smaller loss. */
 static void test_exposures_are_found(void)
 {
     enum { SHORT, SHORT_CHANGED, LONG, FOUND, KNOWN, CASES };
@@ -520,8 +517,8 @@ static void test_exposures_are_found(void)
                left[FOUND]);
 }
 
-/* The sigma of the finest photograph at a place: sqrt(0.2) pixels. 0 if none sees it, or if the place is so near an
-   edge that single precision may decide otherwise. */
+/* The sigma of the finest photograph at a place: sqrt(0.2) pixels; 0 if none sees it, or if single precision may decide
+   otherwise at an edge. */
 static double finest_sigma(const float place[3])
 {
     double finest = INFINITY;
@@ -540,7 +537,7 @@ static double finest_sigma(const float place[3])
     return finest < INFINITY ? sqrt(0.2) * finest : 0;
 }
 
-/* In the end no Gaussian is finer than the photographs and some equal them; without antialiasing many are finer. */
+/* No Gaussian ends finer than the photographs and some equal them; without antialiasing many are finer. */
 static void test_antialiased(void)
 {
     check_everywhere(&fits[ANTIALIASED]);

@@ -1,5 +1,5 @@
 /* Pictures of float Gaussians against the renderer in doubles (reference.c), and the loss of each profile measured
- * against both, with perspective and orthographic cameras, antialiased scenes, and scenes far from the origin. */
+ * against both, for both projections, antialiased scenes, and scenes far from the origin. */
 #include <math.h>
 #include <string.h>
 

@@ -43,7 +43,6 @@ static fxs_camera window_of(const fxs_camera *camera, int32_t x, int32_t y, int3
     return window;
 }
 
-/* Returns the number of window pixels that differ from the picture. */
 static int differences(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                        const uint8_t *whole, const fxs_camera *window)
 {
@@ -110,8 +109,8 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
     return camera;
 }
 
-/* Slopes are clamped by the whole picture, not the window: wide pictures round differently, and distant Gaussians are
-   clamped. An eye's picture is a window of a symmetric one. */
+/* Slopes are clamped by the whole picture, not the window, since wide pictures round differently. An eye's picture is a
+   window of a symmetric one. */
 static void test_windows_of_wide_pictures(void)
 {
     static const char *const names[] = {"knot", "landscape"};
@@ -424,8 +423,8 @@ static void test_putting_together(void)
     fxs_pool_destroy(pool);
 }
 
-/* Pixel (X, Y) of a ring lies at the centre of its block. The ring's camera is a crop of the picture at its rate, or of
-   the whole picture if the picture is itself a crop. */
+/* Pixel (X, Y) of a ring lies at the centre of its block. The ring's camera is a crop of the picture at its rate; for a
+   cropped picture, of the whole one. */
 static void test_cameras_of_rings(void)
 {
     recorder r = {.fail_at = UINT32_MAX};

@@ -73,7 +73,6 @@ static int pack(enum fxs_profile profile, int tree)
     return done;
 }
 
-/* Reads the file; release with free. */
 static void *load(size_t *bytes)
 {
     FILE *file = fopen(fxs_path, "rb");

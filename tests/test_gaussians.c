@@ -49,7 +49,6 @@ static long give(void *argument, uint64_t first, fxs_gaussian *out, size_t capac
     return count;
 }
 
-/* Resets the source to faultless. */
 static void forget(void)
 {
     memset(&source, 0, sizeof source);

@@ -71,7 +71,7 @@ static const struct port {
 };
 
 static const struct port *port;
-static void *context;                      /* open context of the port */
+static void *context;
 static fxs_message why_not;
 
 /* Functions that replace real ones; a null name ends the list. */
@@ -167,7 +167,6 @@ static int make_subject(subject *s, const char *name, uint64_t count, int width,
     return made;
 }
 
-/* Runs jobs in reverse order. */
 static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
@@ -221,7 +220,6 @@ static size_t picture_bytes(const subject *s)
     return (size_t)s->camera.width * (size_t)s->camera.height * 4;
 }
 
-/* A picture filled with other bytes. */
 static uint8_t *new_picture(const subject *s)
 {
     uint8_t *pixels = malloc(picture_bytes(s));
@@ -856,7 +854,7 @@ static void read_target(const fxs_gles_target *t, uint8_t *pixels)
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
 }
 
-/* Counts pixels of the caller's texture that differ from the picture inside, or from the clear colour outside. */
+/* Counts pixels that differ from the picture inside, or from the clear colour outside. */
 static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -1016,7 +1014,7 @@ static void target_quads(void)
     close_gles(gles);
 }
 
-/* Lists whose chunks run out before their records. */
+/* Short lists: their chunks run out before their records. */
 static void target_of_short_lists(void)
 {
     subject s;
@@ -1129,7 +1127,6 @@ static void target_meshes(void)
 
 /* ---- Depths and ids in the same draw ----------------------------------------------------------------------------- */
 
-/* A framebuffer with colour, median depth and id. */
 typedef struct outputs {
     GLuint framebuffer, textures[3];
 } outputs;
@@ -1249,7 +1246,7 @@ static void depths_and_ids_by(int small)
         if (!make_subject(&s, names[i % 3], 5000, 111, 83))
             return;
         if (i == 3)
-            s.camera.position_q32[2] -= INT64_C(7) << 32;      /* so far that 28-bit depths saturate at 16 */
+            s.camera.position_q32[2] -= INT64_C(7) << 32;      /* 28-bit depths saturate at 16 */
         const mesh m = make_mesh(&s);
         fxs_gles_target t = {.framebuffer = o.framebuffer, .x = 13, .y = 7, .top_down = i % 2, .depths_and_ids = 1,
                              .depth_bits = i == 2 ? 24 : i == 3 ? 28 : i == 4 ? 1 : 0, .over = i == 3};
@@ -1448,7 +1445,7 @@ static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const
     real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
 }
 
-/* A driver that rejects a shader of draws: reported each time with its line; the state stays, and frames into memory
+/* A driver that rejects a shader of draws: reported each time with its line; the state stays, frames into memory
    work. */
 static void compute_without_shader(void)
 {
@@ -1516,7 +1513,6 @@ static void compute_refuses(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Creation and destruction keep the state. */
 static void init_keeps_state(void)
 {
     state before, after;

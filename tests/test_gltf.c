@@ -79,7 +79,6 @@ static void add(const char *name, int components, int type, int normalized, int 
 static const char extension[] =
     "\"KHR_gaussian_splatting\":{\"kernel\":\"ellipse\",\"colorSpace\":\"srgb_rec709_display\"}";
 
-/* The JSON of one primitive. */
 static void write_json(const char *nodes, const char *extensions, const char *buffer)
 {
     json[0] = '\0';
@@ -470,7 +469,6 @@ static void draft_names(void)
     }
 }
 
-/* sRGB of linear light. */
 static double srgb(double c)
 {
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
@@ -704,7 +702,6 @@ static int is_near(double a, double b)
     return fabs(a - b) < 1e-5;
 }
 
-/* Replaces the first occurrence of `old` in the JSON. */
 static void replace(const char *old, const char *by)
 {
     static char changed[MAX_TEXT];
@@ -797,6 +794,7 @@ static void opacities_out_of_range(void)
           out[3].opacity == -20 && out[4].opacity == 20);
 }
 
+/* ---- Incomplete accessors ---- */
 
 /* Replaces two positions; the others stay, or are 0 without a base. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)

@@ -6,7 +6,6 @@
 static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 static fxs_gaussian out[GAUSSIANS + 1];
 
-/* Returns the count, or an error with a message. */
 static long read_folder(void)
 {
     fxs_scene_file *file;

@@ -19,7 +19,7 @@ static const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0
 
 #define UNTOUCHED 0xbeef
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-enum { COMMAND, DATA, WAIT };              /* an event of the stream: one of these and a byte */
+enum { COMMAND, DATA, WAIT };              /* a stream event: a kind and a byte */
 enum { MIRROR_Y = 0x80, MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 
 typedef struct model {
@@ -28,9 +28,9 @@ typedef struct model {
     uint32_t now, reset_at, awake_at;      /* milliseconds */
     int is_reset, is_awake, is_on;
     uint8_t command, data[4], access, format;
-    uint32_t count;                        /* data bytes so far */
+    uint32_t count;                        /* data bytes received */
     int32_t window[2][2], at[2];           /* columns and pages: first, last; next */
-    uint64_t pixels;                       /* written */
+    uint64_t pixels;
 } model;
 
 /* Known commands with their count of data bytes. */

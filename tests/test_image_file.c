@@ -47,7 +47,6 @@ static uint8_t random_byte(void)
     return (uint8_t)(seed >> 24);
 }
 
-/* Noise, with alpha 255 if `opaque`. */
 static void make_image(int opaque)
 {
     seed = 1;
@@ -155,7 +154,7 @@ static void qualities(void)
     }
 }
 
-/* BT.709 by formula, in doubles; values may round either way. */
+/* BT.709 by formula; values may round either way. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -403,7 +402,6 @@ static void jpeg(void)
     remove(in_folder("a.png"));
 }
 
-/* A .jpg of 16 x 16 pixels with these four values. */
 static void put_cmyk(J_COLOR_SPACE space, int is_adobe, const uint8_t values[4])
 {
     enum { SIDE = 16 };
@@ -506,7 +504,7 @@ static void damaged_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* A grey picture of 8 x 8 whose mean repeats, in scans of 11 bytes. */
+/* A grey picture of 8 x 8 that repeats its mean in scans of 11 bytes. */
 static void scans(void)
 {
     static const uint8_t frame[] = {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
@@ -552,7 +550,7 @@ static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_
     return put_word(to + 4 + size, crc32(0, to, (uInt)size + 4));
 }
 
-/* A .png of these rows, each after its filter byte. `palette`: chunks before the data, or NULL. */
+/* `rows`: each after its filter byte. `palette`: chunks before the data, or NULL. */
 static void put_png(const char *name, const uint8_t header[13], const uint8_t *palette, size_t palette_size,
                     const uint8_t *rows, size_t size)
 {
@@ -679,7 +677,7 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* A one-pixel picture with a chunk of zeros before its data; `wrong` is added to that chunk's checksum. */
+/* One pixel, with a chunk of zeros before its data; `wrong` is added to that chunk's checksum. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
@@ -753,7 +751,6 @@ static void metrics_flat(void)
     }
 }
 
-/* One channel of one pixel differs by 255. */
 static void metrics_pixel(void)
 {
     struct fxs_metrics metrics;

@@ -207,7 +207,6 @@ static void wild_header(fxs_chunk *c)
     }
 }
 
-/* Puts all centres in one place. */
 static void point_header(fxs_chunk *c)
 {
     for (int i = 0; i < 3; i++) {
@@ -332,7 +331,6 @@ static void move_off_axis(void)
     set_scale(chunk_of(), (sigma < 32 ? sigma : 32) * 65536);
 }
 
-/* Hides a random part, from nothing to all. */
 static void hide_some(fxs_camera *camera)
 {
     camera->hidden_x = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->width);
@@ -407,10 +405,8 @@ static int shrink(fxs_chunk *c)
     return 1;
 }
 
-/* Splats, bounds, indices and depths. */
 static const size_t projected_bytes[] = {sizeof(fxs_splat), sizeof(fxs_bounds), sizeof(uint32_t), sizeof(uint32_t)};
 
-/* Runs both versions. Returns the visible count. */
 static uint32_t project_both(output *const to[4], size_t skew)
 {
     uint32_t count[2];
@@ -428,8 +424,8 @@ static uint32_t project_both(output *const to[4], size_t skew)
     return count[0];
 }
 
-/* Chunks with a veil fall back to C, so in most cases sigmas are halved until there is none. The steps on the way
-   include the smallest veils. */
+/* Chunks with a veil fall back to C, so sigmas are mostly halved until no veil is left; the steps include the smallest
+   veils. */
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
@@ -467,7 +463,6 @@ static void shade_case(void)
 
 static uint64_t rows_total;            /* boxes on several tile rows */
 
-/* Tile rows of a box. */
 static int rows_of(fxs_box box)
 {
     int rows = 0;
@@ -528,7 +523,6 @@ static void sort_case(void)
     CHECK(!memcmp(at(keys, 0, 8), at(keys, 1, 8), count * sizeof(fxs_key)));
 }
 
-/* Lists the slots of one tile of a macro tile. */
 static void list_case(void)
 {
     const uint32_t count = below(200), tile = below(4), usual = below(16);
@@ -582,8 +576,8 @@ static int32_t extreme(int32_t low, int32_t high)
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
 }
 
-/* A splat with coordinates within +-128 over the tile at (x, y), 0.55 to 100 pixels large. Its rows include all that it
-   touches and one of the tile's, as tile lists require. */
+/* A splat with coordinates within +-128 over the tile at (x, y), 0.55 to 100 pixels large. Its rows include all touched
+   rows, some others, and one row of the tile, as tile lists require. */
 static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 {
     const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
@@ -608,7 +602,6 @@ static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 static fxs_splat tile_splats[MAX_SPLATS];
 static uint32_t tile_entries[MAX_ENTRIES];
 
-/* Makes a list for the tile at (x, y). Returns its length. */
 static uint32_t make_list(int32_t x, int32_t y)
 {
     const uint32_t count = one_in(16) ? 0 : one_in(4) ? below(MAX_ENTRIES) : below(40);
@@ -651,7 +644,7 @@ static void begin_tile(fxs_tile *tile, fxs_trace *trace)
     }
 }
 
-/* Sets what the frame sets before each part of a list: no depths or slots, and the end of the part for each pixel. */
+/* Sets up a part of a list like the frame: no depths or slots, and an end for each pixel. */
 static void begin_part(fxs_trace *trace, uint32_t count)
 {
     const int occluded = one_in(2);
@@ -747,7 +740,6 @@ static void resolve_every_number(void)
 
 /* ---- Tests ----------------------------------------------------------------------------------------------------- */
 
-/* Runs the seeds until one fails. */
 static void run_cases(void (*one)(void), uint64_t share)
 {
     for (uint64_t seed = first_seed; seed <= last_seed && !check_faults; seed++) {

@@ -141,7 +141,6 @@ static void every_level_and_degree(void)
         }
 }
 
-/* Row sizes must match the format. */
 static void sizes(void)
 {
     static const size_t row_sizes[3][3] = {{44, 80, 140}, {24, 42, 72}, {24, 33, 48}};

@@ -51,7 +51,6 @@ static fxs_options options_of(const kind *k)
     return options;
 }
 
-/* Frame i of a batch, into picture i. */
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
@@ -84,7 +83,6 @@ static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const kind *k
     return median(times, REPEATS) / (float)(k->eyes ? 1 : count);
 }
 
-/* Medians of the stages, between events. */
 static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, const kind *k)
 {
     const fxs_options options = options_of(k);

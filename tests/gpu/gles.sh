@@ -23,7 +23,7 @@ fi
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# hash_of SCENE SIZE BACKEND OPTION...: of the picture.
+# hash_of SCENE SIZE BACKEND OPTION...: the picture's hash.
 hash_of() {
     shown=$1 at=$2 backend=$3
     shift 3

@@ -6,7 +6,6 @@
 
 namespace {
 
-/* Copies an array to the host. Returns 0 on success. */
 template <class T, class U>
 int download(U **out, const T *from, uint64_t count)
 {

@@ -175,7 +175,7 @@ static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum 
     }
 }
 
-/* Random backdrop; occluder depths around those of random scenes, some of them FXS_NOTHING or 0. */
+/* Random backdrop; occluder depths near random scenes', some FXS_NOTHING or 0. */
 static void fill_in(pictures *p, const fxs_camera *camera)
 {
     for (size_t i = 0; i < p->bytes; i++)
@@ -191,7 +191,6 @@ static void fill_in(pictures *p, const fxs_camera *camera)
     }
 }
 
-/* Moves targets to another block. */
 static void move_to(pictures *to, const pictures *from, uint8_t *memory)
 {
     fxs_image *images[PLANES];
@@ -203,7 +202,6 @@ static void move_to(pictures *to, const pictures *from, uint8_t *memory)
             images[i]->pixels = memory + ((uint8_t *)images[i]->pixels - from->memory);
 }
 
-/* Two equal sets of targets. */
 static void twice(pictures p[2], const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
 {
     lay_out(&p[0], camera, which, format, depth_bits);
@@ -354,7 +352,6 @@ static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, co
     free(memory);
 }
 
-/* Prints the first difference. */
 static int pictures_equal(pictures p[2], const fxs_camera *camera)
 {
     static const char *const names[PLANES] = {"colour", "coverage", "mean", "median", "id", "occluder", "backdrop"};
@@ -376,7 +373,7 @@ static int pictures_equal(pictures p[2], const fxs_camera *camera)
     return 0;
 }
 
-/* Renders a frame by C and by CUDA. Pictures and buffers must be equal. */
+/* Pictures and buffers must equal the processor's. */
 static int frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
                        unsigned which, enum fxs_format format, int depth_bits)
 {
@@ -647,7 +644,7 @@ static void test_cut(void)
     CHECK(of_device > of_host || quick);
 }
 
-/* More nodes with equal keys than shared memory sorts; a damaged tree fails with the processor's error. */
+/* More nodes with equal keys than shared memory sorts; a damaged tree with the processor's error. */
 static void test_equal_keys(void)
 {
     fxs_camera camera;
@@ -746,7 +743,7 @@ static void test_pool(void)
 
 enum { BATCH_FRAMES = 7, BATCH_BYTES = 1 << 25 };
 
-/* Frames of different objects and targets in several slots, to device or pinned host memory. Some lists overflow at
+/* Frames of different objects and targets in several slots, to device or pinned memory; some lists overflow at
    first. */
 static void check_batch(uint8_t *memory)
 {
@@ -803,7 +800,6 @@ static void test_batch(void)
 
 /* ---- Scenes, memory and errors ----------------------------------------------------------------------------------- */
 
-/* Renders a frame of a scene; drops the picture. */
 static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, fxs_cuda_stats *stats)
 {
     fxs_object object;
@@ -817,8 +813,7 @@ static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, 
     return error;
 }
 
-/* Small pictures whose lists are so long that several blocks share one. With depth targets the lists are split into
-   bins before blending. */
+/* Small pictures with long lists that several blocks share; with depth targets they are split into bins first. */
 static void check_long_lists(int count)
 {
     uint64_t most = 0;
@@ -958,7 +953,7 @@ static int render_error(const fxs_cuda_frame *frames, uint32_t count)
     return error;
 }
 
-/* CUDA refuses the frames that fxs_render refuses, and finishes none of them. */
+/* CUDA refuses the frames that fxs_render refuses, and leaves none pending. */
 static void test_errors(void)
 {
     fxs_cuda *none;
@@ -1024,7 +1019,6 @@ static void test_errors(void)
     free(packed.data);
 }
 
-/* Stops at the third call. */
 static int stop_third(void *times)
 {
     return ++*(int *)times == 3;
@@ -1158,7 +1152,6 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
     return error;
 }
 
-/* Coverage of the test cases. */
 static struct {
     uint32_t pairs, one_sees;      /* and Gaussians that only one eye sees */
     uint32_t shared;               /* pictures that differ from an unshared frame */
@@ -1215,7 +1208,6 @@ static int pair_equal(const fxs_object *objects, uint32_t count, const fxs_camer
     return equal;
 }
 
-/* Random targets: equal for both eyes, or different. */
 static void random_targets(unsigned which[2], int i)
 {
     for (int eye = 0; eye < 2; eye++)
@@ -1290,7 +1282,6 @@ static void check_eyes_of_trees(void)
     }
 }
 
-/* Returns the list entries of two eyes. */
 static uint64_t entries_of(const fxs_object *object, const fxs_camera cameras[2], const fxs_options *options)
 {
     static uint32_t pixels[2][48 * 48];
@@ -1302,8 +1293,8 @@ static uint64_t entries_of(const fxs_object *object, const fxs_camera cameras[2]
     return stats.entries;
 }
 
-/* Lists so long that several blocks share one, for eyes with depth targets and without. Bins of the left eye's lists
-   would overwrite the depths of the right eye's lists if these were not kept. */
+/* Long lists that several blocks share, for eyes with depth targets and without. Bins of the left eye's lists would
+   overwrite the depths of the right eye's lists if these were not kept. */
 static void check_eyes_of_long_lists(void)
 {
     for (int i = 0; i < cases(8); i++) {

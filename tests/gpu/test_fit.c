@@ -1,5 +1,5 @@
-/* Fit steps on CUDA against the processor: every buffer must be equal bit by bit, for random models and pictures.
- * `test_fit [--quick]`; --quick: few small ones, for the sanitizers. test_fit_steps --cuda tests whole fits. */
+/* Fit steps on CUDA against the processor: every buffer, bit by bit, for random models and pictures. `test_fit
+ * [--quick]`; --quick: few small ones, for the sanitizers. test_fit_steps --cuda tests whole fits. */
 #include "src/fit/stepper.c"
 
 #include <fixsplat/pool.h>
@@ -16,8 +16,7 @@ typedef struct what {
     size_t count;
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: ln of a typical width */
-    uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. If both are nonzero they are
-                                      equal */
+    uint32_t gains, poses;         /* with an exposure, with a pose; 0: none; equal if both */
     int is_affine;                 /* affine exposures */
     int is_antialiased;            /* and scales bounded by the batch's cameras with divisors of 1, 2, none */
     int has_far;                   /* angular sizes for about half of the Gaussians */
@@ -77,7 +76,7 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }
 
-/* Poses with the moments of a running fit, in two copies. */
+/* Likewise for poses. */
 static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -392,7 +391,7 @@ static void test_antialiased(void)
     }
 }
 
-/* Steps whose lists overflow are repeated. */
+/* A step repeats if its lists overflow. */
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};

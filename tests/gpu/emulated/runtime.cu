@@ -184,7 +184,7 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 struct event {
-    uint64_t recorded, done, time;         /* records so far, records done, time of the last */
+    uint64_t recorded, done, time;         /* records queued, records done, time of the last */
 };
 
 /* Work, or a wait for the n-th record of an event. */
