@@ -28,12 +28,12 @@ fit() {
     fi
 }
 
-fit gcc-native gcc '-O3 -march=native'
 fit clang-sanitized clang '-O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
-fit i686 i686-linux-gnu-gcc '-O2 -static -msse2 -mfpmath=sse' qemu-i386
 fit aarch64-neon aarch64-linux-gnu-gcc '-O2 -static -fwrapv -DFXS_WITH_KERNELS kernels/kernels.c kernels/simd/arm/*.c kernels/fit/fit_neon.c' qemu-aarch64
-fit s390x s390x-linux-gnu-gcc '-O2 -static -fexcess-precision=fast' qemu-s390x
 if [ "$FXS_PROCESSORS" = all ]; then
+    fit gcc-native gcc '-O3 -march=native'
+    fit i686 i686-linux-gnu-gcc '-O2 -static -msse2 -mfpmath=sse' qemu-i386
+    fit s390x s390x-linux-gnu-gcc '-O2 -static -fexcess-precision=fast' qemu-s390x
     fit gcc-O0 gcc -O0
     fit gcc-O3 gcc -O3
     fit clang-O0 clang -O0
