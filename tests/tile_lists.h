@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "src/core/parts.h"
+#include "src/core/lister.h"
 
 /* The list of tile t has counts[t] entries and ends before entries[ends[t]]. */
 typedef struct tile_lists {

@@ -3,7 +3,7 @@
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
-#include "src/core/parts.h"
+#include "src/core/targets.h"
 
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB

@@ -2,7 +2,7 @@
  * small. See plan.h. */
 #include "plan.h"
 #include "src/core/memory.h"
-#include "src/core/parts.h"
+#include "src/core/targets.h"
 
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };

@@ -3,7 +3,9 @@
  * A child node's key is at most its parent's, and its chunk number is larger. So src/core/cut.c opens nodes in the
  * order of (key descending, chunk ascending), and the opened nodes are a prefix of that order. The kernels compute
  * every node's key in parallel and fill a histogram by key: nodes, and chunks added and removed by opening them.
- * Prefix sums give the key at which the budget ends. The few nodes with that key are sorted and added one by one. */
+ * Prefix sums give the key at which the budget ends. The few nodes with that key are sorted and added one by one.
+ *
+ * A damaged tree, or one deeper than DEPTH_MOST, is cut on the host by src/core/cut.c. */
 #ifndef FXS_CUDA_CUT_CUH
 #define FXS_CUDA_CUT_CUH
 

@@ -3,7 +3,7 @@
  * second draw over the whole picture resolves the states. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
-#include "src/core/parts.h"
+#include "src/core/lister.h"
 #include "device.h"
 
 #define TEXELS 3u                  /* per record */

@@ -5,7 +5,7 @@
  * lists' length, longest first: in picture order an H200 takes up to 3.5 times as long. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
-#include "src/core/parts.h"
+#include "src/core/trace.h"
 #include "device.h"
 
 #define RECORD 32                  /* bytes */

@@ -1,5 +1,6 @@
 /* The OpenGL back ends. The processor runs the stages up to the tile lists; OpenGL replaces blend and resolve. Contexts
- * come from EGL or OSMesa. Drawing is exact, by lists or framebuffer fetch, or approximate, by quads. */
+ * come from EGL or OSMesa. Drawing is exact, by lists or framebuffer fetch, or approximate, by quads. gles and osmesa
+ * time both exact ways in their first frames, then use the faster. If fetch is missing or fails, lists draw. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,14 @@
  * Gaussian, one band covers all tile rows. Otherwise a plan comes first: Gaussians are projected only to count the
  * splats of each tile row. The counts tell, before a pixel is written, how many tile rows fit at a time and how much
  * memory the fullest row needs. */
+#include "bands.h"
+#include "draw.h"
+#include "lister.h"
+#include "lists.h"
 #include "memory.h"
-#include "parts.h"
+#include "prepare.h"
+#include "targets.h"
+#include "times.h"
 
 #define JOBS 8u                    /* most blocks of a plan per thread; with one thread, one block in all */
 #define KEYS 2u                    /* list keys per slot: the usual need */

@@ -3,8 +3,8 @@
  * sqrt(A). A margin of 1/8 pixel and 1/256 of the size covers rounding, so a list never misses a pixel that passes the
  * test in pixel.h. */
 #include <fixsplat/fixed.h>
+#include "lister.h"
 #include "memory.h"
-#include "parts.h"
 
 #define SPANS 32                   /* tile rows */
 #ifdef FXS_SMALL_STACK

@@ -1,7 +1,7 @@
 /* blend: blends the splats of a tile's list, near to far, over its 256 pixels. trace: the same with auxiliary outputs.
  * pixel.h has the arithmetic of one pixel; this file has the loops and the early out. */
+#include "draw.h"
 #include "memory.h"
-#include "parts.h"
 
 /* A splat in a tile: u and v at the tile's first pixel, and the rows that the splat can touch. */
 typedef struct at_tile {

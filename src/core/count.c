@@ -1,6 +1,6 @@
 /* fxs_count_pairs: renders a frame with a version of blend that counts pairs of splat and pixel, and writes no
  * target. */
-#include "parts.h"
+#include "frame.h"
 
 typedef struct counting {
     fxs_frame frame;               /* first, because count_tile casts to it */

@@ -1,7 +1,8 @@
 /* The cut through the trees of a frame's objects: decides which chunks are drawn. A coarse chunk replaces all chunks
  * below it in the tree. The search starts with the root of each tree. Each step opens the node with the largest gain:
  * error removed per Gaussian added. The search ends at the first node that exceeds the budget. So the cut depends only
- * on scenes, camera and options, and a larger budget draws every part as finely or finer.
+ * on scenes, camera and options, and a larger budget draws every part as finely or finer. A smaller node after it is
+ * not tried, because levels would flip when the camera moves a little.
  *
  * To avoid popping, the nodes that were opened last fade: they are drawn together with their children, and optical
  * depth passes from node to children. A share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is reserved

@@ -1,6 +1,11 @@
 /* Draws macro tiles with the kernels sort, blend and resolve. Each macro tile with a list is one job. */
+#include "draw.h"
+#include "lister.h"
+#include "lists.h"
 #include "memory.h"
-#include "parts.h"
+#include "targets.h"
+#include "times.h"
+#include "trace.h"
 
 #define TIMED 4                    /* time one macro tile in 4, because reading the clock is slow */
 

@@ -1,6 +1,6 @@
 /* project for two eyes. A Gaussian that either eye sees has the same slot for both eyes, so colours and the order by
  * depth are found once. */
-#include "parts.h"
+#include "eyes.h"
 
 static uint32_t union_count(const uint32_t *a, uint32_t a_count, const uint32_t *b, uint32_t b_count)
 {

@@ -14,7 +14,14 @@
  * If the memory is large enough, it holds all splats at once. Otherwise bands.c divides the frame into bands of tile
  * rows, and slices.c draws tile rows that are too full to fit. */
 #include "memory.h"
-#include "parts.h"
+#include "bands.h"
+#include "draw.h"
+#include "lists.h"
+#include "prepare.h"
+#include "runs.h"
+#include "slices.h"
+#include "stereo.h"
+#include "targets.h"
 
 int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                fxs_stats *stats)

@@ -1,4 +1,4 @@
-/* State of a frame while it renders. parts.h declares the functions of each step. */
+/* State of a frame while it renders. Each file of this folder has a header for its own functions. */
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 

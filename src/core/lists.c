@@ -1,8 +1,9 @@
 /* Lists of macro tiles (2x2 tiles): keys of the splats that touch at least one tile. The first pass counts the keys of
  * each list. Then as many lists as fit in the memory are placed one after another, filled, and sorted one by one.
  * Several jobs count and fill, each for a part of the blocks. */
+#include "lister.h"
+#include "lists.h"
 #include "memory.h"
-#include "parts.h"
 
 /* Layout of fxs_frame.next for one part, after its counters per macro tile: number of notes, slot where the notes end,
    offset of the notes in `spare`, their capacity. */

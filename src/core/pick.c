@@ -1,6 +1,6 @@
 /* fxs_pick: renders a frame that blends only the tile of the picked pixel, and reads the result there. */
 #include "memory.h"
-#include "parts.h"
+#include "trace.h"
 
 #define SLOPE_MOST_Q23 ((int64_t)4096 << 23)
 #define POSITION_MOST_Q32 ((int64_t)1 << 60)

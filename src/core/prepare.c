@@ -3,7 +3,10 @@
 #include "chunk.h"
 #include <fixsplat/fixed.h>
 #include "memory.h"
-#include "parts.h"
+#include "bands.h"
+#include "eyes.h"
+#include "prepare.h"
+#include "times.h"
 
 int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint32_t slot, uint32_t end_slot)
 {

@@ -1,6 +1,6 @@
 /* resolve: converts a tile's sums and transmittance, over the background, to pixels. */
 #include "memory.h"
-#include "parts.h"
+#include "targets.h"
 
 static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3], int transmittance_q15)
 {

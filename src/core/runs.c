@@ -1,6 +1,9 @@
 /* Passes tile lists to config.draw instead of calling the kernels blend and resolve. The back end gets runs of tiles,
  * as many as fit in the memory. A back end without lists gets all splats of the band, near to far. */
-#include "parts.h"
+#include "lister.h"
+#include "lists.h"
+#include "runs.h"
+#include "sort.h"
 
 /* Writes the keys of a part's splats, after the keys of earlier parts. */
 static void gather_part(void *argument, uint32_t part)

@@ -1,6 +1,8 @@
 /* Sets up a frame: checks its arguments, places its objects, measures its memory. */
 #include "memory.h"
-#include "parts.h"
+#include "bands.h"
+#include "draw.h"
+#include "targets.h"
 
 /* Counts the objects' chunks, and runs the checks that need no camera. */
 static int take_objects(fxs_frame *f, const fxs_request *request)

@@ -2,8 +2,15 @@
  * nearest splats of these columns, as many as fit, are projected and blended; then the next nearest are blended over
  * the same pixels, until none is left. So any view can be drawn in the minimum of memory. This is slow, because the
  * row's chunks are projected again for every slice. */
+#include "bands.h"
+#include "draw.h"
+#include "lister.h"
 #include "memory.h"
-#include "parts.h"
+#include "prepare.h"
+#include "runs.h"
+#include "slices.h"
+#include "targets.h"
+#include "times.h"
 
 /* A slice: the splats with keys from `first` to `last`. A key is a depth and a Gaussian's number, so keys are
    unique. */

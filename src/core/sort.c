@@ -3,7 +3,7 @@
  * a digit in order, so the result does not depend on the number of jobs. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
-#include "parts.h"
+#include "sort.h"
 
 #define FEW 24u                    /* up to this many keys: insertion sort only */
 #define MANY 1500u                 /* from this many keys on: longer digits */

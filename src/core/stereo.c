@@ -1,7 +1,10 @@
 /* Renders two eyes. Each eye has the geometry and tile lists of its own camera. Colours are found once for both eyes;
  * so is the order, if both views measure depth alike. */
 #include <fixsplat/fixed.h>
-#include "parts.h"
+#include "bands.h"
+#include "prepare.h"
+#include "stereo.h"
+#include "targets.h"
 
 /* True if two views measure depth alike: parallel z axes, and no view ahead of the other, within 2^-14. */
 static int same_depth(const fxs_view *a, const fxs_view *b)

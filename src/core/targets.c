@@ -1,6 +1,6 @@
 /* The targets of a frame: checks, and the pixels of a tile as colour and coverage. trace.c writes depths and ids. */
 #include "memory.h"
-#include "parts.h"
+#include "targets.h"
 
 #define IMAGES 7
 

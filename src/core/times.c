@@ -1,5 +1,5 @@
 /* Measures the time of a frame's stages. */
-#include "parts.h"
+#include "times.h"
 
 void fxs_lap(const fxs_frame *f, fxs_laps *laps, int which)
 {

@@ -1,8 +1,10 @@
 /* trace: blend with auxiliary outputs (depths and ids) or an occluder. The kernel `trace` blends a tile's list in parts
  * and keeps 16-bit numbers per pixel. All depths of a part lie in one octave, so 15-bit codes hold them. Between parts,
  * the numbers are added to sums of depths or converted to slots. */
+#include "draw.h"
 #include "memory.h"
-#include "parts.h"
+#include "targets.h"
+#include "trace.h"
 
 #define STRETCH 32767u             /* largest stretch of a list: entry numbers fit in 16 bits */
 #define PART 512u                  /* largest part, in entries */

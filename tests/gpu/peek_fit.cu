@@ -1,4 +1,4 @@
-/* What the tests see of the insides of fits on CUDA. */
+/* Access to internals of fits on CUDA: compiled with the engine's source, so that tests see its buffers. */
 #include <stdlib.h>
 
 #include "kernels/fit/cuda/cuda_fit.cu"

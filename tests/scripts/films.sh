@@ -259,10 +259,10 @@ for bad in 'min-psnr 0' 'min-psnr x' 'min-ssim 0' 'min-ssim 1.1'; do
     fails "compare --$bad" 2 "--$bad" compare golden.png other.png --$bad
 done
 
-# ---- The script of docs/golden.md ------------------------------------------------------------------------------------
+# ---- The script of docs/tests.md -------------------------------------------------------------------------------------
 
 mkdir project
-sed -n '/^```sh$/,/^```$/p' "$root/docs/golden.md" | sed '/^```/d' >project/golden.sh
+sed -n '/^```sh$/,/^```$/p' "$root/docs/tests.md" | sed '/^```/d' >project/golden.sh
 cp knot.ply project/scene.ply
 cp three.json project/cameras.json
 golden() { (cd project && PATH=$(dirname "$fixsplat"):$PATH && sh golden.sh "$@") 2>&1; }

@@ -42,7 +42,7 @@ function textsOf(source) {
     else if (c === '`') template()
     else if (c === '/' && source[at] === '/') at = source.indexOf('\n', at)
     else if (c === '/' && source[at] === '*') at = source.indexOf('*/', at) + 2
-    else if (c === '/' && /[(,=:[!&|?{};]/.test(before)) {
+    else if (c === '/' && /[(,=:[!&|?{};>]/.test(before)) {
       for (let inClass = false; source[at] !== '/' || inClass; at++)
         if (source[at] === '\\') at++
         else if (/[[\]]/.test(source[at])) inClass = source[at] === '['

@@ -1,7 +1,7 @@
 /* blend for Cortex-M without vectors. Same arithmetic as src/core/blend.c on fewer pixels: on each row only the pixels
  * that the splat can reach, and no rows with all pixels closed. */
 #include <fixsplat/pixel.h>
-#include "src/core/parts.h"
+#include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
 
 /* Largest |u| with u^2 at most 1024 (i + 1) Q11, plus one unit. */

@@ -4,7 +4,7 @@
  * order of the narrowing instructions. A number shared by all pixels of a patch is in a general register. During
  * blending, the tile's arrays hold one patch after another. */
 #include "lanes_mve.h"
-#include "src/core/parts.h"
+#include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
 
 #define GROUP 8

@@ -1,4 +1,7 @@
-/* Reads .spz versions 1 to 4, as specified by the README and src/cc of nianticlabs/spz. */
+/* Reads .spz versions 1 to 4, as specified by the README and src/cc of nianticlabs/spz.
+ *
+ * The axes are right, up, back, unless an extension says otherwise. splat-transform 3 writes the axes of a .ply
+ * without saying so. Header and Gaussians of such a file look like any other, so the caller sets the option `axes`. */
 #include "spz_internal.h"
 
 #include <errno.h>

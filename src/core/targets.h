@@ -1,0 +1,37 @@
+/* Checks of a request's targets, and the pixels written to them. */
+#ifndef FXS_TARGETS_H
+#define FXS_TARGETS_H
+
+#include "frame.h"
+
+/* Checks the non-null targets for pictures of this size. Returns 0 or FXS_ERR_TARGET. */
+int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height);
+
+/* True if checked targets of two pictures of this size overlap and one of them is written. */
+int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t width, int32_t height);
+
+/* FXS_ERR_TARGET if an eye has no target to write and no back end can draw elsewhere; otherwise 0. */
+int fxs_targets_missing(const fxs_context *context, const fxs_request *request);
+
+/* True if tiles need `trace` instead of `blend`: for depths, ids or an occluder. */
+int fxs_targets_traced(const fxs_targets *targets);
+
+/* Writes the pixels of a tile at (x, y) to the colour and coverage targets of f->eye. */
+void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y);
+
+/* fxs_resolve_c over an RGBA8 picture. */
+void fxs_resolve_over(enum fxs_format format, const fxs_tile *tile, int32_t columns, int32_t rows,
+                      const unsigned char *backdrop, ptrdiff_t backdrop_stride, unsigned char *pixels,
+                      ptrdiff_t stride);
+
+static inline unsigned char *fxs_image_at(const fxs_image *image, int32_t x, int32_t y, int pixel_bytes)
+{
+    return (unsigned char *)image->pixels + y * image->stride + (ptrdiff_t)x * pixel_bytes;
+}
+
+static inline int fxs_depth_bits(const fxs_targets *targets)
+{
+    return targets->depth_bits ? targets->depth_bits : 16;
+}
+
+#endif
