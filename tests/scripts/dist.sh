@@ -197,7 +197,7 @@ else
         skip "Windows: a window" "no Xvfb and xdotool here"
     fi
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/docs/windows.md share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/docs/install.md share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \
