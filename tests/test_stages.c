@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "src/core/frame.h"
+#include "src/core/sort.h"
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "packed_scene.h"
