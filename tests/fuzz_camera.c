@@ -1,5 +1,5 @@
-/* Fuzzes the camera readers on memory: the first byte picks the format, the next two the size of the first file of a
-   COLMAP or Bundler model. Every view that is read is made a camera; lenses are undone and drawn through. */
+/* libFuzzer target: camera files in memory. The first byte picks the format, the next two the size of the first file
+   of a COLMAP or Bundler model. Every view becomes a camera; lenses are undone and drawn through. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,12 @@
-/* libFuzzer target: a packed scene, damaged or not, rendered in several objects, in all its memory and in the least,
-   for one eye and two, picked from and its pairs counted; every version of the stages that this processor has against
-   plain C, byte for byte. */
+/* libFuzzer target: a packed scene, damaged or not, rendered as several objects, with all its memory and the
+   minimum, for one eye and two; picked from; its pairs counted. Every version of the stages for this processor must
+   give the bytes of plain C. */
 #include "one_scene.h"
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* What one version of the stages makes of a frame. */
+/* A frame by one version of the stages. */
 typedef struct result {
     int error;
     unsigned char pixels[2][FUZZ_ROOM / 16];
@@ -42,7 +42,7 @@ static void count(const fuzz_frame *f, size_t bytes, const result *expected, uin
         abort();
 }
 
-/* What is picked at some pixels is what an id target holds. */
+/* A pick returns the id target's value. */
 static void pick(const fuzz_frame *f, size_t bytes)
 {
     fxs_targets targets = fuzz_targets(f, 0);
@@ -92,7 +92,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             render_stereo(&f, &f.levels[level], both, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
-        if (first.error != FXS_ERR_TARGET) {       /* it has none */
+        if (first.error != FXS_ERR_TARGET) {       /* without a target */
             count(&f, all, &first, pairs);
             count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);   /* not in slices */
         }

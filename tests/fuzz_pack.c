@@ -1,5 +1,5 @@
-/* libFuzzer target: Gaussians of any floats, packed. What comes out opens, in each profile. The first byte is the
-   profile, the SH degree and whether there are levels of detail; the rest are the records of a .ply. */
+/* libFuzzer target: packs Gaussians of arbitrary floats; the result opens. The first byte sets the profile, SH
+   degree and levels of detail; .ply records follow. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

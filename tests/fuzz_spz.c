@@ -1,5 +1,5 @@
-/* libFuzzer target: .spz in memory. The first byte says how: even, as it is; odd, gzipped here, since no mutation would
-   keep its check sum. What opens is read whole, rewound, and read again with the same result. */
+/* libFuzzer target: .spz in memory. First byte even: the bytes as given; odd: gzipped here, since mutations break
+   the checksum. An opened scene is read, rewound, and read again with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* One line, and of this file. */
+/* A message is one line that starts with the file's name. */
 static void check_message(const fxs_message *message)
 {
     if (strncmp(message->text, "fuzz: ", 6) != 0 || strchr(message->text, '\n'))
