@@ -1,5 +1,5 @@
-/* The reference renderer in doubles (reference.h): EWA splatting by the original formulas, without tiles or culling.
-   Splats are sorted by depth and blended front to back over all their pixels. */
+/* The reference renderer in doubles (reference.h): EWA projection with the original's clamp and dilation. Splats are
+   sorted by depth, and each is blended front to back over its whole pixel box, without tile lists. */
 #include "reference.h"
 
 #include <math.h>

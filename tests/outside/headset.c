@@ -1,6 +1,7 @@
 /* headset SCENE gles|compute: the frame loop of an OpenXR program, with a small imitation of the runtime: two views
  * with asymmetric fields of view, and swapchains of textures. Each eye's colour is drawn on the GPU into the runtime's
- * framebuffer, with the median depth for the runtime's reprojection to the latest head pose. Prints "ok", or the fault. */
+ * framebuffer, with the median depth for the runtime's reprojection to the latest head pose. Prints "ok", or the
+ * fault. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
