@@ -1,6 +1,6 @@
 #!/bin/sh
-# The compute shaders: the GLSL of kernels/compute is what tools/compute_shaders.mjs makes of the WGSL beside it and of
-# pixel.h; and the WGSL compiles as it is in Chromium, for WebGPU by SwiftShader.
+# Compute shaders: the GLSL of kernels/compute equals the output of tools/compute_shaders.mjs for the WGSL there and
+# pixel.h, and the WGSL compiles in Chromium, for WebGPU on SwiftShader.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}
