@@ -6,7 +6,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A frame by one version of the stages. */
 typedef struct result {
     int error;
     unsigned char pixels[2][FUZZ_ROOM / 16];
@@ -42,7 +41,6 @@ static void count(const fuzz_frame *f, size_t bytes, const result *expected, uin
         abort();
 }
 
-/* A pick returns the id target's value. */
 static void pick(const fuzz_frame *f, size_t bytes)
 {
     fxs_targets targets = fuzz_targets(f, 0);

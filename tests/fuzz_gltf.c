@@ -22,7 +22,7 @@ static size_t make_glb(const uint8_t *data, size_t size, uint8_t *out)
     return 28 + left;
 }
 
-/* Returns read's last result; adds the number of Gaussians to *total. */
+/* Returns the last read's result. */
 static long read_some(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -6,7 +6,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Returns read's last result; adds the number of Gaussians to *total. */
+/* Returns the last read's result. */
 static long read_all(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

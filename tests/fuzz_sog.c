@@ -52,7 +52,7 @@ static int open_beside(void *argument, const char *name, fxs_scene_input *input)
     return -1;
 }
 
-/* Returns read's last result; adds the number of Gaussians to *total. */
+/* Returns the last read's result. */
 static long read_all(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -15,7 +15,6 @@ static void check_message(const fxs_message *message)
         abort();
 }
 
-/* Returns the number of Gaussians, or -1. */
 static long read_all(fxs_spz *spz, fxs_gaussian *last)
 {
     static fxs_gaussian gaussians[100];

@@ -17,14 +17,16 @@ seed=${1:-1} count=${2:-30} pattern=${3:-.}
 JOBS=${JOBS:-$(nproc)}
 case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 
-# draw: prints the changes, one per line.
+# -
+#
 draw() {
     find src kernels/*.[ch] kernels/gl kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
         port/gl port/http port/posix port/window port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }
 
-# changed FILE LINE TEXT: prints the file with the line replaced.
+# -
+#
 changed() {
     TEXT=$3 awk -v line="$2" '{ print FNR == line ? ENVIRON["TEXT"] : $0 }' "$1"
 }
@@ -52,7 +54,8 @@ build() {
     make -s -f Makefile -f "$folder/keep.mk" CFLAGS=-O1 NVCC=none "$@"
 }
 
-# names GOAL: the tests of a make goal.
+# -
+#
 names() { make -n NVCC=none "$1" | sed -n 's/.* tests\/run\.sh *//p' | tr ' ' '\n'; }
 
 # make's target for a test: its program, or the command for a script.
@@ -119,7 +122,8 @@ judge() {
     echo SURVIVED
 }
 
-# Restores the files that a change rebuilt.
+# -
+#
 restore() {
     find build "$1" -newer "$folder/stamp.$2" -type f | while read -r file; do
         cp -p "$folder/tree/$file" "$file"

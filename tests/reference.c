@@ -73,7 +73,6 @@ static void jacobian_row(double focal, double centre, int size, double slope, do
         row[i] = focal / z * (axis[i] - clamped * forward[i]);
 }
 
-/* Rotates v by a matrix of rows. */
 static void turn(const double m[9], const double v[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
@@ -164,7 +163,6 @@ static double distance_limit(const struct reference_splat *s, enum reference_cut
     return cutoff == REFERENCE_MAHALANOBIS && limit > 9 ? 9 : limit;
 }
 
-/* Indices first to end - 1. */
 struct span { int first, end; };
 
 static int clamp_index(double value, int size)
@@ -260,7 +258,6 @@ static void add_colour(double *pixel, double weight, const double *colour)
         pixel[channel] += weight * colour[channel];
 }
 
-/* A picture during blending. */
 struct canvas {
     int width, height;
     const struct reference_options *options;

@@ -195,7 +195,7 @@ static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
     find_bounds(out, count, &scale_bounds[which], &sh_bounds[which]);
 }
 
-/* Writes scene.lcc and its files. Without a sky, no environment.bin. */
+/* Without a sky, writes no environment.bin. */
 static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian *sky, size_t sky_count, int has_sh)
 {
     find_turned_bounds(g, count, 0);
@@ -216,7 +216,7 @@ static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian 
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
-/* Reads twice, a few at a time. Returns the number of Gaussians, or the error and the message. */
+/* Reads twice. Returns the number of Gaussians, or an error. */
 static long read_scene(const fxs_scene_file_options *options)
 {
     fxs_scene_file *file;
@@ -244,7 +244,6 @@ static void check_fails(const char *words)
         printf("  said: %s\n  not:  %s\n", result < 0 ? message.text : "nothing", words);
 }
 
-/* The sine of half the angle between two rotations. */
 static double angle_between(const float a[4], const float b[4])
 {
     double dot = 0, norm_a = 0, norm_b = 0;
@@ -256,8 +255,8 @@ static double angle_between(const float a[4], const float b[4])
     return sqrt(fmax(0, 1 - dot * dot / (norm_a * norm_b)));
 }
 
-/* Tolerances are half a step of each code. A rotation has three codes of step sqrt(2) / 2046, and the fourth
-   component is off by at most three times that. Turning mixes at most 7 SH coefficients. */
+/* Tolerances are half a code's step. A rotation has three codes of step sqrt(2) / 2046; the fourth component is off
+   by up to three times that. Turning mixes up to 7 SH coefficients. */
 static int is_as_made(const fxs_gaussian *g, const fxs_gaussian *from, int which, int has_sh)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity)), made_opacity = 1 / (1 + exp(-(double)from->opacity));
@@ -306,7 +305,6 @@ static void write_made(size_t sky_count, int has_sh)
     write_scene(made, COUNT, made_sky, sky_count, has_sh);
 }
 
-/* Checks one level: its Gaussians cell by cell, then the sky. */
 static void check_level(int level, size_t sky_count, int has_sh)
 {
     const fxs_scene_file_options options = {.level = level};
@@ -527,7 +525,6 @@ static long read_other(const char *path, fxs_gaussian *gaussians)
     return count;
 }
 
-/* Writes another scene as .lcc, with a third scene or NULL as its sky. */
 static int write_of(const char *to, const char *scene, const char *sky)
 {
     static fxs_gaussian others[2][MOST];

@@ -55,7 +55,6 @@ static void draw_cover(const fxs_file_view *v)
                 scene((i % v->width + 0.5 - v->cx) / v->fx, (i / v->width + 0.5 - v->cy) / v->fy, c) + 0.5);
 }
 
-/* Straightened positions bend back, and bent positions straighten back. */
 static void inverse(void)
 {
     static fxs_lens_warp w;
@@ -88,7 +87,6 @@ static void inverse(void)
     }
 }
 
-/* Each drawn pixel shows the scene in its direction. */
 static void patterns(void)
 {
     static const uint8_t outside[4] = {9, 8, 7, 6};
@@ -115,7 +113,6 @@ static void patterns(void)
     }
 }
 
-/* A fit's undistortion restores the pinhole picture. */
 static void round_trip(void)
 {
     static const uint8_t outside[4] = {0, 0, 0, 0}, black[3] = {0, 0, 0};

@@ -12,7 +12,6 @@ static const char *kept_name(const char *name)
     return path;
 }
 
-/* Writes a picture of 0 and 255. */
 static void put_grey(const char *name, int width, int height, const uint8_t *grey)
 {
     static uint8_t rgb[3 * 4 * PIXELS];
@@ -21,7 +20,6 @@ static void put_grey(const char *name, int width, int height, const uint8_t *gre
     put_ppm(name, width, height, rgb);
 }
 
-/* A black disc and dots on white. */
 static void draw(uint8_t grey[PIXELS], int seed)
 {
     for (int i = 0; i < PIXELS; i++) {

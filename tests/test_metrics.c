@@ -105,7 +105,6 @@ static void maps_are_cut(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / mean)) < 1e-4);
 }
 
-/* Ignored pixels with wild values do not change the numbers of the rest. */
 static void ignored_pixels_have_no_part(void)
 {
     enum { LEFT = 25, NARROW = WIDTH - LEFT };

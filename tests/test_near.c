@@ -21,7 +21,6 @@ static fxs_gaussian gaussians[COUNT];
 static fxs_packed_scene packed;
 static fxs_pack_report report;
 
-/* The knot, scaled by `size`. */
 static int make_knot(double size)
 {
     char path[] = "/tmp/fixsplat-near-XXXXXX";
@@ -121,7 +120,6 @@ static void test_sizes_are_approached_alike(void)
     check_size(0.0001, full, small);
 }
 
-/* The automatic camera gives the same picture at any size. */
 static void test_sizes_are_framed_alike(void)
 {
     static const double up[3] = {0, -1, 0}, sizes[] = {1, 0.1, 0.001};

@@ -22,7 +22,6 @@ static fxs_camera look(const double eye[3], const double target[3], double fov)
     return camera;
 }
 
-/* `least`: minimum share of covered pixels. */
 static void check_against_reference(const char *name, const world *w, const fxs_camera *camera, double least)
 {
     fxs_context context;
@@ -151,7 +150,6 @@ static void test_hundred_objects(void)
     part_free(&cubes);
 }
 
-/* Moves the camera with the object: turned, scaled and translated. */
 static fxs_camera carried(const fxs_file_view *view, const fxs_object *object)
 {
     fxs_message m;
@@ -329,8 +327,8 @@ static void test_crop_around_all(void)
     }
 }
 
-/* One Gaussian at the low end of its chunk, inside it, and at the high end; its centre lies on a face of a crop box,
-   or one step outside. */
+/* One Gaussian at both ends of its chunk and inside it, with its centre on a face of a crop box, or one step
+   outside. */
 static void test_centres_on_faces_of_crops(void)
 {
     static const uint16_t places[] = {0, 30001, 65535};
@@ -367,7 +365,6 @@ static void test_centres_on_faces_of_crops(void)
     }
 }
 
-/* Objects that show nothing change nothing, at any place in the list. */
 static void test_hidden_objects(void)
 {
     const fxs_crop none = {{INT64_MAX, INT64_MAX, INT64_MAX}, {INT64_MAX, INT64_MAX, INT64_MAX}, 0};
@@ -402,7 +399,7 @@ static void test_hidden_objects(void)
     }
 }
 
-/* Of two objects at the same depth, the first in the list is in front. */
+/* At equal depth, the first object of the list is in front. */
 static void test_ties(void)
 {
     int seen = 0;
@@ -427,7 +424,6 @@ static void test_ties(void)
     CHECK(seen > 10000);
 }
 
-/* Up to 20 objects, some hidden, cropped, tinted or faint. */
 static uint32_t random_objects(fxs_object objects[20], fxs_crop crops[20][2])
 {
     const uint32_t count = (uint32_t)between(1, 20);
@@ -479,8 +475,8 @@ static void free_scenario(scenario *s)
     free_scenes();
 }
 
-/* Draws in less and less memory; one byte below the minimum is refused and nothing is written. Returns the largest
-   number of bands. */
+/* Down to the minimum of memory; one byte less is refused and nothing is written. Returns the largest number of
+   bands. */
 static uint32_t check_bands(scenario *s, const fxs_context *context)
 {
     fxs_stats stats;
@@ -624,7 +620,6 @@ static void test_count_pairs(void)
     }
 }
 
-/* Colour * tint, rounded to nearest, at most 32767. */
 static void test_tint_is_rounded(void)
 {
     fxs_object_view object;

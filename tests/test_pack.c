@@ -97,7 +97,6 @@ static int pack_file(fxs_progress_fn *progress, void *argument)
     return pack_with(path, 0, progress, argument);
 }
 
-/* Packs the first `count` Gaussians and opens the scene. */
 static fxs_scene pack(size_t count, int sh_degree)
 {
     fxs_scene scene;
@@ -293,8 +292,8 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* The inner box holds a head of 3 % and a pedestal of 1 % of the Gaussians, but no floaters or invisible Gaussians.
-   The order of the Gaussians makes no difference. */
+/* The inner box holds a head of 3 % and a pedestal of 1 % of the Gaussians, but no floaters or invisible ones, in
+   any order. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -365,7 +364,7 @@ static void test_all_equal(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The largest accepted values still pack to a scene that fxs_scene_open accepts. */
+/* The largest accepted values pack to a valid scene. */
 static void test_extremes(void)
 {
     make_gaussians(512);
@@ -436,7 +435,7 @@ static void test_every_residual_code_serves(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Skips that end inside the read buffer, one byte beyond it, and at the end of the file. */
+/* Skips within the read buffer, one byte beyond it, and to the end of the file. */
 static void test_bytes_skipped(void)
 {
     static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
@@ -457,7 +456,7 @@ static void test_bytes_skipped(void)
     CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == FXS_ERR_FILE);
 }
 
-/* The reader returns the announced number of Gaussians, though the file holds more. */
+/* The reader returns the announced number, though the file holds more. */
 static void test_no_more_than_announced(void)
 {
     fxs_scene_file *file = NULL;
@@ -497,8 +496,7 @@ static void test_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The reported share of dropped Gaussians weighs each by opacity times the area of its two largest axes, whichever
-   of its values is bad. */
+/* The share of dropped Gaussians weighs each by opacity times the area of its two largest axes. */
 static void test_share_of_what_is_dropped(void)
 {
     make_gaussians(100);
@@ -1103,7 +1101,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* Merges a set with the stages of `cpu`. Returns the merged Gaussians and each source's target. */
+/* Returns the merged Gaussians and each source's target. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1122,7 +1120,7 @@ static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t m
     return left;
 }
 
-/* Every instruction set merges exactly as C does, also when all Gaussians lie at one place. */
+/* Every instruction set merges like C, also when all Gaussians coincide. */
 static void test_stages_of_merging(void)
 {
     static fxs_coarse out[2][FXS_MERGE_MOST];
@@ -1519,7 +1517,7 @@ static void check_progress(uint32_t threads)
     }
 }
 
-/* Reading the file several times to code the SH produces the same bytes and losses. */
+/* Several passes over the file for the SH give the same bytes and losses. */
 static void check_held(uint32_t chunks)
 {
     fxs_packed_scene all;
@@ -1605,7 +1603,6 @@ static void test_reader_fails(void)
     }
 }
 
-/* A row in the middle cannot be parsed. */
 static struct {
     unsigned char *bytes;
     long size, reads, changes_at;
@@ -1627,7 +1624,7 @@ static int read_changing(void *argument, uint64_t offset, void *out, size_t leng
     return 0;
 }
 
-/* The file is packed or refused, but never packed to a scene that does not open. At least one is refused. */
+/* Packed or refused, but never packed to a scene that does not open; refused at least once. */
 static void test_a_file_that_changes(void)
 {
     int refused = 0;

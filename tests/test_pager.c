@@ -1,6 +1,6 @@
-/* Paged scenes: a pool holds part of the scene. Once no chunk is missing, frames equal those of the whole scene, from
- * memory, a file or slow sources. Also: a bounded pool, frames that never wait, and sources that fail, lie, end early
- * or never answer. */
+/* Paged scenes: a pool holds part of the scene. Once no chunk is missing, frames equal the whole scene's, from
+ * memory, a file or slow sources. Also: frames that never wait, and sources that fail, lie, end early or never
+ * answer. */
 #ifdef __linux__
 #define _GNU_SOURCE                    /* RUSAGE_THREAD */
 #endif
@@ -101,7 +101,6 @@ static fxs_pager *open_with(bytes_source *s, uint32_t places, fxs_message *why)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* A camera on a path around and through the scene. */
 static fxs_camera camera_on_way(int i)
 {
     const double angle = i * 0.021, out = 5.2 + 3.6 * sin(i * 0.037);
@@ -121,7 +120,7 @@ static fxs_stats frame_of(const fxs_scene *scene, fxs_pager *pager, fxs_camera c
     return stats;
 }
 
-/* Renders with a still camera until no chunk is missing or nothing more arrives. Returns the number of frames. */
+/* Renders until no chunk is missing or nothing more arrives. Returns the number of frames. */
 static int settle(fxs_pager *pager, fxs_camera camera, uint32_t budget, fxs_pager_state *state)
 {
     int frames = 0, error;
@@ -268,8 +267,7 @@ static void test_large_claim(void)
     free(bytes);
 }
 
-/* Chunks with wrong checksums are lost after three attempts. The others are drawn, with coarser chunks as
-   replacements. */
+/* Chunks with wrong checksums are lost after three attempts; coarser chunks replace them. */
 static void test_lies(void)
 {
     const uint64_t first = (uint64_t)(whole.rows - (unsigned char *)packed.data);
@@ -295,7 +293,7 @@ static void test_lies(void)
     fxs_pager_close(pager);
 }
 
-/* A source that fails for a while is retried. A permanent failure is an error, whatever the source returns. */
+/* A temporary failure is retried; a permanent one is an error, whatever the source returns. */
 static void test_failures(void)
 {
     fxs_message why;
@@ -328,7 +326,6 @@ static void test_failures(void)
     }
 }
 
-/* Frames go on during a read that never ends; closing cancels it. */
 static void test_never_answers(void)
 {
     bytes_source s = {.reads = 0};
@@ -350,7 +347,7 @@ static void test_never_answers(void)
     CHECK(s.closed == 1 && s.cancelled && fxs_clock(0) - start < 20 * SECOND);
 }
 
-/* A pool too small for a frame reports it. Frames go on with as many chunks as fit. */
+/* A pool too small for a frame reports it; frames go on with as many chunks as fit. */
 static void test_no_room(void)
 {
     bytes_source s = {.reads = 0};
@@ -388,8 +385,8 @@ static long waits_of_thread(void)
 #endif
 }
 
-/* 300 frames of a moving camera from a source of 50 MB/s. No frame waits, except for an occasional meeting with the
-   reader's thread at the lock. Once the camera stands still, the picture converges. */
+/* 300 frames of a moving camera from a source of 50 MB/s. No frame waits, except rarely for the reader's thread at
+   the lock. With a still camera the picture converges. */
 static void test_path(void)
 {
     bytes_source s = {.rate = 50000000};

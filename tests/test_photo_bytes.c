@@ -8,7 +8,6 @@
 /* Hash of everything read from the folder. */
 #define EXPECTED 0xac8c35eeu
 
-/* Hash of noise drawn through lenses. */
 #define EXPECTED_WARP 0x91768e01u
 
 static uint32_t hash_of_view(uint32_t hash, const fxs_fit_photo *photo)

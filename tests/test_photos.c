@@ -142,7 +142,7 @@ static uint32_t hash_of_pixels(void)
     return hash;
 }
 
-/* Opened by its folder, its model's folder and its files; binary and text. */
+/* By its folder, its model's folder and its files; binary and text. */
 static void colmap(void)
 {
     static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
@@ -174,7 +174,7 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* The random points of photographs in memory equal those of the set without points that was read last. */
+/* Equal to the points of the set without points read last. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -189,7 +189,6 @@ static void check_random_points(const fxs_photos_options *options)
     CHECK(fxs_photos_random_points(photos.fit, 0, 0, &points, &count, &why) == FXS_ERR_ARGUMENT && !points && !count);
 }
 
-/* Wrong counts, and impossible points. */
 static void bad_points(void)
 {
     const fxs_photos_options options = {0};
@@ -246,7 +245,6 @@ static int stop(void *argument, double done)
     return done > 0.3;
 }
 
-/* Collects the messages about photographs left out. */
 static void left_out(void *argument, const char *why)
 {
     char *all = argument;
@@ -601,7 +599,6 @@ static void lens_widest(void)
               fabs(photos.fit[0].view.fy / photos.fit[0].view.fx - 3) < 1e-12);
 }
 
-/* Coefficients outside the lens models' ranges. */
 static void lens_faults(void)
 {
     static const char *const cameras[] = {"FOV 160 120 50 50 80 60 3.2", "FOV 160 120 50 50 80 60 1e300",
@@ -738,8 +735,8 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for /, and with the ending in the other letter case, give the same set in the same order: "a0/1"
-   comes after "a/0", though "a0\1" comes before "a\0". A file with a real \ in its name is found too. */
+/* Names with \ for /, or with the ending in the other case, give the same set and order: "a0/1" comes after "a/0",
+   though "a0\1" comes before "a\0". A real \ in a name works too. */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {0};
@@ -871,7 +868,7 @@ static void colours_of_points(void)
 #define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
                     "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
-/* The fisheye lenses of nerfstudio and instant-ngp undo the same distortion as COLMAP's. */
+/* nerfstudio's and instant-ngp's fisheyes undo the same distortion as COLMAP's. */
 static void nerfstudio_fisheye(void)
 {
     static const struct {

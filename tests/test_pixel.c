@@ -20,7 +20,6 @@ enum { COARSE = 1 };
 
 enum { Q15_ONE = 32768 };
 
-/* first, first + stride, ..., and always last */
 static int next(int x, int stride, int last)
 {
     return x < last && last - x < stride ? last : x + stride;
@@ -192,7 +191,6 @@ static void test_resolve(void)
     CHECK(wrong == 0);
 }
 
-/* An untouched pixel shows exactly the background. */
 static void test_resolve_background(void)
 {
     for (int background = 0; background <= 255; background++)

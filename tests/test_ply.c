@@ -11,7 +11,7 @@ enum { ROWS = 3 };
 static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
 enum { ASCII, LITTLE, BIG };
 
-/* A property's value: a whole number that fits every type, and for real types an exact fraction. */
+/* A whole number that fits every type, or for real types an exact fraction. */
 static double value_of(const char *name, int row, int is_whole)
 {
     unsigned hash = 17u * (unsigned)row + 5;
@@ -59,7 +59,6 @@ static void put_number(int encoding, const char *type, double value)
         bytes[size++] = (uint8_t)(bits >> 8 * (encoding == BIG ? count - 1 - k : k));
 }
 
-/* Writes a row of properties "type name" or "list type type name"; lists get 0 to 3 values. */
 static void put_row(int encoding, const char *const *properties, int count, int row, int is_whole)
 {
     char type[3][16], name[32];
@@ -94,7 +93,6 @@ enum { CORE = sizeof core / sizeof *core };
 static char rest_text[72][24];
 static const char *properties[CORE + 72 + 4];
 
-/* The core properties plus `rest` f_rest ones; returns their number. */
 static int fill_properties(int rest)
 {
     memcpy(properties, core, sizeof core);
@@ -314,7 +312,7 @@ static void put_with(const char *const *more, const double *values, int count, i
     put_file(size);
 }
 
-/* Colours instead of f_dc range from 0 to full brightness. */
+/* Colours instead of f_dc: 0 to full brightness. */
 static void colours(void)
 {
     static const struct { const char *names[3]; double values[3]; double full; } cases[] = {
@@ -457,7 +455,6 @@ static void other_elements_and_lists(void)
         }
 }
 
-/* A list longer than the reader's buffer, and bytes after the last row. */
 static void long_list(void)
 {
     int count = fill_properties(0);

@@ -70,7 +70,6 @@ static void test_hashes(void)
     CHECK(!fxs_procedural_find("no such scene"));
 }
 
-/* `extent`: largest coordinate of a centre. */
 static int plausible(const fxs_gaussian *g, int sh_degree, float extent)
 {
     float values[FLOATS];
@@ -116,7 +115,6 @@ static float reach_of(const fxs_gaussian *g)
     return hypotf(hypotf(g->position[0], g->position[1]), g->position[2]);
 }
 
-/* The meadow has strays and discs without thickness, at every count. */
 static void test_meadow_has_strays_and_discs(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("meadow");

@@ -1,7 +1,7 @@
 /* Quality floors. 8-bit frames are compared with an independent double-precision renderer (reference.c) of the
- * unquantised file: mean and worst PSNR of four views per scene, for the packed scene of each profile, and for the
- * pixel stage alone (blend and resolve) fed with splats projected in doubles. The scene as .spz is measured for
- * comparison. FXS_PROCESSORS=all renders four times as many pixels and prints rows of the table in docs/measured.md. */
+ * unquantised file: mean and worst PSNR of four views, for each profile's packed scene, for the pixel stage alone
+ * (blend and resolve) on splats projected in doubles, and for .spz. FXS_PROCESSORS=all renders four times as many
+ * pixels and prints rows of the table in docs/measured.md. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -141,7 +141,6 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
 
 /* ---- Scenes and views -------------------------------------------------------------------------------------------- */
 
-/* Processor time of all threads. */
 static double processor_seconds(void)
 {
     struct timespec now;
@@ -149,7 +148,7 @@ static double processor_seconds(void)
     return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
 }
 
-/* Measures the scene as .spz 4, packed for rendering. Skipped without zstd. */
+/* .spz 4, packed for rendering, for comparison. Skipped without zstd. */
 static void load_spz(subject *s)
 {
     char path[] = "/tmp/fixsplat-quality-XXXXXX";
@@ -203,7 +202,6 @@ static int load(subject *s, const char *path)
     return result;
 }
 
-/* Takes evenly spaced views of a camera file. */
 static int views_of_file(subject *s, const char *path)
 {
     fxs_message m;
@@ -369,7 +367,6 @@ static void check_floors(const char *name, subject *s, int kind)
     CHECK(pixel.mean.psnr >= PIXEL_FLOOR);
 }
 
-/* Takes views from the camera file, else from the stands, else around the scene. */
 static void check_scene(const char *name, const char *path, const char *cameras, const stand *stands,
                         const aspect *a)
 {

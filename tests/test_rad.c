@@ -9,7 +9,6 @@ enum { COUNT = 5, CHUNK = 3, SH = 45 };
 
 static fxs_gaussian out[64];
 
-/* The code of Gaussian i in a row of a property: any byte. */
 static int code_of(int property, int row, int i)
 {
     return (int)((uint32_t)(property * 4096 + row * 64 + i + 1) * 2654435761u >> 24);
@@ -369,7 +368,6 @@ static void chains(void)
 
 enum { MANY = 3000 };
 
-/* Along a line, one sigma apart. */
 static void write_line(int count, float opacity)
 {
     static fxs_gaussian line[MANY];
@@ -411,7 +409,7 @@ static void check_level(int level, uint64_t before)
     CHECK(fabs(sqrt(variance / sum) - MANY / 64.0 / sqrt(12)) < 0.1);
 }
 
-/* Writing twice gives the same bytes. The last level is one Gaussian, as wide as all. */
+/* The same bytes twice. The last level is one Gaussian, as wide as all. */
 static void written_trees(void)
 {
     static uint8_t again[MAX_FILE];
@@ -495,7 +493,6 @@ static void faults(void)
     check_fails("one chunk of a .rad");
 }
 
-/* A column that inflates to more or less than its size. */
 static void wrong_sizes(void)
 {
     for (int rows = 1; rows <= 3; rows += 2)
@@ -503,7 +500,7 @@ static void wrong_sizes(void)
             usual_encodings();
             rad_begin(compressed);
             put_columns(0, 2, 1);
-            rad_columns[0] = rad_columns[--rad_column_count];     /* removes center */
+            rad_columns[0] = rad_columns[--rad_column_count];
             put_bytes_of("f32", CENTER, 0, rows);
             rad_add_column("center", "f32", "");
             for (int i = 0; i < 9; i++)

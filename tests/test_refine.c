@@ -117,7 +117,6 @@ static void draw(const fxs_packed_scene *packed, const fxs_file_view *view, uint
     free(memory);
 }
 
-/* The mean squared error that a budget causes, from places between the views. */
 static double error_of(const fxs_packed_scene *packed, uint32_t budget)
 {
     static uint8_t whole[4 * WIDTH * HEIGHT], some[sizeof whole];
@@ -170,7 +169,6 @@ static void check_same(size_t view_count, uint64_t count)
     fxs_packed_scene_free(&first);
 }
 
-/* A node's box and largest sigma bound its descendants; leaves do not change. */
 static void check_kept(void)
 {
     const fxs_pack_options with = {.tree = 1};
@@ -268,7 +266,6 @@ static void check_damaged(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Random children for nodes: a chunk below two nodes is refused. */
 static void check_shared(void)
 {
     const fxs_pack_options with = {.tree = 1};
@@ -293,7 +290,6 @@ static void check_shared(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* All in one place, or too far apart to be visible; a camera that looks away. */
 static void check_odd(void)
 {
     const fxs_pack_options with = {.tree = 1};

@@ -89,7 +89,6 @@ static void test_open_misaligned(void)
     free(s.bytes);
 }
 
-/* Sets a field, expects the error, and restores the field. */
 #define GIVES(error, field, value) do { \
         unsigned char saved[sizeof (field)]; \
         memcpy(saved, &(field), sizeof (field)); \
@@ -243,7 +242,6 @@ static void test_frame_bytes(void)
 
 /* ---- Rendering random bytes ------------------------------------------------------------------------------------- */
 
-/* A number with a random number of low bits. */
 static int64_t any(int most_bits)
 {
     int n = (int)(bits() % (uint32_t)(most_bits + 1));
@@ -259,7 +257,6 @@ static uint32_t any_unsigned(int most_bits)
     return (uint32_t)(x < 0 ? -x : x);
 }
 
-/* Random header values of every size, until fxs_scene_open accepts them. */
 static void random_chunk(fxs_chunk *chunk)
 {
     do {

@@ -38,7 +38,6 @@ static int open_made(uint64_t count)
     return CHECK(fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message) == 0);
 }
 
-/* Reads the merged scene with two step sizes. */
 static long read_left(void)
 {
     static fxs_gaussian again[COUNT];
@@ -107,7 +106,6 @@ static void add_moments(double sums[SUMS], const fxs_gaussian *g)
     }
 }
 
-/* Merging preserves all moments of the scene. */
 static void moments(void)
 {
     double before[SUMS] = {0}, after[SUMS] = {0};

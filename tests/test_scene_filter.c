@@ -10,7 +10,6 @@ static fxs_scene_filter filter;
 static fxs_scene_filter_report report;
 static fxs_scene_file *file;
 
-/* Writes the Gaussians to the file that the tests read. */
 static int write_made(int sh_degree)
 {
     fxs_scene_writer *writer;
@@ -49,8 +48,7 @@ static int open_filtered(void)
     return result;
 }
 
-/* Reads the filtered file twice, `step` Gaussians at a time; only the last read may be shorter. Returns their
-   number. */
+/* Reads twice, `step` Gaussians at a time; only the last read may be shorter. Returns their number. */
 static long read_left(fxs_gaussian *out, long step)
 {
     long total = 0, n = step;
@@ -356,7 +354,7 @@ static void nothing_left(void)
     CHECK(open_filtered() == FXS_ERR_FILE && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
 }
 
-/* Packing through a filter gives the bytes of packing a file with only the remaining Gaussians. */
+/* Packing through a filter equals packing a file with only the remaining Gaussians. */
 static void packed(void)
 {
     static fxs_gaussian out[COUNT];
@@ -406,7 +404,6 @@ static void progress(void)
     fxs_scene_file_close(file);
 }
 
-/* The file is damaged in its middle. */
 static void damaged(void)
 {
     size = 0;

@@ -1,5 +1,5 @@
-/* Every format read from a file, from memory and by functions gives the same Gaussians. Every failed allocation or
-   read is an error without a leak, and opening allocates little. */
+/* Every format gives the same Gaussians from a file, from memory and by functions. Every failed allocation or read
+   is an error without a leak, and opening allocates little. */
 #include "every_format_bytes.h"
 
 enum { MOST = 64 };
@@ -94,7 +94,6 @@ static int open_made(way by, const fxs_scene_file_options *options, fxs_scene_fi
     return fxs_scene_file_open(full, options, file, &info, &message);
 }
 
-/* Reads, rewinds, reads again. Returns the number of Gaussians, or an error. */
 static long read_made_scene(way by, const fxs_scene_file_options *options, fxs_gaussian *gaussians)
 {
     fxs_scene_file *file;
@@ -339,7 +338,6 @@ static const fxs_scene_file_options watched = {
     .allocator = &counting, .progress = note_progress, .progress_argument = &progress
 };
 
-/* When reading a large .spz, and when opening streamed SOG. */
 static void progress_is_told(void)
 {
     static fxs_gaussian out[MOST];
@@ -370,7 +368,6 @@ static void progress_is_told(void)
     }
 }
 
-/* The progress callback stops both opening and reading. */
 static void every_progress_stops(void)
 {
     fxs_scene_file *file;
@@ -434,7 +431,7 @@ static void allocator_helpers(void)
     }
 }
 
-/* Writes each format to its own folder, for other readers to try, and prints the files to open. */
+/* Writes each format to its own folder and prints the files to open, for other readers. */
 static int write_all(const char *parent)
 {
     for (int i = 0; i < FORMATS; i++) {

@@ -14,7 +14,7 @@ enum { COUNT = 300 };
 
 static fxs_gaussian wanted[COUNT], got[COUNT];
 static fxs_scene_write_report report;
-static char name[64];                   /* the written file's name */
+static char name[64];
 static uint32_t state;
 
 static double random_between(double low, double high)
@@ -64,7 +64,6 @@ static const char *named(const char *ending)
     return name;
 }
 
-/* Writes the Gaussians in two parts. */
 static int write_all(const char *ending, const fxs_scene_write_options *o, fxs_progress_fn *progress, void *argument)
 {
     fxs_scene_writer *writer;
@@ -214,7 +213,7 @@ static void bytes_of_glb(void)
     CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
 }
 
-/* Two chunks of 72 bytes; neighbours share a chunk, so its box is smaller than the scene. */
+/* Two chunks of 72 bytes; neighbours share one, so its box is smaller than the scene. */
 static void bytes_of_compressed_ply(void)
 {
     make(0);
@@ -264,7 +263,6 @@ static void lines_of_csv(void)
     CHECK(!*(strchr(line, '\n') + 1));
 }
 
-/* Decimal points stay in a locale with decimal commas. */
 static void another_locale(void)
 {
     static const char *const endings[] = {".csv", ".sog", ".glb", ".rad"};
@@ -469,7 +467,7 @@ static int stop_at_once(void *argument, double done)
     return done > 0;
 }
 
-/* 64 centres with a little noise: the palette finds them, up to the noise. */
+/* The palette finds 64 centres, up to a little noise. */
 static void palettes(void)
 {
     enum { VECTORS = 4096, CENTRES = 64, ENTRIES = 1024 };

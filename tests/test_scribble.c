@@ -26,7 +26,7 @@ typedef struct bytes {
     size_t size;
 } bytes;
 
-/* The scene being rendered. The rest of the struct changes it. */
+/* The scene, and the state of its changes. */
 static struct {
     unsigned char *data;
     size_t size, page;
@@ -154,7 +154,6 @@ static size_t memory_for(const fxs_context *context, enum call call)
     return to_multiple_of_64(call == HALF ? (memory.least + all) / 2 : call == PAIRS ? pairs : memory.least);
 }
 
-/* Renders the faint scene and returns its touches. */
 static uint64_t render(const fxs_context *context, enum call call, size_t size)
 {
     bytes room = make_room(size);
@@ -182,7 +181,6 @@ static uint64_t render(const fxs_context *context, enum call call, size_t size)
     return touches;
 }
 
-/* Changes at single touches, then random bytes. */
 static void render_all(const fxs_context *context, enum call call)
 {
     const size_t size = memory_for(context, call);
@@ -198,7 +196,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* Runs in a child process, since a write outside the memory ends it. */
+/* Runs in a child, which a write outside the memory ends. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;
@@ -252,7 +250,6 @@ static void free_scene(void)
     free(drawn.faint);
 }
 
-/* Returns 1 if the bright scene shows far more than the faint one. */
 static int make_scene(enum fxs_profile profile, uint64_t seed)
 {
     state = seed;

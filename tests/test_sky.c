@@ -59,7 +59,6 @@ static void find(size_t photo_count, const fxs_fit_point *from, size_t count, ui
     CHECK(!fxs_fit_sky_find(photos, photo_count, from, count, directions, 2, &sky));
 }
 
-/* A lattice direction in doubles, by the C library. */
 static void direction(uint32_t i, double d[3])
 {
     const double turn = 3.14159265358979324 * (3 - sqrt(5.0)) * i;
@@ -68,7 +67,6 @@ static void direction(uint32_t i, double d[3])
     d[2] = sqrt(1 - d[1] * d[1]) * sin(turn);
 }
 
-/* True if within a picture by at least `margin` half widths. */
 static int is_seen(const double d[3], int count, double margin)
 {
     for (int i = 0; i < count; i++) {
@@ -80,8 +78,7 @@ static int is_seen(const double d[3], int count, double margin)
     return 0;
 }
 
-/* The sky has every direction that a photograph sees above the horizon and none of the ground, in order, with the
-   right colours. */
+/* The sky has all directions seen above the horizon and none of the ground, in order, with the right colours. */
 static void above_the_ground(void)
 {
     const double radius = 1000 * (1 + 8 * 0.95);
@@ -106,7 +103,7 @@ static void above_the_ground(void)
     CHECK(fabs((double)sky.far.middle[1] - middle[1]) < 1e-6 && sky.far.inverse == 0.5f);
 }
 
-/* Sky points are evenly spaced: neighbours overlap, and no gap is twice the mean. */
+/* Even spacing: neighbours overlap, and no gap is twice the mean. */
 static void is_even(void)
 {
     double worst = 0, best = INFINITY;
@@ -141,7 +138,7 @@ static void is_the_same_everywhere(void)
         printf("  %016llx\n", (unsigned long long)hash);
 }
 
-/* Number of points within 1.7 degrees of straight ahead. */
+/* Points within 1.7 degrees of straight ahead. */
 static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
 {
     int n = 0;
@@ -164,7 +161,6 @@ static void most_photographs_decide(void)
     CHECK(ahead(2, before, 2) == 0);    /* one of two is no majority */
 }
 
-/* Masked pixels do not count. */
 static void masked(void)
 {
     static const fxs_fit_point behind = {{3, -2, -100}, {0}};
@@ -270,7 +266,6 @@ static void noise(const fxs_fit_stages *stages)
         CHECK(ways[0][i] != 0 && fabs((double)(ways[1][i] * (i == 2 ? 8 : 1) / ways[0][i]) - 1) < 1e-4);
 }
 
-/* Which Gaussians are kept, cloned or split. */
 static void fates(void)
 {
     for (int is_far = 0; is_far < 2; is_far++) {

@@ -206,7 +206,6 @@ static void make(const made_scene *m)
     add_meta(m);
 }
 
-/* Replaces the first `old` in meta.json. */
 static void edit(const char *old, const char *new)
 {
     char *meta = files[file_count - 1].data, *found = strstr(meta, old);
@@ -304,7 +303,7 @@ static void expect(const made_scene *m, int i, fxs_gaussian *g)
         }
 }
 
-/* True if equal to a few units of the last place. */
+/* Equal to a few units of the last place. */
 static int same(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     const float *x = (const float *)a, *y = (const float *)b;
@@ -877,7 +876,7 @@ static void faulty_index(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* The smallest memory for the streamed scene; with it, loaded files are not kept. */
+/* The smallest memory for the streamed scene; loaded files are not kept then. */
 static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
 {
     fxs_scene_file_options options = {.max_memory = 1 << 12};
@@ -890,7 +889,7 @@ static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
     return options.max_memory - (1 << 10);
 }
 
-/* A file is truncated while open, then loaded again. */
+/* Truncated while open, then loaded again. */
 static void changed_while_open(void)
 {
     fxs_gaussian gaussians[4 * COUNT];

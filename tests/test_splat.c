@@ -102,7 +102,7 @@ static void implausible_records(void)
     check_fails("not a scene file of a known format");
 }
 
-/* Only the first records are checked for the format; the importer handles the others. */
+/* Detection reads only the first records; the importer handles the others. */
 static void wild_record_at_the_end(void)
 {
     fxs_gaussian g[ROWS];

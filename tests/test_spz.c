@@ -52,7 +52,6 @@ static int make(int container)
 
 /* ---- Reading it ------------------------------------------------------------------------------------------------ */
 
-/* True if the file reads, with `count` Gaussians. */
 static int reads(uint64_t count)
 {
     put_file(size);
@@ -352,7 +351,6 @@ static void faulty_streams(void)
     }
 }
 
-/* A stream holds more or less than its entry says. */
 static void zstd_bombs(void)
 {
 #ifdef FXS_WITH_ZSTD
@@ -467,7 +465,7 @@ static void usual_precision(void)
     is_fine = 1;
 }
 
-/* Reading, writing and reading again gives the same, up to the ends of the ranges. */
+/* Written and read again, it is the same, up to the ends of the ranges. */
 static void read_and_written(void)
 {
     for (int version = 3; version <= 4; version++) {
@@ -604,7 +602,6 @@ static void faulty_writes(void)
     CHECK(strstr(message.text, "No such file"));
 }
 
-/* Last progress, and where to stop. */
 typedef struct halt {
     double done, limit;
 } halt;

@@ -1,6 +1,6 @@
-/* The stages on random scenes packed here by hand. Single stages are compared with the double-precision reference.
- * Whole frames must equal those of a brute-force renderer that shares the per-pixel math but visits every splat in
- * order at every pixel, without tiles. */
+/* The stages on random scenes packed here. Single stages are compared with the double-precision reference; whole
+ * frames must equal a brute-force renderer with the same per-pixel math that visits every splat in order at every
+ * pixel, without tiles. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -210,7 +210,7 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     project_chunks(scene);
 }
 
-/* Projects every chunk that reaches within 255 times its depth of the axis. */
+/* Includes every chunk within 255 times its depth of the axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
     CHECK(one_view_init(&all.view, scene, camera, options) == 0);
@@ -295,7 +295,7 @@ static double alpha_of(double opacity, double level)
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* The alpha error of a splat at a pixel; 0 within 2 % of the splat's edge. */
+/* The alpha error at a pixel; 0 within 2 % of the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -309,8 +309,8 @@ static double veil_error(const fxs_splat *s, const struct reference_splat *r, in
     return fabs(alpha_of(exp(-ldexp(s->offset_q11, -12)), u * u + v * v) - alpha_of(r->opacity, level));
 }
 
-/* True if the splat is too narrow to compare: the rounding of its long axis shows, or it may be widened. Limits:
-   1/64 of its length, 1/10 of the picture's diagonal. */
+/* True if too narrow to compare: the rounding of the long axis shows, or the splat may be widened. Limits: 1/64 of
+   its length, 1/10 of the picture's diagonal. */
 static int is_narrow(const struct reference_splat *r, const fxs_view *view)
 {
     const double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
@@ -404,7 +404,7 @@ static void test_project_antialiased(void)
     CHECK(within(&worst_large, 0.003, 0.1, 0.05));
 }
 
-/* True if the Gaussian counts at a pixel by a margin: 2 % of its size, and alpha 1.1 / 255. */
+/* Counts by a margin: 2 % of its size, and alpha 1.1 / 255. */
 static int counts_somewhere(const struct reference_splat *r, const fxs_file_view *view)
 {
     double det = r->a * r->c - r->b * r->b, limit = fmin(9, 2 * log(255 / 1.1 * r->opacity)) * 0.96 - 0.02;
@@ -555,8 +555,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Checks that the sort is stable by depth. Slots arrive in order, so this is a sort by the whole key. `mask`: bits
-   of the depth in use. */
+/* The sort is stable by depth; slots arrive in order, so by the whole key. `mask`: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
     enum { MOST = 70000 };
@@ -756,7 +755,7 @@ static void store(unsigned char *pixel, int i, const fxs_options *options, enum 
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
-/* Renders the frame without tiles, lists or rows, and without culling chunks by place. */
+/* Without tiles, lists or rows, and without culling chunks by place. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                          enum fxs_format format, unsigned char *pixels, ptrdiff_t stride)
 {
@@ -783,7 +782,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* A back end that runs the stages themselves. */
 static int draw_tiles(void *argument, const fxs_tile_run *run)
 {
     const fxs_view *view = run->view;
@@ -820,8 +818,7 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* Back ends: one called once per run gives the same bytes, one without lists gets the order, one that fails returns
-   its error. */
+/* Back ends: one gives the same bytes in one call per run, one without lists gets the order, one returns its error. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -849,7 +846,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     free(pixels);
 }
 
-/* Runs fxs_render in memory of the size it asks for, and compares all bytes with `expected`, padding included. */
+/* Runs fxs_render in exactly the memory it asks for, and compares all bytes, padding included. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
                              ptrdiff_t stride)
@@ -879,7 +876,6 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     return stats;
 }
 
-/* Checks a frame with random format, background, row direction and row padding. */
 static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, enum fxs_cutoff cutoff)
 {
     const enum fxs_format format = (enum fxs_format)below(3);
@@ -946,7 +942,7 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* With more list entries than fit in memory, the frame is rendered in several runs of tiles. */
+/* More list entries than fit: the frame is rendered in several runs of tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
@@ -1060,7 +1056,7 @@ static struct {
     int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the reach */
 } beside_tally;
 
-/* Draws the sphere at each side and corner of the picture, just within reach and just out of it. */
+/* Draws the sphere at each side and corner of the picture, within reach and just out of it. */
 static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
     fxs_view view;
@@ -1110,7 +1106,7 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where the bound on a sphere's reach is tightest: x/z at the Jacobian's limit with a length of exactly the bounding
+/* Where the bound on a sphere's reach is tightest: x/z at the Jacobian's limit with length exactly the bounding
    power of two, the sphere on the far side, and too large for the picture's margin to matter. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {

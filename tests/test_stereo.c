@@ -46,7 +46,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Renders both pictures, in exactly `memory_bytes` bytes. */
 static int render(pair *p, const fxs_context *context, int exact, size_t memory_bytes, unsigned char *pixels)
 {
     unsigned char *memory = check_aligned(memory_bytes + GUARD_BYTES);
@@ -65,7 +64,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context)
     return one_stereo_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height);
 }
 
-/* Renders two mono frames. Returns their list entries. */
+/* Two mono frames. Returns their list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, 0);
@@ -102,7 +101,7 @@ static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, 
     return (enum fxs_format)between(0, 2);
 }
 
-/* True if shared stereo must equal two frames: the eyes do not share order and colours, or these are equal. */
+/* True if shared stereo equals two frames: order and colours are not shared, or are equal. */
 static int is_exact(const pair *p, int which)
 {
     int flat = !p->options.sh_degree || !p->scene.sh_degree;
@@ -214,8 +213,8 @@ static uint64_t look(void *ignored)
     return 0;
 }
 
-/* The box of an invisible splat says so, and the lists skip it. Otherwise it would be searched in vain for each part
-   of the keys and each run. */
+/* An invisible splat's box marks it, and the lists skip it; otherwise each part of the keys and each run would
+   search it in vain. */
 static void test_unseen_splats_are_not_looked_for(void)
 {
     const fxs_config config = {.clock = look};
@@ -242,8 +241,8 @@ static void test_unseen_splats_are_not_looked_for(void)
         printf("  %u unseen, %u of them searched\n", binned.unseen, binned.searched);
 }
 
-/* One eye looks ahead, the other is turned about x or y to either side: each has its own order. Without SH the
-   pictures equal two frames. */
+/* One eye looks ahead, the other is turned about x or y: each has its own order. Without SH the pictures equal two
+   frames. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
@@ -279,7 +278,6 @@ static void test_eye_turned_to_any_side(void)
     }
 }
 
-/* Eyes with different principal points and focal lengths. */
 static void test_eyes_with_other_principal_points(void)
 {
     fxs_scene scene;
@@ -304,7 +302,6 @@ static void test_eyes_with_other_principal_points(void)
     }
 }
 
-/* Each eye uses the near plane of its own camera. */
 static void test_near_planes(void)
 {
     fxs_scene scene;
@@ -379,7 +376,7 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* Time of both eyes: from the first clock call to the last, and it includes the time of all stages. */
+/* From the first clock call to the last, including all stages. */
 static void test_time(void)
 {
     fxs_scene scene;
@@ -497,7 +494,6 @@ static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
     return worse;
 }
 
-/* Headset eyes: the left one sees farther to the left, the right one to the right. */
 static void check_headset(const fxs_scene *scene, const fxs_file_view *view, const fxs_pack_report *report)
 {
     static const double tangents[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}};

@@ -110,8 +110,8 @@ static void bench_free(bench *b)
     free(b->packed.data);
 }
 
-/* Draws without a stop, with one that says no, with one that says stop at each call (or at 50 of them), and again
-   without. Returns the number of calls. */
+/* Draws without a stop, with one that says no, with stops at each call (or 50 of them), and again without. Returns
+   the number of calls. */
 static int stop_everywhere(bench *b, draw_fn *draw)
 {
     asked a = {0, 0};
@@ -156,7 +156,6 @@ static void test_stopped_by_a_byte(void)
     bench_free(&b);
 }
 
-/* In bands, and in slices of tile rows. */
 static void test_stopped_in_little_memory(void)
 {
     static bench b;

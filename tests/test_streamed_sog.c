@@ -59,7 +59,6 @@ static long read_level(const char *name, int level)
     return n < 0 ? n : count;
 }
 
-/* Number of files and folders below a folder. */
 static int files_in(const char *name)
 {
     char command[256];
@@ -90,7 +89,6 @@ static void finest_level(void)
     CHECK(off == 0);
 }
 
-/* Weighted sums over a level. */
 typedef struct sums {
     double weight, middle[3], dc[3];
 } sums;
@@ -142,7 +140,7 @@ static double number(const cJSON *object, const char *name, int i)
     return (i < 0 ? item : cJSON_GetArrayItem(item, i))->valuedouble;
 }
 
-/* A node's bounds contain its children's, and errors grow with the level. Returns the number of leaves. */
+/* Checks bounds and errors of a node and its children. Returns the number of leaves. */
 static int check_node(const cJSON *node, const double low[3], const double high[3])
 {
     const cJSON *bound = cJSON_GetObjectItemCaseSensitive(node, "bound"), *child;
@@ -206,7 +204,6 @@ static int stop(void *calls, double done)
     return ++*(int *)calls == 30;
 }
 
-/* An error leaves no files. */
 static void faults(void)
 {
     int calls = 0;

@@ -18,7 +18,6 @@
 
 static fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
-/* A picture assembled from strips. */
 typedef struct collected {
     unsigned char *pixels;
     int32_t row_bytes, next, strips;
@@ -73,7 +72,7 @@ static void bench_free(bench *b)
     free(b->strip.pixels);
 }
 
-/* Renders a frame into b->want, and in strips within `bytes` of memory. Returns the latter's result. */
+/* Renders to b->want, and in strips within `bytes` of memory; returns the latter's result. */
 static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camera, void *memory, size_t whole,
                      size_t bytes, fxs_stats *stats)
 {
@@ -141,7 +140,6 @@ static void test_strips_are_the_picture(void)
     CHECK(banded > 10 && sliced > 5);
 }
 
-/* An invalid strip, and a receiver that fails. */
 static void test_wrong_strips(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_DEFAULT, 500);
@@ -210,7 +208,6 @@ static void test_turntable_turns(void)
     free(scene.data);
 }
 
-/* The whole box stays before the camera at every step, for every shape and size. */
 static void test_turntable_frames(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_SMALL, 500);
@@ -248,7 +245,7 @@ static uint64_t fnv1a64(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* Prints "step N hash H" of whole pictures, like the firmware for its strips. */
+/* As the firmware prints for its strips. */
 static int print_hashes(char **arguments)
 {
     fxs_mapping file;
@@ -278,7 +275,6 @@ static int print_hashes(char **arguments)
     return error != 0 || check_faults;
 }
 
-/* The hash of the screen's picture as RGB565. */
 static int print_screen(const char *path)
 {
     int width, height, most;

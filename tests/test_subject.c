@@ -102,7 +102,7 @@ static void cropped(uint32_t steps)
     const size_t left = read_all(fit, after);
     CHECK(inside > 50 && inside < count - 50 && left == inside && subject.dropped == count - inside);
     for (size_t i = 0; i < left; i++)
-        CHECK(reach_of(&after[i], middle) < 4.01);     /* coded again, in other chunks */
+        CHECK(reach_of(&after[i], middle) < 4.01);
     CHECK(!fxs_fit_pack(fit, &scene, &report, &message) && report.packed == left);
     fxs_packed_scene_free(&scene);
     CHECK(!fxs_fit_crop_to_subject(fit, &subject, &message) && subject.dropped <= left / 20);

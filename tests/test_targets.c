@@ -1,5 +1,5 @@
-/* Depths, ids, coverage, occluders and backdrops. They must equal a loop over every pixel and every splat in order,
- * without tiles and parts, be close to the double-precision reference, and agree with each other. */
+/* Depths, ids, coverage, occluders and backdrops: equal to a loop over every pixel and splat in order, close to the
+ * double-precision reference, and consistent with each other. */
 #include "src/core/frame.h"
 #include "one_scene.h"
 #include "random_scene.h"
@@ -106,7 +106,6 @@ static void blend(brute *b, uint32_t slot, int x, int y)
         b->sum_q13[c] = fxs_accumulate_q13(b->sum_q13[c], weight, s->colour_q13[c]);
 }
 
-/* Lists the splats of row y in order. Returns their number. */
 static uint32_t splats_of_row(int y, uint32_t *row)
 {
     uint32_t count = 0;
@@ -181,7 +180,6 @@ static uint32_t key_of(uint32_t depth, int bits)
     return (uint32_t)(exponent - 1 + 32) << 26 | ((uint32_t)ldexp(mantissa, 27) & 0x3ffffff);
 }
 
-/* Compares every target at pixel i of an RGBA8 picture. */
 static int same_pixel(const picture *p, const fxs_options *options, int i, const brute *b, int bits)
 {
     const fxs_id none = {FXS_NOTHING, FXS_NOTHING}, id = picture_id(p, i);
@@ -193,7 +191,6 @@ static int same_pixel(const picture *p, const fxs_options *options, int i, const
            CHECK(coverage == (int)floor((FXS_CLEAR_Q15 - b->t_q15) * 255 / 32768.0 + 0.5));
 }
 
-/* Compares every `step`-th row and column with the collected world. */
 static void check_pixels(const picture *p, const fxs_options *options, int step)
 {
     const fxs_targets *t = &p->targets;
@@ -679,7 +676,6 @@ static void test_every_subset(void)
     }
 }
 
-/* A frame with only an unpadded colour target. */
 static unsigned char *colour_of(const scenario *s, enum fxs_format format, const fxs_image *backdrop)
 {
     const ptrdiff_t stride = (ptrdiff_t)s->camera.width * fxs_pixel_bytes(format);
@@ -807,7 +803,7 @@ static padded padded_new(int width, int height, int bytes, int alignment)
     return p;
 }
 
-/* True if the rows equal the unpadded ones and the padding is untouched. */
+/* The rows equal the unpadded ones; the padding is untouched. */
 static int same_padded(const padded *p, const unsigned char *tight, int height)
 {
     unsigned char *expected = malloc(p->bytes);
@@ -859,7 +855,6 @@ static void test_strides_and_guards(void)
     }
 }
 
-/* Two targets interleaved in the rows of one image. */
 static void test_interlaced_targets(void)
 {
     scenario s;
@@ -890,7 +885,6 @@ static void test_interlaced_targets(void)
 
 /* ---- Picking ----------------------------------------------------------------------------------------------------- */
 
-/* The position lies on the pixel's ray, at the Gaussian's depth. */
 static int is_on_ray(const fxs_pick_result *r, const fxs_camera *camera, int x, int y)
 {
     const fxs_file_view v = view_of(camera);
@@ -992,8 +986,8 @@ static void check_image(const fxs_targets *fit, int i, int bytes, int alignment)
     }
 }
 
-/* Every pair of images is refused at the same place, and with one's first row in the other's last. Only the backdrop
-   may be the colour target. */
+/* Every pair of images is refused if they share a place, or one's first row overlaps the other's last. Only the
+   backdrop may be the colour target. */
 static void check_overlaps(const fxs_targets *fit)
 {
     const int last = good.camera.height - 1;
@@ -1009,7 +1003,6 @@ static void check_overlaps(const fxs_targets *fit)
             }
 }
 
-/* Inputs may share memory. */
 static void check_shared_input(const fxs_targets *fit)
 {
     fxs_targets t = *fit;

@@ -65,7 +65,6 @@ static void *draw_frames(void *argument)
     return (void *)wrong;
 }
 
-/* Runs body(i) on CALLERS threads at once. Returns the sum of their results. */
 static uintptr_t call_at_once(void *(*body)(void *))
 {
     pthread_t threads[CALLERS];
@@ -154,7 +153,7 @@ static void test_processors_are_those_allowed(void)
 
 int main(void)
 {
-    alarm(LIMIT_SECONDS);          /* ends a deadlock */
+    alarm(LIMIT_SECONDS);
     RUN(test_processors_are_those_allowed);
     RUN(test_jobs_of_several_callers_that_run_jobs);
     RUN(test_a_context_for_several_threads);

@@ -188,7 +188,6 @@ static void forms_of_content(void)
     CHECK(read_scene("tileset.json") == 1);
 }
 
-/* A tileset with one content reads as the content alone. */
 static void same_as_its_content(void)
 {
     static fxs_gaussian alone[MOST];
@@ -250,8 +249,7 @@ static void globe(void)
     check_fails("tileset.json: the transform of a tile has no inverse");
 }
 
-/* A nested tileset in a folder: names are relative to it, its transform is applied on top, and it has its own up
-   axis. */
+/* A nested tileset: names relative to its folder, its transform on top, its own up axis. */
 static void nested(void)
 {
     mkdir(in_folder("sub"), 0700);
@@ -345,7 +343,7 @@ static void faulty_tilesets(void)
 
 #define MOVED(x) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," x ",0,0,1],"
 
-/* A file used by several tiles, under one name or several, is read once per tile. */
+/* Several tiles with one file, under one name or several, each get their copy. */
 static void repeated_contents(void)
 {
     static const char *const names[] = {"1.glb", ".//1.glb", "link.glb", "hard.glb", "sub\\\\1.glb",
@@ -383,7 +381,6 @@ static void doubling(void)
     check_fails("more than 16384 contents of tiles");
 }
 
-/* Nested tilesets, each in its own folder. */
 static void deep_nesting(void)
 {
     char path[256] = "nest", tiles[64];
@@ -435,7 +432,7 @@ static void many_contents(void)
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
-/* A content's bytes count once, though its file is opened several times. */
+/* A content's bytes count once, however often it is opened. */
 static void bytes_count_once(void)
 {
     char words[64];

@@ -1,5 +1,5 @@
-/* The tree of levels of detail of a packed scene: its shape, how well its chunks keep the leaves' means, the same
-   bytes for any number of threads, and its file. test_fxs_bytes checks the bytes on other processors. */
+/* The tree of levels of detail: its shape, how well its chunks keep the leaves' means, its file, and the same bytes
+   for any number of threads. test_fxs_bytes checks other processors. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -136,8 +136,8 @@ static sums sums_of(const fxs_scene *scene, uint32_t number)
     return s;
 }
 
-/* A parent keeps the mean colour and place of its children, and nearly their weight, minus overlap. Quantisation
-   changes them a little at every level. */
+/* A parent keeps its children's mean colour and place, and nearly their weight, minus overlap; quantisation adds a
+   little. */
 static void check_means(const fxs_scene *scene, double loss)
 {
     double worst = 0;
@@ -213,7 +213,7 @@ static void few(void)
     }
 }
 
-/* Sizes of any magnitude: every chunk of the tree stays in range, with its mean place. */
+/* Chunks stay in range for sizes of any magnitude. */
 static void extremes(void)
 {
     static const float sizes[] = {1e-30f, 1e-10f, 1e-3f, 1, 60, 1e4f, 1e8f, 1e30f};
@@ -308,7 +308,7 @@ static void stopped(void)
 
 /* ---- The file ---------------------------------------------------------------------------------------------------- */
 
-/* Written and read back; every changed byte is detected. Leaves read as without the tree. */
+/* Every changed byte is detected. Leaves read as without the tree. */
 static void in_a_file(void)
 {
     static fxs_gaussian got[COUNT], expected[COUNT];

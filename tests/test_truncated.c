@@ -18,7 +18,6 @@
 static char folder[] = "/tmp/fixsplat-truncated-XXXXXX";
 static const char *words;          /* message expected for a refused length; null: none */
 
-/* Takes a file's bytes as the next file. */
 static void add_file_of(const char *from, const char *name)
 {
     FILE *stream = fopen(from, "rb");
@@ -109,7 +108,6 @@ static void make_ascii_ply(void)
     add_file("a.ply");
 }
 
-/* `count` zeros of `width` bytes, or in ASCII. */
 static void put_zeros(int encoding, int count, int width)
 {
     for (int i = 0; i < (encoding ? count * width : count); i++)
@@ -199,7 +197,7 @@ static long of_plain_spz(const struct made_file *f, size_t length)
 }
 
 #ifdef FXS_WITH_CJSON
-/* Whole index cells and whole sky Gaussians are a valid file. The scene has two cells of one Gaussian. */
+/* Whole index cells and sky Gaussians are valid; the scene has two cells of one Gaussian. */
 static long of_lcc(const struct made_file *f, size_t length)
 {
     static char text[128];
@@ -230,7 +228,7 @@ static long of_zip(const struct made_file *f, size_t length)
 
 /* ---- Packed scenes --------------------------------------------------------------------------------------------- */
 
-/* A file in its own allocation, so that a sanitizer detects reads beyond it. */
+/* Allocated exactly, so that a sanitizer detects reads beyond the end. */
 static void *file_of(const char *name, size_t *length)
 {
     struct stat about;
@@ -471,7 +469,7 @@ static long of_saved_fit(const struct made_file *f, size_t length)
 static const struct row {
     const char *name;
     void (*make)(void);
-    long (*read)(const char *name);                                  /* returns 0 or more, or an error */
+    long (*read)(const char *name);
     long (*result)(const struct made_file *f, size_t length);        /* expected result for f cut to length; may set
                                                                         `words` */
 } rows[] = {

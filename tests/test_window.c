@@ -22,7 +22,7 @@ static fxs_file_view a_view(void)
     return view;
 }
 
-/* Projects a point to a pixel. Returns its depth. */
+/* Returns the depth. */
 static double see(const fxs_file_view *view, const double point[3], double pixel[2])
 {
     double seen[3] = {0, 0, 0};
@@ -248,7 +248,7 @@ static void test_ids_have_colours(void)
     CHECK(pixels_of(&picture, 0x000000ff) == 1);
 }
 
-/* Words in both themes on their panels: each at its place, as wide as it reports, and with enough contrast. */
+/* Words in both themes on their panels: in place, as wide as reported, with enough contrast. */
 static void test_words(void)
 {
     fxs_words *words;
@@ -489,7 +489,7 @@ static void drop(viewer *v, const char *path)
     settle(v);
 }
 
-/* True if the viewer shows the renderer's picture of that view. */
+/* True if the picture is the renderer's of that view. */
 static int shows(const viewer *v, fxs_file_view view, int width, int height)
 {
     renderer r;
@@ -523,8 +523,7 @@ static void test_keys(void)
     CHECK(v.graph && v.help && v.rate && v.light && shows(&v, v.views[0], 64, 48));
     key(&v, 'v');
     CHECK(v.divisor == 4);
-    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* each back end of
-                                                                                                   this machine */
+    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {
         key(&v, 'b');
         CHECK(shows(&v, v.views[0], 64, 48));
     }
@@ -618,7 +617,6 @@ static void test_frame_is_stopped(void)
     viewer_close(&v);
 }
 
-/* True if the note names the file and gives a reason. */
 static int says_why(const viewer *v, const char *path)
 {
     const char *name = viewer_file_name(path);
@@ -846,7 +844,7 @@ static void test_empty_window(void)
     viewer_close(&v);
 }
 
-/* Keys work while a scene loads. When files are dropped meanwhile, the last one opens next. */
+/* Keys work while a scene loads. Of files dropped meanwhile, the last opens next. */
 static void test_events_while_loading(void)
 {
     viewer v;
@@ -866,7 +864,7 @@ static void test_events_while_loading(void)
     push_drop(other);
     viewer_step(&v, 0);
     CHECK(v.loading.on);
-    viewer_close(&v);                                            /* also stops the loading */
+    viewer_close(&v);
     if (!CHECK(!open_file(&v, &options, other, 0)))
         return;
     push_key(SDLK_ESCAPE);
@@ -878,7 +876,7 @@ static void test_events_while_loading(void)
 
 /* ---- Depths and ids ---------------------------------------------------------------------------------------------- */
 
-/* True if the viewer shows the picture of depths or ids. */
+/* True if the picture is that of depths or ids. */
 static int shows_painted(const viewer *v, int draws)
 {
     renderer r;
@@ -900,7 +898,6 @@ static int shows_painted(const viewer *v, int draws)
 
 /* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
-/* Writes a knot of 20,000 Gaussians as .fxs with a tree. */
 static void make_levels(char *path)
 {
     static char many[] = "20000";
@@ -1121,7 +1118,6 @@ static void drag_handle(viewer *v, int face, int dx, int dy)
     rest(v);
 }
 
-/* The number of Gaussians drawn; all are in view. */
 static uint32_t drawn(const viewer *v)
 {
     renderer r;
@@ -1133,7 +1129,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Enter writes a file of that name in the scene's folder. Returns the number of its Gaussians. */
+/* Writes with Enter, in the scene's folder. Returns the number of Gaussians. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1174,8 +1170,7 @@ static void test_crop(void)
     write_text(first, "knot-cropped-001.ply", "mine");
     CHECK(write_cropped(&v, "knot-cropped-002.ply") == left);
     CHECK(!remove(first) && write_cropped(&v, "knot-cropped-001.ply") == left);
-    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* each back end of
-                                                                                                   this machine */
+    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {
         key(&v, 'b');
         CHECK(drawn(&v) == left && shows(&v, v.views[0], 64, 48));
     }
@@ -1219,7 +1214,7 @@ static void test_crop_handles(void)
     }
 }
 
-/* Crop boxes in world space are written as boxes of the objects, inside the objects' own boxes. */
+/* World crop boxes are written as boxes of the objects, inside the objects' own. */
 static void test_crop_of_objects(void)
 {
     static const char text[] =
@@ -1414,8 +1409,7 @@ static void test_recent_list(void)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* On a screen with two pixels per point, a pointer position in points maps to the picture's pixel at twice that
-   value. */
+/* On a screen of two pixels per point, pointer positions are doubled to find the picture's pixel. */
 static void test_fine_pixels(void)
 {
 #if SDL_VERSION_ATLEAST(2, 26, 0)

@@ -27,7 +27,6 @@ put() {
     } >"$file"
 }
 
-# try NAME COMMAND...: on failure, prints the compiler's first error.
 try() {
     name=$1
     shift

@@ -182,7 +182,6 @@ typedef struct program {
     unsigned char colours[2][HEIGHT * WIDTH * 4];
 } program;
 
-/* Compiles a program that draws over the whole viewport. */
 static GLuint make_program(const char *fragment)
 {
     static const char vertex[] =
@@ -257,7 +256,6 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
 
 /* ---- The runtime's checks ---------------------------------------------------------------------------------------- */
 
-/* The framebuffer has the processor's bytes, lowest row first. */
 static int compare_colours(const program *p, int eye, const swapchain *s)
 {
     static unsigned char pixels[HEIGHT * WIDTH * 4];
@@ -370,7 +368,6 @@ static int open_gles(program *p, void *egl)
     return !p->gles || fxs_gles_init(p->gles, fxs_egl_load, fxs_egl_use, egl, text) ? puts("no OpenGL ES 3.0"), 1 : 0;
 }
 
-/* Opens the graphics context once, and fixsplat's objects in it. */
 static int open_graphics(program *p, int by_compute, void **egl)
 {
     fxs_message message;

@@ -8,7 +8,6 @@
 
 enum { WIDTH = 160, HEIGHT = 120 };
 
-/* Memory aligned to 64 bytes, never freed. */
 static inline void *aligned(size_t bytes)
 {
     char *block = (char *)malloc(bytes + 64);

@@ -20,7 +20,6 @@ for i in 1 2; do
     check "block $i/2: the same file whatever the threads" cmp part-$i.ply again.ply
 done
 succeeds "merged" convert part-1.ply part-2.ply all.ply
-# count FILE: number of Gaussians in a .ply.
 count() { LC_ALL=C sed -n 's/^element vertex //p;/^end_header/q' "$1"; }
 check "merged: all of both" equal "$(count all.ply)" "$(($(count part-1.ply) + $(count part-2.ply)))"
 # measure SCENE VIEW PHOTOGRAPH: PSNR in tenths of a dB.

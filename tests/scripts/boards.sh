@@ -1,7 +1,7 @@
 #!/bin/sh
-# Board firmware under qemu: the host's bytes in strips of any height, also for a scene with levels and a budget; in the
-# least memory, and refused with one byte less; with a stack of 4 KB (5 KB with a budget); and a message, never a fault,
-# for any contents of flash. FXS_PROCESSORS=all (make test-all): on every board, and a screen.
+# Board firmware under qemu: the host's bytes in strips of any height, also with levels and a budget; in the least
+# memory, but not in one byte less; with a stack of 4 KB (5 KB with a budget); and a message, never a fault, for any
+# contents of flash. FXS_PROCESSORS=all: every board, and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -60,7 +60,6 @@ refuses() {
     return 1
 }
 
-# The least memory for a frame of 160x120 works, and one byte less is refused.
 one_byte_short() {
     least=$(run "$1" "$made/firmware/$1.elf" width=160 height=120 frames=1 memory=0 | sed -n 's/.*takes //p')
     [ "${least:-0}" -gt 30000 ] && same_hashes "$1" 160 120 1 memory="$least" &&
@@ -75,7 +74,6 @@ make_scene() {
         "$B/fixsplat" convert "$work/$count.ply" "$work/$count.fxs" "$@"
 }
 
-# kernels_are_exact BOARD: runs tests/test_kernels.c on the board.
 kernels_are_exact() {
     said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none "$made/firmware/$1/test_kernels.elf" 2>&1 |
         grep -v '^built without')
@@ -126,7 +124,6 @@ done
 
 # ---- The screen of the Versatile Express after three pictures --------------------------------------------------------
 
-# shown FRAMES: dumps the screen to $work/screen.ppm.
 shown() {
     mkfifo "$work/monitor" && : >"$work/said"
     QEMU_AUDIO_DRV=none timeout 100 qemu-system-arm -M vexpress-a9 -display none -serial none -monitor stdio \

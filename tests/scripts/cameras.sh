@@ -210,7 +210,6 @@ NOTHING=1
 fails "nothing in common" 1 "plain: no two photographs were found to show the same things" fit plain $steps -o e.fxs --quiet
 NOTHING=
 
-# COLMAP's progress counts.
 for line in "Matching block [0/0, 0/0]" "Matching block [0/2, 0/2]" "Matching block [3/2, 1/2]" "Matching image [0/0]" \
     "Matching block [99999999999999999999/2, 1/99999999999999999999]" "Matching block [-1/2, 1/2]"; do
     MATCHING=$line
@@ -245,7 +244,6 @@ fails "a mapper that wrote a model and failed" 1 "colmap: failed while placing p
 ENDS=
 check "and gone on" "$fixsplat" fit plain -o full.fxs --cameras-only --quiet
 
-# Names.
 cp -r plain "odd" && mv odd/00.png "odd/ 00.png"
 fails "a name that begins with a blank" 1 "odd-.*/images/ 00.png: COLMAP takes no name that begins with a blank" \
     fit odd -o odd-1.fxs --quiet

@@ -6,7 +6,6 @@
 
 # ---- Expectations ----------------------------------------------------------------------------------------------------
 
-# The hash of the picture for these arguments, or the error.
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 
 # Pixels as lines of numbers: a .raw without its alpha, or a .ppm of size WxH.
@@ -904,7 +903,6 @@ succeeds "two scenes: info --json" info knot.ply cubes.ply --place 1:50,0,0 --js
 check "two scenes: info --json: keys" keys logs/out scenes objects frame.bytes
 succeeds "two scenes: --stats" render knot.ply cubes.ply $small --stats
 
-# json FILE OBJECTS: writes a world.
 json() { echo "{\"objects\": [$2]}" >"$1"; }
 if "$fixsplat" render --scene cut.json --hash 2>&1 | grep -q 'built without'; then
     skip "--scene" "no cJSON"

@@ -13,7 +13,6 @@ awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.
 awk '{ $1 += 1000; $3 += 200; print }' $model/points3D.txt >more && cat more >>$model/points3D.txt
 for picture in set/images/*.png; do cp "$picture" "set/images/b${picture##*/}"; done
 fit="fit set --quiet --recipe reference --steps 300"
-# count FILE: number of Gaussians in a .ply.
 count() { LC_ALL=C sed -n 's/^element vertex //p;/^end_header/q' "$1"; }
 mean_of() { awk '/^mean/ { print $2 }' logs/out; }
 
@@ -96,7 +95,6 @@ check "nothing was written" test ! -e x.ply
 
 # ---- The jobs --------------------------------------------------------------------------------------------------------
 
-# cluster OUT OPTION...: output in logs/out and logs/err.
 cluster() {
     to=$1
     shift

@@ -28,7 +28,7 @@ ply row.ply 'one Gaussian' '1 2 3 0 0 0 0 -1 -2 -3 1 0 0 0'
 ply rows.ply 'along x' '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
     '2 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '3 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '4 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'
 
-# placed NAME "X Y Z" OPTION...: checks the position of row.ply's Gaussian afterwards, to 4 digits
+# placed NAME "X Y Z" OPTION...: row.ply's Gaussian is then there, to 4 digits
 placed() {
     wanted=$1
     shift
@@ -134,7 +134,7 @@ check "--up is kept: turned" equal "$(start_of leant.fxs)" "up            0.5000
 start view    from 3 -2 -5, 40.0 degrees"
 "$fixsplat" convert knot.ply level.ply --up 0.2,-0.5,0.1 --rotate 0,0,30
 "$fixsplat" convert level.ply level.fxs
-# alike NAME OPTIONS OPTIONS: two equal pictures; the second is given the options that the first must know from its file
+# alike NAME OPTIONS OPTIONS: two equal pictures; the second gets the options that the first has in its file
 alike() {
     for n in 1 2; do
         what=$([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3)
@@ -323,7 +323,7 @@ done
 
 # In place: all of IN is read before OUT replaces it.
 for ending in $endings; do
-    case $ending in csv | fxs) continue ;; esac     # not converted
+    case $ending in csv | fxs) continue ;; esac
     "$fixsplat" convert knot.ply in.$ending 2>logs/err
     "$fixsplat" convert in.$ending rows.ply wanted.$ending --scale 2 --place rows.ply:60,0,0 2>logs/err
     ln -sf in.$ending link.$ending

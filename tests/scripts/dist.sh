@@ -32,7 +32,6 @@ hash=$("$B/fixsplat" render "$work/knot.ply" --size 320x180 --hash)
 cp -r tests/outside tests/python tests/windows "$work"
 cd "$work" || exit 1
 
-# report NAME FOLDER...: prints the time since `begin`, and the installed size.
 now() { date +%s.%N; }
 begin() { begun=$(now); }
 report() {
@@ -121,7 +120,6 @@ if [ "$here" != aarch64 ] && have qemu-aarch64; then
     tarball aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
     if have Xvfb && have xdotool && have mmdebstrap && mmdebstrap --quiet --arch=arm64 --variant=extract \
         --include=libsdl2-2.0-0,libsdl2-ttf-2.0-0 bookworm arm64 >log 2>&1; then
-        # With the libraries it is linked with.
         check "aarch64: a window with the scene, which Escape closes" window env SDL_VIDEODRIVER=x11 \
             qemu-aarch64 -L arm64 "$folder/bin/fixsplat-view" knot.ply
     else
@@ -180,7 +178,7 @@ else
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
     check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg|libegl|nvcc' doctor)" ""
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
-    w fixsplat.exe view --web --port 0 knot.ply >served 2>log &          # ends with wine
+    w fixsplat.exe view --web --port 0 knot.ply >served 2>log &
     server=$!
     until [ -s served ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
     at=$(tr -d '\r' <served | sed -n 's|/$||p')
@@ -205,7 +203,6 @@ else
     check "Windows: no dead link in its pages" equal "$(dead "$folder")" ""
     report "zip for Windows" "$folder"
     small "zip for Windows" "$folder/bin/fixsplat.exe" "$folder/bin/libfixsplat-${version%%.*}.dll"
-    # With the DLL, and with the static library.
     for kind in shared static; do
         have x86_64-w64-mingw32-gcc || { skip "Windows: a program, $kind" "no x86_64-w64-mingw32-gcc here"; continue; }
         check "Windows: a program, $kind" x86_64-w64-mingw32-gcc -std=c99 outside/all.c -o "$folder/bin/$kind.exe" \

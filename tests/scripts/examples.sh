@@ -24,7 +24,6 @@ echo '[{"id": 0, "img_name": "a", "width": 640, "height": 360, "position": [0, 0
     "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fx": 512, "fy": 512}]' >"$work/cameras.json"
 render() { "$B/fixsplat" render "$work/knot.ply" --cameras "$work/cameras.json" "$@"; }
 
-# shown X Y: writes the engine's picture to $work/shown.ppm, and prints its pick.
 shown() { timeout 60 "$work/engine" "$work/knot.ply" "$work/shown.ppm" "$1" "$2" 2>&1 | sed '/^by /w'"$work/way"'
     //d'; }
 

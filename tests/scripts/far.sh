@@ -31,7 +31,6 @@ rows() {
 }
 
 picture() { "$fixsplat" render "$@" -o "$picture" --quiet; }
-# same NAME SCENE OPTION...: the picture equals the plain scene's
 same() {
     name=$1
     shift
@@ -78,7 +77,6 @@ for ending in splat spz sog compressed.ply rad; do
     check ".$ending: a line" says "far.$ending: single precision moves positions so far out by up to 0.25 units; \
 nothing is lost with --translate -500000,-4500000,0"
 done
-# prints WORDS ARGUMENT...: the command prints the words
 prints() {
     words=$1
     shift

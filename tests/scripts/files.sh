@@ -214,7 +214,7 @@ check "beyond the limit of a file's size: nothing is left" equal "$(left; ls end
 
 # ---- Leftovers of killed writers -------------------------------------------------------------------------------------
 
-# Starts a writer of killed.ply, $!, and waits for its temporary file; the writer then runs for seconds.
+# A running writer of killed.ply, $!, with its temporary file.
 begin() {
     "$fixsplat" make-scene landscape --count 20000000 -o killed.ply &
     until ls -l /proc/$!/fd 2>/dev/null | grep -q 'fixsplat-.*tmp$' || ! kill -0 $! 2>/dev/null; do sleep 0.01; done

@@ -23,7 +23,6 @@ fit="fit set --steps $steps"
 
 # ---- What is fitted --------------------------------------------------------------------------------------------------
 
-# psnr: the measured mean, hundredths of a dB.
 psnr() { sed -n 's/.*"psnr": \([0-9.]*\), "ssim": [0-9.]*, "worst_psnr".*/\1/p' logs/out | tr -d . | cut -c 1-4; }
 
 succeeds "fit" $fit -o whole.fxs --threads 1
@@ -36,7 +35,6 @@ check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 
 check "fit: PSNR after the best affine map of colours is higher" equal "$(awk '/^( *[01] 0[08].png|mean|worst)/ {
     at = $1 ~ /[0-9]/ ? 4 : 2; if ($(at + 1) >= $at) print "higher" }' logs/out | uniq -c | tr -d ' ')" 4higher
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
-# All cameras are level and upright.
 check "fit: begins with the view of the first photograph that is fitted" equal \
     "$("$fixsplat" render whole.fxs --size 64x48 --near 0.2 --hash)" \
     "$("$fixsplat" render whole.fxs --cameras set/sparse/0 --view 1 --near 0.2 --hash)"
@@ -345,7 +343,6 @@ check "--refine-poses: another file" [ "$(cmp -s plain.ply posed.ply; echo $?)" 
 cp posed.ply.fit posed.fit
 "$fixsplat" fit set --steps 540 -o again.ply --resume posed.fit --threads 2 --cpu c >logs/out
 check "--refine-poses, resumed, 2 threads, plain C: the same file" cmp posed.ply again.ply
-# places FILE: its cameras' positions, by name.
 places() { sed 's/.*"img_name": "\([^"]*\)".*"position": \(\[[^]]*\]\).*/\1 \2/' "$1" | sort; }
 "$fixsplat" fit set --steps 540 -o again.ply --exposure gain --refine-poses --write-cameras posed.json >logs/out
 check "--write-cameras: the same file" cmp posed.ply again.ply
@@ -420,7 +417,6 @@ fixsplat: saved after 20 steps of 20; to go on: fixsplat fit --steps 20 -o full.
 else
     skip "a full device" "no /dev/full here"
 fi
-# The scene fits on the disk, the saved fit does not.
 "$fixsplat" fit set --steps 20 -o small.fxs >logs/out
 echo old >small.fxs.fit
 (

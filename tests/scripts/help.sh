@@ -138,7 +138,6 @@ check "without help2man: no pages, said" equal "$(PATH=$work/bin sh "$root/tools
     "no manual pages: no help2man here"
 
 if have bash; then
-    # complete WORD...: bash's completions of the last word.
     complete() {
         bash -c '. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _fixsplat; printf "%s\n" "${COMPREPLY[@]}"' \
             "$share/bash-completion/completions/fixsplat" "$@" | tr '\n' ' '

@@ -12,7 +12,6 @@ version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fix
 CC=${CC:-cc}
 strict='-Wall -Wextra -Wpedantic -Werror'
 
-# make for the build under test.
 make_() { make -s --no-print-directory B="$B" PREFIX="$prefix" "$@" >"$work/log" 2>&1; }
 files() { (cd "$1" && find . ! -type d | sort | tr '\n' ' '); }
 
@@ -117,7 +116,6 @@ outside=$work/outside
 cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # a read-only checkout
 "$prefix/bin/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
 
-# An installation without the shared library, for static linking.
 mkdir "$work/static"
 cp "$library"/*.a "$work/static"
 
@@ -147,13 +145,11 @@ draws() {
     if [ "$said" = "$sum" ]; then ok "$name"; else fail "$name" "$said, the first is $sum"; fi
 }
 
-# The core's headers alone.
 mkdir -p "$work/core/fixsplat"
 for header in $(make -s --no-print-directory core-headers); do
     cp "$include/${header##*/}" "$work/core/fixsplat"
 done
 
-# flags OPTION... PACKAGE: pkg-config's output.
 flags() { PKG_CONFIG_PATH=$library/pkgconfig pkg-config "$@"; }
 
 # program NAME SOURCE LANGUAGE FLAGS: builds $work/program.

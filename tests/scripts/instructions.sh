@@ -28,7 +28,6 @@ ranges=$(sed -n 's/^ \.text  *0x0*\([0-9a-f]*\)  *0x\([0-9a-f]*\) .*\/\([a-z_]*\
     done)
 qemu-aarch64 -plugin "file=$work/count.so$ranges" -d plugin "$work/kernels" --bench >"$work/bench" 2>"$work/counts"
 
-# times STAGE: instructions of plain C divided by those of NEON.
 count() { awk -v name="$1" '$1 == name { print $2 }' "$work/counts"; }
 ratio() { echo "$(count "$1_c") $(count "$1_neon")" | awk '$2 > 0 { printf "%.2f\n", $1 / $2 }'; }
 for stage in project shade blend resolve; do

@@ -5,7 +5,6 @@
 
 "$fixsplat" make-scene knot --count 2000 -o knot.ply || exit 1
 
-# colmap FOLDER CAMERA: writes a model of two views
 colmap() {
     mkdir -p "$1" && echo "$2" >"$1/cameras.txt"
     printf '1 1 0 0 0 0 0 6 7 a.jpg\n\n2 0.9 0.1 0 0 0 0 7 7 b.jpg\n\n' >"$1/images.txt"

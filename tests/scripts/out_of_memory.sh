@@ -130,7 +130,6 @@ else
     skip "view --web" "no server or no curl here"
 fi
 
-# A picture larger than the memory.
 "$fixsplat" render knot.ply --size 2000x2000 -o large.png || exit 1
 if (ulimit -v 16000 && "$fixsplat" --version) >logs/out 2>&1; then
     (

@@ -36,7 +36,6 @@ refused "a part twice" 1 "part 2 of 7, as part-2.fxs is" convert part-*.fxs ./pa
 refused "another option" 2 "profile: part-1.fxs is a part" convert part-*.fxs all.fxs --profile small
 refused "no part among them" 1 "one.fxs: not a part" convert part-*.fxs one.fxs all.fxs
 refused "rendered" 1 "part-1.fxs: one part of a scene" render part-1.fxs -o all.fxs.png
-# instead NAME WORDS SCENE OPTION...: replaces part 3.
 instead() {
     name=$1 words=$2 scene=$3
     shift 3

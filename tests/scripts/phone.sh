@@ -43,7 +43,6 @@ END
     check "its processor, NEON" equal "$(hash_by cpu neon)" "$hash"
     check "GLES by lists or fetch" equal "$(hash_by gles all)" "$hash"
     check "GLES by fetch" equal "$(hash_by gles-fetch all)" "$hash"
-    # passes TEST: prints failures.
     passes() { FXS_SCENES=/none qemu-aarch64 "$made/tests/$1" >"$work/log" 2>&1 || { cat "$work/log"; return 1; }; }
     check "test_gles" passes test_gles
     check "test_window" passes test_window

@@ -20,7 +20,6 @@ echo '<!doctype html>' | tee page/viewer/index.html >page/viewer/fit.html
 FIXSPLAT_WEB=$work/page
 export FIXSPLAT_WEB
 
-# begins ARGUMENT...: in the background, at $at.
 through=
 begins() {
     rm -f logs/errors
@@ -100,7 +99,6 @@ psnr=$(grep -o '"psnr": [0-9.]*, "ssim": [0-9.]*, "affine' logs/printed | tail -
 check "the result: that of the report" grep -q "\"result\": {\"photographs\": 2, \"psnr\": $psnr" fit.json
 check "status 0, one JSON object" equal "$status $(wc -l <logs/printed)" "0 1"
 
-# A scene does not fit on the disk: one message.
 ln -s /dev/null null.fxs
 (
     trap '' XFSZ

@@ -1,8 +1,7 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c and the .fxs files of tests/test_fxs_bytes.c on a
-# 32-bit and a big-endian processor; photographs, kernels and a renderer without float registers on AArch64. By
-# qemu-user unless this processor runs them. FXS_PROCESSORS=all (make test-all): 18 processors, clang and musl, the
-# golden images on AArch64 and the kernels on i686 too.
+# One picture everywhere: the random frames of tests/test_random.c and the files of tests/test_fxs_bytes.c on a 32-bit
+# and a big-endian processor; photographs, kernels and a renderer without float registers on AArch64. By qemu-user if
+# needed. FXS_PROCESSORS=all: 18 processors, clang and musl, the golden images on AArch64 and the kernels on i686 too.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -26,7 +25,6 @@ singles() {
     done
 }
 
-# processor NAME COMPILER EMULATOR: runs the programs that every processor runs.
 processor() {
     if ! links $2 -static; then
         skip "$1" "no $2 with its C library here"

@@ -6,7 +6,6 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/tests"
 
-# program NAME: writes a program from stdin.
 program() { { echo '#!/bin/sh'; cat; } >"$work/tests/$1" && chmod +x "$work/tests/$1"; }
 program good <<'END'
 printf 'noise before\001\377 it\n'

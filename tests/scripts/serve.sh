@@ -26,7 +26,6 @@ ln -s ../beside.txt page/out.txt
 FIXSPLAT_WEB=$work/page
 export FIXSPLAT_WEB
 
-# serve ARGUMENT...: in the background, at $at, through $through.
 through=
 serve() {
     rm -f logs/served
@@ -47,7 +46,6 @@ ends() {
 
 get() { curl -sk --path-as-is "$@"; }
 code() { get -o logs/body -w '%{http_code}' "$@"; }
-# header NAME ARGUMENT...: prints its value.
 header() {
     name=$1
     shift

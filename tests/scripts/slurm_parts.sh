@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat convert --block as a Slurm array on this machine, one task killed and requeued: the bytes of one run. Long:
-# make test-all (FXS_PROCESSORS=all).
+# fixsplat convert --block as a Slurm array on this machine, one task killed and requeued: the bytes of one run. Only
+# with FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/slurm.sh
 [ "$FXS_PROCESSORS" = all ] || { skip slurm_parts "only in make test-all"; finish; exit; }

@@ -44,7 +44,6 @@ same_picture() {
     done
 }
 
-# renders FILE NAME: compares a full view of a scene.
 renders() {
     "$B/fixsplat" convert "$1" "$work/scene.fxs" >/dev/null &&
         same_picture '{}' '{"width":640,"height":360}' '[]' "$work/scene.fxs" -- --size 640x360
@@ -85,7 +84,6 @@ same_pair() {
     done
 }
 
-# Coverage, depths and ids equal the command's files.
 same_targets() {
     set -- --size 160x120 --eye 2,-1,-4 --near 0.5
     for kind in median mean; do
@@ -99,7 +97,6 @@ same_targets() {
     done
 }
 
-# The README's example renders a picture of the scene.
 example() {
     mkdir -p "$work/example/node_modules" && cp "$work/20000-default.fxs" "$work/example/scene.fxs" &&
         ln -s "$package" "$work/example/node_modules/fixsplat" &&
@@ -166,11 +163,10 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-# Sizes in KB. Cut through levels of detail: 4.3 of core, 2.6 of simd, 1.9 of threads; paged scenes: 1.4 of each.
-# WebGPU's plans of frames: 4.7 of simd and threads. Reader of .rad: 5 of import. Up axis from files: 0.4 of each. Names
-# kept within the folder, and checks of a file's beginning: 0.2 of import. Coordinates far from 0, start views and
-# rotations by their first axis: 2.6 of core, simd and threads. Sparse accessors, array names, limits and reported
-# losses: 5.5 to 7.4 of import.
+# KB of some features. Levels of detail: 4.3 of core, 2.6 of simd, 1.9 of threads; paged scenes: 1.4 of each. WebGPU's
+# plans: 4.7 of simd and threads. .rad: 5 of import. Up axis: 0.4 of each. Names within the folder, checks of a file's
+# beginning: 0.2 of import. Coordinates far from 0, start views, rotations by their first axis: 2.6 of core, simd and
+# threads. Sparse accessors, array names, limits, reported losses: 5.5 to 7.4 of import.
 for size in core.wasm:55800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \
     import_sog.wasm:90500 import_core.wasm:117900 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"

@@ -45,7 +45,6 @@ table() {
         }' "$work/times" >"$work/table"
 }
 
-# speed SCENE CAMERA SIZE OPTION...: prints milliseconds per frame. Retries if other programs disturb.
 speed() {
     for again in 1 2 3; do
         in_turns "$@" && table "$3" && break

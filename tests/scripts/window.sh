@@ -38,7 +38,6 @@ have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; e
 Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
 server=$!
 
-# until_ TENTHS COMMAND...: retries the command for TENTHS of a second.
 until_() {
     tries=$1
     shift
@@ -175,7 +174,6 @@ others=
 # Drags the handle of the right side: 5.01,-0.2,0 seen from 0,-1,-12 at a focal length of 300 pixels.
 drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
 
-# crops TIMES: writes the box's contents for the TIMES-th time, and stores the printed command.
 crops() {
     xdotool key Return
     check "cropped, $1" until_ 100 titled "written: $work/knot-cropped-00$1.ply"

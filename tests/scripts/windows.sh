@@ -309,7 +309,6 @@ else
             rm keys
             until at=$(cat logs/printed 2>/dev/null | grep -o 'http://[0-9.]*:[0-9]*'); [ "$at" ]; do sleep 0.2; done
         }
-        # by_ctrl_c: ends it within 30 seconds.
         by_ctrl_c() {
             printf '\003' >&3
             tries=0
@@ -418,7 +417,6 @@ check "and behind that a name" equal "$(typed 'info "a folder\"knot.ply --json')
 
 # ---- The window ------------------------------------------------------------------------------------------------------
 
-# until_ COMMAND...: retries the command for 30 seconds.
 until_() {
     tries=300
     until "$@" >/dev/null 2>&1; do

@@ -118,7 +118,6 @@ const squares = (a, b, from = 0, to = a.length) => {
 }
 const psnr = (a, b) => 10 * Math.log10(255 ** 2 * a.length / 4 * 3 / squares(a, b))
 
-// The pictures of a scene's views, with their --stats.
 const pictures = (scene, file, words = [], view = 'all') => {
     const film = `${folder}/film.rgba`, chosen = scene.views ? ['--view', view] : []
     const said = run(fixsplat, 'render', file, scene.options, chosen, words, '-o', film, '--stats', '--quiet')
@@ -202,7 +201,7 @@ const cuts = () => {
 
 // ---- Falling budgets ------------------------------------------------------------------------------------------------
 
-// User time of a frame in milliseconds: the time of `more` additional frames, one thread, median of interleaved rounds.
+// User time per frame, milliseconds: that of `more` additional frames, one thread, median of interleaved rounds.
 const times = (commands, more) => {
     const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash',
         fixsplat, 'bench', words, '--threads', 1, '--frames', frames))
@@ -236,7 +235,7 @@ const budgets = () => {
 
 const TILE = 16
 
-// Renders films of files and calls visit(frames, number) with one frame of each.
+// Calls visit(frames, number) with one frame of each film.
 const watch = (scene, keys, films, visit) => {
     const cameras = ['--cameras', `${scenes}/${SCENES[scene.name].cameras}`, '--view', keys, '--frames', FRAMES]
     const opened = films.map(([file, ...words], i) => {

@@ -1,8 +1,7 @@
-// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: the package as npm installs it, in programs built by
-// the bundlers in MODULES, and without a bundler. Each program is opened in Chromium, isolated (`all`: and not), and
-// must draw the command's pictures with every WebAssembly module, with threads, and with the element. Prints a table at
-// the end; with `all` the table of docs/web.md. WORK has scene.ply. Projects are made next to MODULES, so that they
-// find them.
+// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: the npm package in programs built by the bundlers in
+// MODULES, and without one. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's
+// pictures with every WebAssembly module, with threads, and with the element. Prints a table; with `all` that of
+// docs/web.md. WORK has scene.ply. Projects are made next to MODULES, so that they find them.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
@@ -33,7 +32,6 @@ const WANTED_WIDER = rendered(...VIEW, '60')
 
 // ---- Projects -----------------------------------------------------------------------------------------------------
 
-/** The package as npm installs it. */
 const published = (() => {
   const folder = join(home, 'installed')
   mkdirSync(folder)
@@ -43,7 +41,6 @@ const published = (() => {
   return join(folder, 'node_modules/fixsplat')
 })()
 
-/** A folder with these files and the package. */
 function project(name, files) {
   const folder = join(home, name.replace(/\W+/g, '_'))
   const texts = { 'package.json': '{ "private": true, "type": "module" }', ...files }
@@ -66,7 +63,6 @@ function wordsOf(line) {
   return [resolve(modules, name, typeof bin === 'string' ? bin : bin[key]), ...rest]
 }
 
-/** Runs a command line and returns its output. */
 async function build(folder, line) {
   const how = { cwd: folder, env: environment, maxBuffer: 1e8 }
   const { stdout, stderr } = await run(process.execPath, wordsOf(line), how).catch((error) => {
@@ -121,7 +117,6 @@ async function until(page, is, words) {
   })
 }
 
-/** The hash of the element's picture at rest. */
 async function shown(page) {
   const rests = () => document.querySelector('fixsplat-viewer')?.getAttribute('state') === 'still'
   await until(page, rests, 'the element does not come to rest')
@@ -138,7 +133,6 @@ async function shown(page) {
   })
 }
 
-/** Checks main.js and the element. */
 async function works(page, { isolated = true, inline = false } = {}) {
   await until(page, () => globalThis.result, 'the program does not end')
   const threads = isolated ? 2 : 1
@@ -192,7 +186,6 @@ const REACT = textOf('../../docs/examples/react.jsx')
 const served = (folder, headers) => serveFiles(folder, { '/scene.ply': scene, '/published/': published }, headers)
 const started = (folder, line) => serveProgram(folder, wordsOf(line), environment, { '/scene.ply': scene })
 
-/** Opens a folder's page with threads and without. */
 async function shows(folder, how = {}) {
   for (const isolated of all ? [true, false] : [true]) {
     const server = await served(folder, { ...(isolated ? ISOLATED : {}), ...how.headers })

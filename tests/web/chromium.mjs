@@ -87,7 +87,6 @@ const browser = await puppeteer.launch({
     '--enable-blink-features=ForceEagerMeasureMemory', '--host-resolver-rules=MAP far.test 127.0.0.1'],
 })
 export const page = await browser.newPage()
-/** Ids of Chromium's processes of a kind. */
 export async function processes(kind) {
   const session = await browser.target().createCDPSession()
   const { processInfo } = await session.send('SystemInfo.getProcessInfo')
@@ -96,7 +95,6 @@ export async function processes(kind) {
 
 export const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
-/** The page's requests to other hosts. */
 export const strange = []
 page.on(
   'request',
@@ -172,7 +170,6 @@ export const engineOf = () => page.workers().find((worker) => worker.url().endsW
 export const viewOf = () => inside('return v.view')
 export const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
 
-/** The size and hash of the page's picture. */
 export async function shown() {
   await pause(250)
   return inside(`const seen = await createImageBitmap($('stage').lastElementChild), { width, height } = seen;

@@ -1,8 +1,8 @@
 // node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: WebGPU in Node by Dawn (npm's webgpu, in
-// MODULES) on this machine's Vulkan driver, for drivers that browsers do not use. Checks that a Screen has the
-// command's pixels of SCENES/NAME/NAME.ply (guitar, snowmiku), then measures frames of it, of PlayCanvas and of
-// three.js like webgpu_peers.mjs. VK_DRIVER_FILES chooses a driver, e.g. Chromium's vk_swiftshader_icd.json. FRAMES:
-// frames for the median (7). PICTURES: folder for the drawn pictures.
+// MODULES) on this machine's Vulkan driver. Checks that a Screen has the command's pixels of SCENES/NAME/NAME.ply
+// (guitar, snowmiku), then measures it, PlayCanvas and three.js like webgpu_peers.mjs. VK_DRIVER_FILES chooses a
+// driver, e.g. Chromium's vk_swiftshader_icd.json. FRAMES: frames for the median (7). PICTURES: folder for the drawn
+// pictures.
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -68,7 +68,6 @@ async function putPicture({ device, texture }, path) {
   writeFileSync(path, Buffer.concat([Buffer.from(`P6\n${width} ${height}\n255\n`), pixels]))
 }
 
-/** Prints the median of a viewer's frames; runs in its own process. */
 async function measureHere(name, scene) {
   const server = createServer((_, answer) => answer.end(readFileSync(fileOf(scene)))).listen(0, '127.0.0.1')
   await new Promise((done) => server.once('listening', done))
@@ -82,7 +81,6 @@ async function measureHere(name, scene) {
   process.exit()
 }
 
-/** True if a Screen has the command's pixels. */
 async function isSame(scene) {
   const { load, Screen } = await bring('fixsplat')
   const screen = await Screen.open(null, 'webgpu')

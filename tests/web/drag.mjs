@@ -6,7 +6,6 @@ const [seconds = 60, scene = 'real/snowmiku/snowmiku.ply', size = '800x450'] = p
 const [width, height] = size.split('x').map(Number)
 const part = (list, p) => list[Math.min(list.length - 1, Math.floor(p * list.length))]
 
-/** The share of each value, as 'value: 12 %'. */
 function shares(values) {
   const counts = new Map()
   for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1)

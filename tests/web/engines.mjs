@@ -9,7 +9,6 @@ export const [WIDTH, HEIGHT] = [160, 100]
 export const EYE = ['--eye', '0,-1,-4', '--look', '0,0,0', '--near', '0.1']
 export const seen = frame('knot', WIDTH, HEIGHT, EYE)
 
-/** Code for pages with an engine. */
 export const PAGE = `const { render, pick } = await import('fixsplat')
   const [width, height] = [${WIDTH}, ${HEIGHT}]
   function bytesOf(canvas) {
@@ -58,7 +57,6 @@ export function checkWalls(name, [before, amid, behind]) {
   assert.ok(amid.splats > 100 && behind.splats > amid.splats + 50, `${name}: ${JSON.stringify([amid, behind])}`)
 }
 
-/** Writes the page's pictures to the folder PICTURES. */
 export function keepPictures(pictures) {
   const folder = process.env.PICTURES
   if (folder) mkdirSync(folder, { recursive: true })

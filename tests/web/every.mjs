@@ -1,6 +1,6 @@
 // node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real in the viewer's page with
-// the command, with one and two threads, by the processor and by WebGL 2. Then opens and closes 100 scenes and checks
-// that memory does not grow. For tests/scripts/page.sh in make test-all.
+// the command, with one and two threads, by the processor and by WebGL 2. Then opens and closes 100 scenes; memory must
+// not grow.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'
@@ -21,7 +21,6 @@ const time = () =>
     v.addEventListener('frame', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
     v.setAttribute('background', '#0e1116') })`)
 
-/** Number of additional threads. */
 const helpers = () => page.workers().filter((worker) => worker.url().endsWith('/thread.js')).length
 
 for (const file of files)
@@ -44,7 +43,6 @@ for (const file of files)
     console.log(`  ${file}: ${times.join(', ')}`)
   }
 
-/** Bytes of the page and its workers, and of Chromium's processes for it. */
 async function memory() {
   await pause(5000) // notes have gone
   const { bytes } = await page.evaluate(() => performance.measureUserAgentSpecificMemory())

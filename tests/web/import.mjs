@@ -22,14 +22,12 @@ async function refused(source, words, options) {
   })
 }
 
-/** Starts a server with `serve(request, answer)`; returns it and its address. */
 async function serverOf(serve) {
   const server = createServer(serve).listen(0, '127.0.0.1')
   await once(server, 'listening')
   return [server, `http://127.0.0.1:${server.address().port}`]
 }
 
-/** Sends an endless body, or `drip` bytes at a time, until the client closes. */
 async function sendOn(answer, drip = 0) {
   const bytes = Buffer.alloc(drip || 1 << 16)
   while (!answer.destroyed) {
@@ -38,7 +36,6 @@ async function sendOn(answer, drip = 0) {
   }
 }
 
-/** Milliseconds until a promise settles, and its error. */
 async function timed(promise) {
   const start = performance.now()
   const error = await promise.then(() => null, (error) => error)
@@ -250,12 +247,10 @@ const words = {
     }
   },
 
-  // An .spz of version 4 in a build without zstd.
   async without(path) {
     await refused(path, /built without zstd/)
   },
 
-  // A scene of 20000 Gaussians, sent in parts.
   async preview(path) {
     const bytes = readFileSync(path)
     const parts = [0, 0.4, 0.41, 0.8, 1].map((share) => Math.floor(share * bytes.length))

@@ -30,7 +30,6 @@ const memoryOf = (scene) => scene.inside[0].c.memory.buffer.byteLength
 
 const modules = { core: { simd: false }, simd: { threads: 1 }, threads: { threads: 2 } }
 
-/** Waits until all of the module's threads run. */
 async function started(scene, module) {
   const { threads = 1 } = modules[module]
   for (let i = 0; scene.threads < threads; i++) {
@@ -132,7 +131,6 @@ const words = {
     assert.ok(last <= 1.05 * first, `the module had ${first} bytes, then ${last}`)
   },
 
-  // Every kind of source, and its errors.
   async sources(file) {
     const bytes = readFileSync(file)
     let givenUp
@@ -167,7 +165,6 @@ const words = {
     await refused(Buffer.from(huge))
   },
 
-  // A packed scene, and the same unpacked.
   async misuse(file, ply) {
     const scene = await load(file)
     const size = { width: 64, height: 48 }
@@ -309,7 +306,6 @@ const words = {
     console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
   },
 
-  // A .png holds the pixels.
   async png(file) {
     const pixels = (await load(file)).render({}, { width: 61, height: 47 })
     const bytes = Buffer.from(await png(pixels, 61, 47))
@@ -321,7 +317,6 @@ const words = {
     }
   },
 
-  // Prints if relaxed products are available.
   async relaxed() {
     console.log(hasRelaxed)
   },

@@ -566,7 +566,7 @@ const tests = {
     const contrast = await inside(`const of = (text) => text.match(/[\\d.]+/g).map(Number)
       const [plate, ink] = ['backgroundColor', 'color'].map((one) => of(getComputedStyle($('name').parentNode)[one]))
       const light = (rgb) => [0.2126, 0.7152, 0.0722].reduce((sum, share, i) => sum + share * (rgb[i] / 255) ** 2.2, 0)
-      return (light(plate.map((x) => x * (plate[3] ?? 1))) + 0.05) / (light(ink) + 0.05)`) // over black
+      return (light(plate.map((x) => x * (plate[3] ?? 1))) + 0.05) / (light(ink) + 0.05)`)
     assert.ok(contrast > 7, contrast)
     await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
     await inside(`v.removeAttribute('label')`)
@@ -1029,7 +1029,7 @@ const tests = {
       guitar: 'guitar.compressed.ply',
       snowmiku: 'snowmiku.ply&cameras=/scenes/real/snowmiku/cameras.json',
     }
-    if (pictures === scenes) delete list.guitar // pictures are not kept
+    if (pictures === scenes) delete list.guitar
     for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
       await without(
         () => addEventListener('frame', ({ target }) => (window.first ??= target.state), true),

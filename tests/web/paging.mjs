@@ -27,7 +27,6 @@ async function exact(scene) {
   assert.deepEqual([missing, hash(colour)], [0, wanted])
 }
 
-/** Serves the file and runs with the scene loaded from there. */
 async function served(options, run, paging = {}, more = {}) {
   const server = await serveRanges(file, options)
   let scene

@@ -31,7 +31,6 @@ const VIEWS = {
   landscape: { file: '/makes/landscape.ply', eye: [4.6, -1.9, -12.7], look: [0, -2.2, 0], fov: 52 },
 }
 
-/** The camera turned about the vertical through its target. */
 function turned({ eye, look, fov }, degrees) {
   const [s, c] = [Math.sin, Math.cos].map((f) => f((degrees * Math.PI) / 180))
   const [x, y, z] = eye.map((e, i) => e - look[i])
@@ -158,7 +157,6 @@ function answer(request, response) {
   } else response.writeHead(404).end()
 }
 
-/** Size of the page's files, each gzipped. */
 function downloaded() {
   let bytes = 0
   for (const path of sent) {
@@ -178,7 +176,7 @@ function processorTime(root) {
   for (const pid of all)
     try {
       fields.set(pid, readFileSync(`/proc/${pid}/stat`, 'utf8').replace(/^.*\) /s, '').split(' '))
-    } catch {} // it has ended
+    } catch {}
   const isIn = (pid) => pid === root || (fields.has(pid) && isIn(fields.get(pid)[1]))
   const ticks = (f) => f.slice(11, 15).reduce((sum, n) => sum + Number(n), 0)
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
@@ -284,7 +282,6 @@ const firstPicture = (page) =>
     return { i, at: peer.frames[i].at }
   }, SAME)
 
-/** Milliseconds between complete pictures of a moving camera. */
 async function motion(page, look, view) {
   const path = Array.from({ length: 180 }, (_, i) => turned(view, STEP * i))
   await page.evaluate(

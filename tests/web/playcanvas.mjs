@@ -3,7 +3,6 @@ import assert from 'node:assert/strict'
 import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
-/** Code for pages with an application. */
 const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await import('fixsplat/playcanvas')
   ${PAGE}
   async function appOf(how = {}) {

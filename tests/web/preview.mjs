@@ -19,7 +19,6 @@ page.on('pageerror', (error) => faults.push(error.message))
 await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
 const fits = []
 
-/** Starts a fit; returns it and its page's address. */
 async function begin(port, ...options) {
   const { FIXSPLAT_QUIET, ...env } = process.env
   const words = ['fit', set, '-o', 'page.fxs', '--preview', '--port', port, ...options]
@@ -45,7 +44,6 @@ const until = (body) =>
 const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 120000 })
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** The hash of the picture, and its number of colours. */
 async function shown() {
   await still()
   await pause(250)

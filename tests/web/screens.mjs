@@ -17,7 +17,6 @@ export function hash(bytes) {
   return h.toString(16).padStart(16, '0')
 }
 
-// Code shared by page and worker.
 const COMMON = `import { load, Screen } from '/fixsplat.js'
   export { Screen }
   export const canvas = () => new OffscreenCanvas(8, 8)
@@ -64,7 +63,6 @@ const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/mesh-gpu': MESH_G
 const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
                   playcanvas: `${modules}/playcanvas/build` }
 
-/** A range of a file, for paged scenes. */
 function answerRange(file, range, answer) {
   const [first, last] = range.match(/\d+/g).map(Number)
   const all = readFileSync(file)
@@ -110,7 +108,6 @@ export async function open(browser, address) {
   return { run, page, close: () => page.close() }
 }
 
-/** Runs code once, in its own page. */
 export async function runIn(browser, address, ...args) {
   const page = await open(browser, address)
   return page.run(...args).finally(page.close)
@@ -177,7 +174,6 @@ export async function drawsOverBackdrop(run, ...backends) {
   assert.deepEqual(seen, backends.flatMap(() => [over, plain, over, `backdrop: expected ${count} numbers`]))
 }
 
-/** Runs the tests, and `measure` on request. */
 export async function runTests(browser, tests, measure) {
   let failed = 0
   const only = new RegExp(process.env.ONLY ?? '')

@@ -22,7 +22,6 @@ const count = (splats) => until(`document.querySelector('fixsplat-viewer').shado
 const make = (kind, many, to) => execFileSync(fixsplat, ['make-scene', kind, '--count', many, '-o', to])
 const viewOf = () => page.$eval('fixsplat-viewer', (viewer) => viewer.view)
 
-/** The page's picture equals the command's with the same camera. */
 async function compare(scene) {
   await still()
   await new Promise((done) => setTimeout(done, 400))

@@ -69,7 +69,6 @@ const degree = Math.min(arrays.length, 3)
 // Four coefficients per array, degree by degree
 const sh = i => arrays.flatMap(array => [...array.subarray(4 * i, 4 * i + 4)]).slice(0, degree * (degree + 2)).map(triple)
 
-// A row of Inria's .ply.
 const row = (i, opacity) => {
     const at = 4 * i, words = new Float32Array(first.buffer, 16 * i, 3)
     const alpha = Math.min(Math.max(opacity, 1e-6), 1 - 1e-6), [x, y, z, w] = rotation(second[at + 3])
@@ -105,7 +104,6 @@ const write = (path, indices) => {
 const all = Array.from({ length: splats.numSplats }, (_, i) => i)
 const children = i => tree ? tree[4 * i + 2] & 65535 : 0
 
-// Spark's nodes for a camera.
 const cut = async (lodId, maxSplats, view, out, parent) => {
     const [eye, right, down, ahead] = [0, 3, 6, 9].map(k => view.slice(k, k + 3)), back = v => v.map(x => -x)
     const fovs = right.length ? { behindFoveate: 0.2, coneFoveate: 0.4, coneFov0: 90, coneFov: 120 }

@@ -28,7 +28,6 @@ async function until(is, words) {
   assert.fail(words)
 }
 
-/** Replaces Node's Worker during `run`. */
 async function withWorker(Worker, run) {
   const before = workers.Worker
   workers.Worker = Worker

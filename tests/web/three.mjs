@@ -5,7 +5,6 @@ import {
 } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
-/** Code for pages with a renderer. */
 const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await import('fixsplat/three')
   ${PAGE}
   function cameraOf(kind = 'perspective') {

@@ -22,12 +22,10 @@ const features = (motion) =>
     { name: 'prefers-reduced-motion', value: motion },
   ])
 
-/** Waits for a condition on the viewer `v`. */
 const until = (what) =>
   page.waitForFunction(`(() => { const v = document.querySelector('fixsplat-viewer')
     const $ = (id) => v.shadowRoot.getElementById(id); return ${what} })()`)
 
-/** Waits until the page shows a picture. */
 async function shows(wanted) {
   for (let i = 0; (await hash()) !== wanted; i++) assert.ok(i < 40, `another picture than ${wanted}`)
 }
@@ -256,7 +254,7 @@ const tests = {
       animTracks: [{ ...THEIRS.animTracks[0], ...early }],
     })
     await open(WITH('early.json'))
-    await until('v.time > 0.1') // autoplay
+    await until('v.time > 0.1')
     await inside('v.pause()')
     await features('reduce')
     await open(WITH('early.json'))

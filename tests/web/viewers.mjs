@@ -86,7 +86,6 @@ export const measureText = (name, scene) => `
 
 export const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
-/** Measures viewers in turns, and prints a line for each. */
 export async function inTurns(names, rounds, what, measure) {
   const found = Object.fromEntries(names.map((name) => [name, []]))
   for (let round = 0; round < rounds; round++) for (const name of names) found[name].push(await measure(name))

@@ -68,7 +68,6 @@ async function from(x, z, [to, far]) {
     v.seen = []`, x, z, to, far)
 }
 
-/** The camera and its picture, once the eye is at its height. */
 async function rests() {
   for (;;) {
     const view = await viewOf()
@@ -143,7 +142,6 @@ async function heights() {
   await stands((HOLE.deep + WALL.tall) / 8, 'as high there')
 }
 
-/** Holds the gamepad's sticks and buttons for a while. */
 async function push(axes, pressed = []) {
   await inside('window.pad(...args)', axes, pressed)
   await pause(400)

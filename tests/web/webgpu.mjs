@@ -60,7 +60,6 @@ function randomFrame(_, i) {
   }
 }
 
-/** Hashes of the command's files: colours, ids, median and mean depths. */
 function filesOf({ args }) {
   const names = ['colour.raw', 'ids.raw', 'depth.pfm', 'meanDepth.pfm'].map((name) => `${work}/${name}`)
   for (const [kind, at] of [['median', 2], ['mean', 3]])

@@ -15,7 +15,6 @@ const browser = await puppeteer.launch({
   args: ['--no-sandbox', ...WEBGPU],
 })
 
-/** Runs in the page. */
 async function compile(code, entries) {
   const adapter = await navigator.gpu?.requestAdapter()
   const device = await adapter?.requestDevice()

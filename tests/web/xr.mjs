@@ -173,7 +173,6 @@ const stick = (hand, ...at) =>
 const hand = (name, ...at) => inside(`test.device.controllers[args[0]].position.set(...args[1])`, name, at)
 const grip = (name, value) =>
   inside(`test.device.controllers[args[0]].updateButtonValue('squeeze', args[1])`, name, value)
-/** Runs, then waits for two frames. */
 const frames = (body, ...args) =>
   inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
@@ -210,11 +209,9 @@ function hash(bytes) {
 const BETWEEN = ['--eye', '0,-2,-9', '--look', '0,-2,-7', '--near', '0.1', '--size', `${width / 2}x${height}`]
 const APART = ['--stereo', '0.0625', '--stereo-exact', '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030']
 
-/** The hash of the command's stereo picture at the view's place. */
 const native = () => rendered('scene.ply', ...BETWEEN, ...APART)
 
 const scene = await load(`${scenes}/scene.ply`)
-/** The package's picture with these cameras. */
 function packaged(pair, how) {
   const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, exact: true, ...how })
   const row = (pixels, y) => Buffer.from(pixels.buffer, 2 * width * y, 2 * width)
@@ -236,7 +233,6 @@ async function seenThrough() {
   await pose([0, 1.6, 0])
 }
 
-/** PSNR in dB. */
 function likeness(a, b) {
   let sum = 0
   for (let i = 0; i < a.length; i++) sum += (a[i] - b[i]) ** 2
@@ -244,12 +240,10 @@ function likeness(a, b) {
 }
 const near = (a, b, most = 1e-6) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < most, `${a}, not ${b}`))
 
-/** The direction in the room, left and up by angles. */
 function direction(left, up) {
   const [a, b] = [left, up].map((degrees) => (degrees * Math.PI) / 180)
   return [-Math.sin(a) * Math.cos(b), Math.sin(b), -Math.cos(a) * Math.cos(b)]
 }
-/** Where a ray from an eye meets the table. */
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
 /**
@@ -474,7 +468,7 @@ const tests = {
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
-    await inside('test.delay = 30') // fewer pictures
+    await inside('test.delay = 30')
     const put = onTable(EYE, direction(...LOOKS))
     await drag(['right', LOOKS, [20, -40]])
     await drawn()
