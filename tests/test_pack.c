@@ -386,7 +386,7 @@ static void test_extremes(void)
 
 /* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
 
-/* An SH step is the smallest with which code 127 reaches the largest coefficient, up to the format's limit. */
+/* An SH step is the smallest that lets code 127 reach the largest coefficient, up to the format's limit. */
 static void test_sh_steps_up_to_the_limit(void)
 {
     static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};

@@ -1,5 +1,5 @@
-/* A scene whose bytes change while it is rendered gives some picture or FXS_ERR_SCENE, and writes only to the memory
- * and the pixels. Only the last few pages touched are open, so the change comes at a chosen touch of another page:
+/* A scene that changes while it is rendered gives some picture or FXS_ERR_SCENE, and writes only to the memory and
+ * the pixels. Only the last few pages touched are open, so the change comes at a chosen touch of another page:
  * between plan and band, or within a chunk, in every version of the stages. */
 #define _DEFAULT_SOURCE
 #include <signal.h>
@@ -17,7 +17,7 @@ enum {
     OPEN = 4,                      /* open pages; one access may need two */
     SCENES = 3,                    /* one per profile */
     SEEN = 4,                      /* visible Gaussians per chunk in the faint scene */
-    CHANGES = 12,                  /* number of touches at which the scene changes */
+    CHANGES = 12,                  /* touches that change the scene, per run */
     ZONE = 1 << 20                 /* closed bytes before and after memory and pixels */
 };
 

@@ -150,7 +150,7 @@ static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
     return n;
 }
 
-/* A direction is sky if most photographs see no point before it: here one of three, then two. */
+/* A direction is sky if most photographs see no point before it: here 1 of 3, then 2. */
 static void most_photographs_decide(void)
 {
     fxs_fit_point before[2] = {{{3, -2, 17}, {0}}, {{8, -2, 17}, {0}}};
@@ -158,7 +158,7 @@ static void most_photographs_decide(void)
     CHECK(ahead(3, before, 2) == 0);
     before[1].position[1] = -7;
     CHECK(ahead(3, before, 2) > 2);
-    CHECK(ahead(2, before, 2) == 0);    /* one of two is no majority */
+    CHECK(ahead(2, before, 2) == 0);    /* 1 of 2 is no majority */
 }
 
 static void masked(void)

@@ -83,7 +83,7 @@ static int draw_strips(bench *b)
     return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
-/* `room`: memory above the minimum, in sixteenths of what a whole frame takes. */
+/* `room`: memory above the minimum, in sixteenths of the memory for a whole frame. */
 static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;

@@ -876,7 +876,7 @@ static void test_events_while_loading(void)
 
 /* ---- Depths and ids ---------------------------------------------------------------------------------------------- */
 
-/* True if the picture is that of depths or ids. */
+/* True if the picture shows depths or ids. */
 static int shows_painted(const viewer *v, int draws)
 {
     renderer r;

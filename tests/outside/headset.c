@@ -208,7 +208,7 @@ static void draw_over(GLuint framebuffer, GLuint program, GLuint texture)
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Converts median depth to the depth buffer value for these planes; far plane if there is none. */
+/* Converts median depth to the depth buffer value for these planes; none: the far plane. */
 static const char to_depth[] =
     "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp usampler2D medians;\n"
     "void main() {\nuint depth = texelFetch(medians, ivec2(gl_FragCoord.xy), 0).x;\n"

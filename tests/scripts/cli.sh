@@ -344,7 +344,7 @@ done
 
 near="$small --eye 1,-2,-6 --look 0,0,0"
 good='0 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' other='1 .5 1 -1 .5 1 1 -2 -1 -1 .7 .7 0 .1'
-# There is no memory for 2 * 10^9 Gaussians. (A sanitizer itself needs more.)
+# Memory for 2 * 10^9 Gaussians is missing. (A sanitizer itself needs more.)
 room=2000000
 (ulimit -v $room && "$fixsplat" --version) >/dev/null 2>&1 || room=unlimited
 for count in 2000000000 4000000000 99999999999999999999 -1 x; do

@@ -262,7 +262,7 @@ const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
 const TABLE = 2 * longest // units per metre: the longest side is half a metre
 
-/** True if a picture's camera is that of an eye before the scene that stands at `at` and was placed at `put`. */
+/** Asserts that a picture's camera is an eye before the scene that stands at `at` and was placed at `put`. */
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
   near(position, middle().map((x, i) => x + to[i]), 1e-4)
