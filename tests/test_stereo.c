@@ -1,5 +1,5 @@
-/* Two eyes at once: exact, the bytes of two frames; shared, the same bytes on any number of threads and by every
- * version of the stages, the tile lists of two frames, and pictures close to theirs. */
+/* Stereo. Exact: the bytes of two mono frames. Shared: the same bytes on any number of threads and with every version
+ * of the stages, the tile lists of two frames, and pictures close to theirs. */
 #include <inttypes.h>
 #include <math.h>
 #include <unistd.h>
@@ -26,7 +26,7 @@ typedef struct pair {
     fxs_options options;
     enum fxs_format format;
     ptrdiff_t stride;              /* of the two pictures side by side */
-    size_t bytes;                  /* of both */
+    size_t bytes;                  /* of both pictures */
     fxs_stats stats;
 } pair;
 
@@ -46,7 +46,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Both pictures, in exactly `memory_bytes` bytes. */
 static int render(pair *p, const fxs_context *context, int exact, size_t memory_bytes, unsigned char *pixels)
 {
     unsigned char *memory = check_aligned(memory_bytes + GUARD_BYTES);
@@ -65,7 +64,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context)
     return one_stereo_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height);
 }
 
-/* Two frames, by fxs_render. Returns their list entries. */
+/* Two mono frames. Returns their list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, 0);
@@ -80,7 +79,7 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
 
 /* ---- Random scenes ----------------------------------------------------------------------------------------------- */
 
-/* Eyes by the case: that look elsewhere, at one place, side by side (twice), apart in any direction. */
+/* Case by case: eyes with unrelated directions, at one place, side by side (twice), apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
 /* Returns the format. */
@@ -102,7 +101,7 @@ static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, 
     return (enum fxs_format)between(0, 2);
 }
 
-/* Where order and colours are those of two frames: the eyes do not share them, or they are equal. */
+/* True if shared stereo equals two frames: order and colours are not shared, or are equal. */
 static int is_exact(const pair *p, int which)
 {
     int flat = !p->options.sh_degree || !p->scene.sh_degree;
@@ -117,7 +116,8 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* In just enough memory; one byte less is refused with nothing written. Returns the hash of the shared pictures. */
+/* Renders in just enough memory; one byte less is refused and nothing is written. Returns the hash of the shared
+   pictures. */
 static uint64_t check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries, int which)
 {
     unsigned char *pixels = malloc(p->bytes);
@@ -176,13 +176,13 @@ static void test_random_pairs(void)
     CHECK(sum == EXPECTED);
 }
 
-/* ---- What one eye does not see ----------------------------------------------------------------------------------- */
+/* ---- Splats outside one eye -------------------------------------------------------------------------------------- */
 
 static struct {
     const fxs_bounds *bounds;
-    const fxs_box *boxes;          /* of the last stretch that was binned, by now complete */
+    const fxs_box *boxes;          /* of the last binned stretch, now complete */
     uint32_t count;
-    uint32_t unseen, searched;     /* splats that an eye does not see; those of them that would look for tiles again */
+    uint32_t unseen, searched;     /* splats outside an eye; of these, the ones still searched for */
 } binned;
 
 static void look_at_boxes(void)
@@ -213,8 +213,8 @@ static uint64_t look(void *ignored)
     return 0;
 }
 
-/* Its box says so, and the lists pass over it: otherwise it would be looked for, with the same result, for each part of
-   the keys and each run. */
+/* An invisible splat's box marks it, and the lists skip it; otherwise each part of the keys and each run would
+   search it in vain. */
 static void test_unseen_splats_are_not_looked_for(void)
 {
     const fxs_config config = {.clock = look};
@@ -241,8 +241,8 @@ static void test_unseen_splats_are_not_looked_for(void)
         printf("  %u unseen, %u of them searched\n", binned.unseen, binned.searched);
 }
 
-/* One eye looks straight ahead, the other is turned about x or y, to either side: each has its own order. Without SH
-   the pictures are those of two frames. */
+/* One eye looks ahead, the other is turned about x or y: each has its own order. Without SH the pictures equal two
+   frames. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
@@ -278,7 +278,6 @@ static void test_eye_turned_to_any_side(void)
     }
 }
 
-/* Eyes with fields of view of their own: principal points and focal lengths apart. */
 static void test_eyes_with_other_principal_points(void)
 {
     fxs_scene scene;
@@ -303,7 +302,6 @@ static void test_eyes_with_other_principal_points(void)
     }
 }
 
-/* Each eye has the near plane of its own camera. */
 static void test_near_planes(void)
 {
     fxs_scene scene;
@@ -364,8 +362,7 @@ static void test_arguments(void)
     free(packed.data);
 }
 
-/* More slots than a band may have: one eye goes without a word, two have no bands. */
-/* A clock that runs on, faster each time, as it is looked at. */
+/* A clock that advances faster with each call. */
 typedef struct looked {
     uint64_t calls, first, last;
 } looked;
@@ -379,7 +376,7 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* The time of both eyes is that from the first look at the clock to the last one, and has that of all stages in it. */
+/* From the first clock call to the last, including all stages. */
 static void test_time(void)
 {
     fxs_scene scene;
@@ -440,13 +437,13 @@ static void test_too_many_slots(void)
     free(packed.data);
 }
 
-/* ---- The difference to each eye alone ---------------------------------------------------------------------------- */
+/* ---- Difference to mono frames ----------------------------------------------------------------------------------- */
 
 enum { WIDTH = 640, HEIGHT = 360 };
 static const double up[3] = {0, -1, 0};
 
-/* The eyes, 2 % of the distance to the middle of the scene apart; the left one turned right by `turn` degrees, the
-   right one left. */
+/* Eyes 2 % of the distance to the scene's middle apart. The left one is turned right by `turn` degrees, the right
+   one left. */
 static int eyes_of(fxs_camera cameras[2], const fxs_file_view *view, const fxs_pack_report *report, double turn)
 {
     fxs_message m;
@@ -470,7 +467,6 @@ static void copy_eye(uint8_t *eye, const pair *p, const unsigned char *pixels, i
         memcpy(eye + y * WIDTH * 4, pixels + y * p->stride + which * WIDTH * 4, WIDTH * 4);
 }
 
-/* Returns the PSNR of the worse eye. */
 static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
 {
     static uint8_t eyes[2][WIDTH * HEIGHT * 4];
@@ -498,7 +494,6 @@ static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
     return worse;
 }
 
-/* The eyes of a headset: the left one sees farther to the left, the right one to the right. */
 static void check_headset(const fxs_scene *scene, const fxs_file_view *view, const fxs_pack_report *report)
 {
     static const double tangents[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}};
