@@ -1,6 +1,6 @@
 #!/bin/sh
 # One fit everywhere: some hundred steps of tests/test_fit_steps.c, checked by constant hashes, with fused
-# multiplication if available, under sanitizers, and by qemu-user on 32-bit processors, with NEON and big-endian. Builds
+# multiplication if available, under sanitizers, and by qemu-user with NEON. Builds
 # with wider float arithmetic refuse to fit. FXS_PROCESSORS=all (make test-all): more compilers, optimisations and
 # processors.
 . tests/scripts/lib/check.sh
