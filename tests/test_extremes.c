@@ -460,8 +460,8 @@ static void check_wild_pick(wild_frame *w)
     for (int i = 0; i < 3; i++) {
         const int x = between(0, w->camera.width - 1), y = between(0, w->camera.height - 1);
         const fxs_id *id = (const fxs_id *)targets.id.pixels + y * w->camera.width + x;
-        const int found = pick_pixel(&plain, w->objects, w->count, &w->camera, &w->options, &targets, x, y, memory, bytes,
-                                   &result);
+        const int found = pick_pixel(&plain, w->objects, w->count, &w->camera, &w->options, &targets, x, y, memory,
+                                     bytes, &result);
         CHECK(found == (id->gaussian != FXS_NOTHING));
         CHECK(found < 1 || (result.id == id->object && result.gaussian == id->gaussian));
     }

@@ -130,7 +130,8 @@ static void round_trip(void)
         for (int k = 0; k < WIDE * HIGH; k++)
             memcpy(rgb + 3 * k, pictures[1] + 4 * k, 3);
         put_ppm("a.ppm", WIDE, HIGH, rgb);
-        if (!CHECK(!fxs_photo_read(in_folder("a.ppm"), &listed, 1600, black, &(fxs_photo_masking){0}, &photo, &message))) {
+        if (!CHECK(
+                !fxs_photo_read(in_folder("a.ppm"), &listed, 1600, black, &(fxs_photo_masking){0}, &photo, &message))) {
             printf("  lens %zu: %s\n", i, message.text);
             continue;
         }

@@ -140,7 +140,8 @@ static void test_sizes_are_framed_alike(void)
 /* Every corner of the box is in the picture, and one is close to its edge, for every box and picture. */
 static void test_boxes_are_framed_whole(void)
 {
-    static const double boxes[][3] = {{1, 1, 1}, {0.1, 9, 0.1}, {9, 0.1, 9}, {0.01, 0.01, 7}, {1e-5, 2e-5, 1e-5}, {5, 0, 0}};
+    static const double boxes[][3] = {{1, 1, 1},       {0.1, 9, 0.1},      {9, 0.1, 9},
+                                      {0.01, 0.01, 7}, {1e-5, 2e-5, 1e-5}, {5, 0, 0}};
     static const double ups[][3] = {{0, -1, 0}, {0, 0, 1}, {1, 2, 3}}, middle[3] = {3, -2, 1};
     for (int i = 0; i < 6 * 3 * 4; i++) {
         const double *half = boxes[i % 6], *up = ups[i / 6 % 3];
@@ -158,7 +159,8 @@ static void test_boxes_are_framed_whole(void)
                 for (int row = 0; row < 3; row++)
                     seen[row] += view.rotation[3 * row + k] * ((corner >> k & 1 ? high[k] : low[k]) - view.position[k]);
             CHECK(seen[2] > 2 * view.near);
-            most = fmax(most, fmax(fabs(seen[0]) * view.fx / view.width, fabs(seen[1]) * view.fy / view.height) / seen[2]);
+            most = fmax(most,
+                        fmax(fabs(seen[0]) * view.fx / view.width, fabs(seen[1]) * view.fy / view.height) / seen[2]);
         }
         CHECK(most < 0.5 && (most > 0.46 || i / 18 % 2 == 0));
     }

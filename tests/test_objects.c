@@ -770,8 +770,9 @@ static void test_too_many_objects(void)
     const size_t bytes = fxs_frame_bytes(&plain, objects, FXS_MAX_OBJECTS, 16, 16, 0);
     void *memory = check_aligned(bytes);
     picture p = picture_new(16, 16, FXS_FORMAT_RGBA8);
-    CHECK(render_frame(&plain, objects, FXS_MAX_OBJECTS + 1, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
-          FXS_ERR_OBJECT && untouched(&p));
+    CHECK(render_frame(&plain, objects, FXS_MAX_OBJECTS + 1, &good.camera, &good.options, &p.targets, memory, bytes,
+                       0) == FXS_ERR_OBJECT &&
+          untouched(&p));
     CHECK(render_frame(&plain, objects, UINT32_MAX, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
           FXS_ERR_OBJECT && untouched(&p));
     fxs_stats stats;
@@ -782,7 +783,8 @@ static void test_too_many_objects(void)
     huge.chunk_count = huge.count / FXS_CHUNK;
     objects[0].scene = objects[1].scene = &huge;
     CHECK(fxs_frame_bytes(&plain, objects, 3, 16, 16, 0) == 0);
-    CHECK(render_frame(&plain, objects, 3, &good.camera, &good.options, &p.targets, memory, bytes, 0) == FXS_ERR_OBJECT);
+    CHECK(render_frame(&plain, objects, 3, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
+          FXS_ERR_OBJECT);
     free(memory);
     free(objects);
     free(small.data);

@@ -174,11 +174,15 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     int order[3];
     find_order(order, g->scale);
     for (uint32_t k = 0; k < 3; k++) {
-        double code = k < 2 ? scale >> 10 * k & 1023 : (scale >> 20 & 511) * 2, step = ldexp(chunk->scale_step_q24, -24);
+        double code = k < 2 ? scale >> 10 * k & 1023 : (scale >> 20 & 511) * 2,
+               step = ldexp(chunk->scale_step_q24, -24);
         double dc_step = ldexp(chunk->colour_step_q20[k], -20), base = 0.5 + 0.28209479177387814 * g->dc[k];
         note(position_of(scene, i, k) - g->position[k], position_step(chunk, k));
-        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[order[k]] / log(2), step * (k < 2 ? 2 * code + 1 : 4 * code + 4));
-        note(ldexp(chunk->colour_q16[k], -16) + ((colour >> 8 * k & 255) * 2 + (scale >> (29 + k) & 1)) * dc_step - base, dc_step);
+        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[order[k]] / log(2),
+             step * (k < 2 ? 2 * code + 1 : 4 * code + 4));
+        note(ldexp(chunk->colour_q16[k], -16) + ((colour >> 8 * k & 255) * 2 + (scale >> (29 + k) & 1)) * dc_step -
+                 base,
+             dc_step);
     }
     const uint32_t code = colour >> 24, law = chunk->opacity_law;
     const double opacity = 1 / (1 + exp(-g->opacity)), next = opacity_of(code < 255 ? code + 1 : 254, law);

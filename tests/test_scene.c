@@ -68,7 +68,8 @@ static void test_open(void)
     make_scene();
     CHECK(open_scene() == 0);
     CHECK(s.scene.chunks == s.bytes + 192 && s.scene.rows == s.bytes + 192 + 2 * 128);
-    CHECK(!s.scene.palette && s.scene.profile == FXS_PROFILE_DEFAULT && s.scene.count == COUNT && s.scene.chunk_count == CHUNKS);
+    CHECK(!s.scene.palette && s.scene.profile == FXS_PROFILE_DEFAULT && s.scene.count == COUNT &&
+          s.scene.chunk_count == CHUNKS);
     CHECK(s.scene.chunk_bytes == 256 * (6 + 4 + 4 + 4 + 9) && s.scene.sh_degree == 1 && s.scene.antialiased == 1);
     s.header->flags = 0;
     CHECK(open_scene() == 0 && s.scene.antialiased == 0);

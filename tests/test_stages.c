@@ -137,7 +137,8 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
     for (uint32_t i = 0; i < s.header->chunk_count; i++) {
         uint32_t left = count - i * FXS_CHUNK;
         fill_header(&s.chunks[i], r);
-        fill_rows(packed_scene_rows(&s, i), &s.chunks[i], r, s.header->chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
+        fill_rows(packed_scene_rows(&s, i), &s.chunks[i], r, s.header->chunk_bytes,
+                  left < FXS_CHUNK ? left : FXS_CHUNK);
     }
     CHECK(packed_scene_finish(&s) == 0);
     return s;

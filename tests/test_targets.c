@@ -244,7 +244,8 @@ static int draw_in(const fxs_context *context, const scenario *s, size_t bytes, 
                    fxs_stats *stats)
 {
     void *memory = check_aligned(bytes);
-    const int error = render_frame(context, s->objects, s->count, &s->camera, &s->options, targets, memory, bytes, stats);
+    const int error = render_frame(context, s->objects, s->count, &s->camera, &s->options, targets, memory, bytes,
+                                   stats);
     free(memory);
     return error;
 }
@@ -926,8 +927,8 @@ static void test_pick(void)
             const int x = between(0, s.camera.width - 1), y = between(0, s.camera.height - 1);
             const fxs_id id = picture_id(&p, y * s.camera.width + x);
             fxs_pick_result r;
-            const int found = pick_pixel(&plain, s.objects, s.count, &s.camera, &s.options, i % 2 ? &p.targets : 0, x, y,
-                                       room, bytes, &r);
+            const int found = pick_pixel(&plain, s.objects, s.count, &s.camera, &s.options, i % 2 ? &p.targets : 0, x,
+                                         y, room, bytes, &r);
             if (found == FXS_ERR_MEMORY && i % 3 == 0)
                 break;
             misses += found == 0;
