@@ -146,7 +146,7 @@ $(call objects,$(wildcard port/gl/osmesa.c)): $(B)/with/OSMESA
 # Shader sources as character arrays, without comments and indentation. The gles shaders are built around
 # src/include/fixsplat/pixel.h.
 GLES_SHADERS := src/include/fixsplat/pixel.h $(wildcard $(patsubst %,kernels/%/*.vert,gl gles) $(patsubst %,kernels/%/*.frag,gl gles))
-COMPUTE_SHADERS := $(wildcard $(addprefix kernels/compute/*.,comp frag glsl) kernels/gl/*.vert kernels/gl/*.frag)
+COMPUTE_SHADERS := $(wildcard kernels/compute/generated/*.comp $(addprefix kernels/compute/*.,frag glsl) kernels/gl/*.vert kernels/gl/*.frag)
 $(B)/kernels/gles/shaders.h: $(GLES_SHADERS)
 $(B)/kernels/compute/shaders.h: $(COMPUTE_SHADERS)
 $(B)/kernels/%/shaders.h: make/build.mk

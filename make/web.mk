@@ -161,10 +161,10 @@ $(WEB)/viewer/package.json $(WEB)/inline/package.json $(WEB)/inline/viewer/packa
 	@mkdir -p $(@D) && echo '{ "type": "module", "main": "$(main_is)" }' >$@
 $(WEB)/CHANGELOG.md: NEWS.md
 	@mkdir -p $(@D) && cp $< $@
-# Removes single-line comments and indentation: a sixth less to download.
+# Removes comments and indentation: a sixth less to download.
 $(WEB)/%.js: port/web/%.js
 	@mkdir -p $(@D)
-	@sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
+	@sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e '/^\/\*\*/,/\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 

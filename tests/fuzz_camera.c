@@ -1,5 +1,5 @@
-/* Fuzzes the camera readers on memory: the first byte picks the format, the next two the size of the first file of a
-   COLMAP or Bundler model. Every view that is read is made a camera; lenses are undone and drawn through. */
+/* Fuzzes the camera readers. Byte 0 picks the format; bytes 1 and 2 give the size of the first file of a COLMAP or
+   Bundler model. Each view becomes a camera; its lens is undone and drawn through. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

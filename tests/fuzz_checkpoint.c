@@ -1,6 +1,5 @@
-/* Fuzzes fits that are resumed from a file: the fuzzer's bytes, with the marks, the photographs and the checksum set
-   right. Where it is taken, the fit goes on for two steps, by plain C every other time, all its numbers are finite, and
-   it is packed. */
+/* Fuzzes the resuming of a fit, with magic numbers, photographs' hash and checksum corrected. A fit that resumes runs
+   two more steps, in plain C for inputs with an odd number of words. Its parameters must be finite and it must pack. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +14,7 @@ enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 56, PRINT_BYTES = 8, END = 12 };
 static uint8_t pixels[3 * SIDE * SIDE];
 static fxs_fit_photo photo;
 static fxs_fit_options options;
-static uint8_t whole[1 << 14];          /* a fit as it is saved */
+static uint8_t whole[1 << 14];          /* a saved fit */
 static size_t whole_size;
 static char path[] = "/tmp/fixsplat-fuzz-XXXXXX";
 

@@ -288,8 +288,8 @@ static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
 static int fuzz_render(const fuzz_frame *f, const fxs_context *context, size_t bytes, fxs_stats *stats)
 {
     const fxs_targets targets = fuzz_targets(f, 0);
-    return render_frame(context, f->objects, f->count, &f->cameras[0], &f->options, &targets, fuzz_room(0, bytes), bytes,
-                      stats);
+    return render_frame(context, f->objects, f->count, &f->cameras[0], &f->options, &targets, fuzz_room(0, bytes),
+                        bytes, stats);
 }
 
 static int fuzz_render_stereo(const fuzz_frame *f, const fxs_context *context, size_t bytes)

@@ -1,12 +1,10 @@
-/* libFuzzer target: a packed scene, damaged or not, rendered in several objects, in all its memory and in the least,
-   for one eye and two, picked from and its pairs counted; every version of the stages that this processor has against
-   plain C, byte for byte. */
+/* Fuzzes rendering: a packed scene, damaged or not, in several objects, for one eye and two, in full and in minimum
+   memory, with picking and counted pairs. Every kernel set of this processor must match plain C. */
 #include "one_scene.h"
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* What one version of the stages makes of a frame. */
 typedef struct result {
     int error;
     unsigned char pixels[2][FUZZ_ROOM / 16];
@@ -42,7 +40,7 @@ static void count(const fuzz_frame *f, size_t bytes, const result *expected, uin
         abort();
 }
 
-/* What is picked at some pixels is what an id target holds. */
+/* Picked pixels must match an id target. */
 static void pick(const fuzz_frame *f, size_t bytes)
 {
     fxs_targets targets = fuzz_targets(f, 0);
@@ -92,7 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             render_stereo(&f, &f.levels[level], all, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
-        if (first.error != FXS_ERR_TARGET) {       /* it has none */
+        if (first.error != FXS_ERR_TARGET) {       /* counting has no targets */
             count(&f, all, &first, pairs);
             count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);   /* not in slices */
         }

@@ -1,5 +1,5 @@
-/* libFuzzer target: a .glb whose container is made here, so that mutations reach what is in it. The first two bytes are
-   the size of the JSON; the rest is the JSON and the binary chunk. */
+/* Fuzzes .glb files in a valid container, so mutations reach the content. Two bytes give the size of the JSON; the JSON
+   and the binary chunk follow. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static size_t make_glb(const uint8_t *data, size_t size, uint8_t *out)
     return 28 + left;
 }
 
-/* Returns read's last result; adds the Gaussians read to *total. */
+/* Adds the Gaussians read to *total. Returns the last result. */
 static long read_some(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -1,5 +1,5 @@
-/* libFuzzer target: Gaussians of any floats, packed. What comes out opens, in each profile. The first byte is the
-   profile, the SH degree and whether there are levels of detail; the rest are the records of a .ply. */
+/* Fuzzes the packer: Gaussians with arbitrary floats pack to a scene that opens. Byte 0 gives the profile, the SH
+   degree and whether levels of detail are built; the records of a .ply follow. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* libFuzzer target: a scene with levels of detail of which a pool holds a part, damaged or not, from a source that fails,
-   lies or claims another size. A scene that is sound is drawn as the whole once nothing is missing. */
+/* Fuzzes the pager: a scene with levels of detail, damaged or not, in a small pool, from a source that fails, corrupts
+   bytes or states a wrong size. A sound scene is drawn like the whole once no chunk is missing. */
 #include <fixsplat/message.h>
 #include <fixsplat/pager.h>
 
@@ -13,7 +13,7 @@ enum { CONTROL = 12, FRAMES = 3, TURNS = 40, WAIT_NS = 2000000 };
 typedef struct fuzz_source {
     const unsigned char *bytes;
     size_t there, claimed;
-    uint32_t reads, fails_each, lies_each;   /* each so many reads; 0: none */
+    uint32_t reads, fails_each, lies_each;   /* reads; every n-th one fails or lies, 0: none */
     int closed;
 } fuzz_source;
 
@@ -36,7 +36,7 @@ static void close_part(void *argument)
     ((fuzz_source *)argument)->closed++;
 }
 
-/* Returns the error of fxs_render; *missing is written where that is 0. */
+/* Returns the error of fxs_render. Sets *missing, 0 on failure. */
 static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *camera, const fxs_options *options,
                 unsigned char *pixels, size_t *picture, uint32_t *missing)
 {
@@ -61,13 +61,14 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     return error;
 }
 
-/* Without limits the whole is drawn without a cut, and a random tree's nodes are no bounds of what is below them. */
+/* Only frames with limits can be compared: without them the whole scene has no cut, and a random tree's nodes do not
+   bound their children. */
 static int has_cut(const fxs_scene *scene, const fxs_options *options)
 {
     return options->detail_q8 || (options->budget && options->budget < scene->count);
 }
 
-/* Frames of a camera that stands still, compared with those of the whole, where there is one. */
+/* Renders with a still camera until no chunk is missing, then compares with the whole scene, if given. */
 static void look(fxs_pager *pager, const fxs_scene *whole, int turns)
 {
     static unsigned char pixels[2][FUZZ_ROOM / 4];
@@ -122,7 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_frame f = {.data = made.data, .bytes = made.bytes};
     fxs_file_seal(f.data, f.bytes);
     fuzz_edit(&f, (size_t)(made.scene.rows - made.data), data + CONTROL, size - CONTROL);
-    if (data[0] & 16)                      /* damage that checksums do not tell */
+    if (data[0] & 16)                      /* damage with valid checksums */
         fxs_file_seal(f.data, f.bytes);
     fuzz_source s = {.bytes = f.data, .there = f.bytes, .claimed = f.bytes, .reads = data[0] & 32 ? 4096 : 0};
     switch (data[2] % 8) {

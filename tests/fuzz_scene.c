@@ -1,4 +1,4 @@
-/* libFuzzer target: any bytes as a scene file, read whole, rewound, and read again with the same result. */
+/* Fuzzes the scene readers: a file is read twice with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Returns read's last result; adds the Gaussians read to *total. */
+/* Adds the Gaussians read to *total. Returns the last result. */
 static long read_all(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

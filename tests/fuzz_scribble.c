@@ -1,6 +1,6 @@
-/* libFuzzer target: a packed scene that is written to while it is rendered, in bands, for two eyes, and while its pairs
-   are counted: by another thread, or, so that a finding comes again, between the stages. Any picture or error will do;
-   nothing may be touched beyond the caller's memory. */
+/* Fuzzes a scene that changes while it is rendered or its pairs are counted. The writer is a thread or, for
+   reproducible findings, the renderer's clock. Any picture or error will do; memory beyond the caller's stays
+   untouched. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -10,11 +10,11 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The scene being written to. `original` and `other` are two that open, of the same layout. */
+/* The scene being overwritten. `original` and `other` are two valid scenes of the same layout. */
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
-    size_t bytes, headers;         /* the headers of the file and its chunks come first */
+    size_t bytes, headers;         /* headers: bytes of file and chunk headers, at the start */
     const unsigned char *original, *other;
     uint32_t how;
 } target;
@@ -26,12 +26,12 @@ static uint32_t scribble_random(uint32_t *seed)
     return *seed ^= *seed << 5;
 }
 
-/* Some bytes, up to all: those of one of the scenes, which keeps headers in range, or any. */
+/* Overwrites a random range: with one scene's bytes, which keep headers in range, or up to 64 equal bytes. */
 static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
     const size_t first = target.how & 1 ? 192 : 0, end = target.how & 2 ? target.headers : target.bytes;
-    if (end == first)                  /* a scene of no chunks */
+    if (end == first)                  /* a scene without chunks */
         return;
     const size_t at = first + scribble_random(seed) % (end - first);
     size_t count = (size_t)1 << (what >> 4) % 20;
@@ -42,7 +42,7 @@ static void scribble(uint32_t *seed)
         memset(target.data + at, (int)(what >> 24), count < 64 ? count : 64);
 }
 
-/* The renderer's clock, called between chunks and stages, may be who writes. */
+/* A clock, called between chunks and stages, that sometimes overwrites the scene. */
 static uint64_t scribbling_clock(void *seed)
 {
     if (scribble_random(seed) % 4 == 0)
@@ -108,8 +108,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                    fuzz_room(0, least), least, &picked));
 }
 
-/* A scene of the same layout: the chunks lie where others did, and of some only the first few Gaussians are seen, as
-   the opacity of the others is 0. */
+/* A scene of the same layout: chunk headers may be reversed, and in some chunks all but the first few Gaussians have
+   opacity 0. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
     unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);

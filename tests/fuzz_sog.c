@@ -1,6 +1,6 @@
-/* libFuzzer target: bytes as the files of a folder, each after its size of two bytes, for a .sog as a zip, as files and
-   streamed, for a tileset, an .lcc and gsplat's folder, of which the images are parts 0 to 5. An environment is there
-   where it has bytes. What opens is read whole, rewound, and read again with the same result. */
+/* Fuzzes scenes in several files: a zipped .sog, SOG as files and streamed, a tileset, an .lcc, and gsplat's folder
+   with parts 0 to 6 as images. Two bytes give each part's size; an empty environment is absent. A scene is read twice
+   with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,7 +52,7 @@ static int open_beside(void *argument, const char *name, fxs_scene_input *input)
     return -1;
 }
 
-/* Returns read's last result; adds the Gaussians read to *total. */
+/* Adds the Gaussians read to *total. Returns the last result. */
 static long read_all(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -1,5 +1,5 @@
-/* libFuzzer target: .spz in memory. The first byte says how: even, as it is; odd, gzipped here, since no mutation would
-   keep its check sum. What opens is read whole, rewound, and read again with the same result. */
+/* Fuzzes .spz in memory. The data after byte 0 are gzipped if it is odd, because mutations would break gzip's checksum.
+   A scene is read twice with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,14 +8,13 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* One line, and of this file. */
+/* A message is one line that begins with the file's name. */
 static void check_message(const fxs_message *message)
 {
     if (strncmp(message->text, "fuzz: ", 6) != 0 || strchr(message->text, '\n'))
         abort();
 }
 
-/* Returns the number of Gaussians, or -1. */
 static long read_all(fxs_spz *spz, fxs_gaussian *last)
 {
     static fxs_gaussian gaussians[100];

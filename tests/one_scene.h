@@ -61,8 +61,8 @@ static inline int count_pairs(const fxs_object *objects, uint32_t count, const f
 }
 
 static inline int pick_pixel(const fxs_context *context, const fxs_object *objects, uint32_t count,
-                             const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, int32_t x,
-                             int32_t y, void *memory, size_t memory_bytes, fxs_pick_result *result)
+                             const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets,
+                             int32_t x, int32_t y, void *memory, size_t memory_bytes, fxs_pick_result *result)
 {
     const fxs_request request = request_for(objects, count, options, 1, camera, targets);
     return fxs_pick(context, &request, x, y, memory, memory_bytes, result);

@@ -1,4 +1,4 @@
-/* Frame after frame with no allocation after set-up, on one thread and on several: malloc and its kin are counted. */
+/* Rendering allocates nothing after set-up, on one thread or several; malloc and its kin are counted. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* Frames in less memory than fxs_frame_bytes: the same bytes down to the least of any view, on any number of threads,
- * in bands, and in slices where a tile row does not fit; one byte less is refused with nothing written. */
+/* Frames in less memory than fxs_frame_bytes: bands and slices give the same bytes down to the minimum of the view, on
+ * any number of threads. One byte less is refused without writing. */
 #include <fixsplat/pool.h>
 #include "one_scene.h"
 #include "random_scene.h"
@@ -9,10 +9,10 @@
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };
 
-/* What is drawn, the frame in all the memory it can use, and room for another. */
+/* The view, its frame rendered in full memory, and a buffer for another. */
 static struct {
     fxs_scene scene;
-    fxs_object object;                     /* of that scene */
+    fxs_object object;
     fxs_camera camera;
     fxs_options options;
     enum fxs_format format;
@@ -22,7 +22,7 @@ static struct {
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, sliced;            /* frames in more than one band, and in slices */
+static uint64_t banded, sliced;            /* frames in several bands; frames with slices */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -31,7 +31,7 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Renders in exactly `bytes` bytes. */
+/* Renders in exactly `bytes` bytes, and checks guard bytes after them. */
 static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
 {
     unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
@@ -45,7 +45,7 @@ static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
     return error;
 }
 
-/* Pairs are counted in bands, not in slices. */
+/* Pairs can be counted in bands but not in slices. */
 static void check_pairs(size_t least, size_t rows)
 {
     for (size_t short_of = 0; short_of < 2; short_of++) {
@@ -79,13 +79,12 @@ static void check_refused(const fxs_context *context, size_t bytes, size_t least
     CHECK(untouched(drawn.pixels, drawn.bytes));
 }
 
-/* fxs_frame_bytes. */
 static size_t frame_bytes(const fxs_context *context, fxs_frame_memory *memory)
 {
     return fxs_frame_bytes(context, &drawn.object, 1, drawn.camera.width, drawn.camera.height, memory);
 }
 
-/* Returns the memory from which on no tile row is sliced; 0 where the least is that of a frame at once. */
+/* Returns the least memory without sliced tile rows; 0 if all splats fitted. */
 static size_t rows_of(const fxs_context *context, const fxs_frame_memory *memory)
 {
     fxs_stats stats;
@@ -147,8 +146,8 @@ static void draw_random(int height)
     draw();
 }
 
-/* A random view of up to `most` Gaussians, `height` pixels high (0: any), by each number of threads, by the plain and
-   by the best versions of the stages. */
+/* Checks a random view of up to `most` Gaussians, `height` pixels high (0: random), with 1, 2 and 4 threads, plain C
+   and the best kernels. */
 static void check_case(uint64_t seed, int32_t most, int height)
 {
     state = seed * 0x1234567u;
@@ -179,7 +178,7 @@ static void test_same_bytes(void)
     CHECK(banded > 100 && sliced > 50);
 }
 
-/* One tile row and many, of ragged height. */
+/* One to 19 tile rows, with partial ones at the edge. */
 static void test_same_bytes_of_tall_pictures(void)
 {
     banded = sliced = 0;
@@ -189,7 +188,7 @@ static void test_same_bytes_of_tall_pictures(void)
     CHECK(banded > 100 && sliced > 50);
 }
 
-/* Enough chunks for blocks of 32 and more. */
+/* Enough chunks for blocks of 32 or more. */
 static void test_same_bytes_of_larger_scenes(void)
 {
     banded = sliced = 0;
@@ -199,12 +198,12 @@ static void test_same_bytes_of_larger_scenes(void)
     CHECK(banded > 10 && sliced > 10);
 }
 
-/* ---- Splats whose tile rows are known ---------------------------------------------------------------------------- */
+/* ---- Splats in known tile rows ----------------------------------------------------------------------------------- */
 
 enum { ROWS = 6 };
 
-/* A picture one tile wide and ROWS high. Chunk c has counts[c][r] Gaussians in tile row r, all of them 2^log2 units (0 or
-   16) away in the space of the object, whose scale is 2^log2. */
+/* A picture one tile wide and ROWS high. Chunk c has counts[c][r] Gaussians in tile row r, at depth 2^log2 units (log2:
+   0 or 16) in an object of scale 2^log2. */
 static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int log2)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, chunks * FXS_CHUNK, 0);
@@ -226,7 +225,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
                 codes[FXS_CHUNK + at] = (uint16_t)(16 * row + 8);
                 colours[at] = ((uint32_t)next() & 0xffffff) | 60u << 24;
             }
-        memset(packed_scene_rows(&s, c) + FXS_ROW_ROTATION, 0, 4 * FXS_CHUNK);   /* no turn */
+        memset(packed_scene_rows(&s, c) + FXS_ROW_ROTATION, 0, 4 * FXS_CHUNK);   /* identity */
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
     drawn.object = one_object(&drawn.scene);
@@ -239,7 +238,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
     return s;
 }
 
-/* Any number of splats is left from a block before its last chunk is projected whole. */
+/* Covers every number of splats pending before a block's last chunk, which is projected whole. */
 static void test_blocks_of_any_number_of_splats(void)
 {
     fxs_context context;
@@ -253,7 +252,7 @@ static void test_blocks_of_any_number_of_splats(void)
         }
 }
 
-/* Slices begin at the memory of the fullest tile row: the others do not add to it. */
+/* The memory below which slices begin depends on the fullest tile row alone. */
 static void test_rows_are_of_one_tile_row(void)
 {
     size_t rows[2];
@@ -275,7 +274,7 @@ static void test_rows_are_of_one_tile_row(void)
     CHECK(rows[0] == rows[1]);
 }
 
-/* Depths of 2^32 units and more have one key, the largest there is: slices end with it, and have it. */
+/* Depths from 2^32 units on share the largest key; the last slice must include it. */
 static void test_slices_beyond_every_depth(void)
 {
     fxs_context context;

@@ -1,6 +1,5 @@
-/* Scene files that are small and ask for much: each ends in little time and memory with a line that says why. Small ones
-   that are honest pass. What was decompressed is not decompressed again. `test_bombs --write FOLDER` leaves the files
-   for others to try. */
+/* Decompression bombs: small scene files that demand much are refused within little time and memory, with a message.
+   Honest small files are read; data are decompressed once. `test_bombs --write FOLDER` keeps the files. */
 #define _DEFAULT_SOURCE   /* wait4 */
 
 #include <sys/resource.h>
@@ -32,7 +31,7 @@ static void write_file(const char *name, const void *data, size_t length)
 
 /* ---- Parts of bombs -------------------------------------------------------------------------------------------- */
 
-/* A lossless WebP of one colour, of any size: five prefix codes of one symbol each, so that a pixel takes no bits. */
+/* A lossless WebP of one colour: five prefix codes of one symbol each, so a pixel takes no bits. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
 {
     uint64_t bits = (uint64_t)(width - 1) | (uint64_t)(height - 1) << 14 | (uint64_t)1 << 28;
@@ -50,7 +49,6 @@ static void put_zeros(int count)
         put(i ? ",0" : "0");
 }
 
-/* A meta.json of version 2 whose five images have these names. */
 static void put_meta(int count, const char *const names[5])
 {
     put("{\"version\":2,\"count\":%d,\"means\":{\"mins\":[0,0,0],\"maxs\":[1,1,1],\"files\":[\"%s\",\"%s\"]},", count,
@@ -64,7 +62,7 @@ static void put_meta(int count, const char *const names[5])
 
 static const char *const one_name[5] = {"a", "a", "a", "a", "a"}, *const five_names[5] = {"a", "b", "c", "d", "e"};
 
-/* A zip of what is in `bytes`, as meta.json, and of `images` images. */
+/* A zip with `bytes` as meta.json and `images` copies of an image. */
 static void write_sog(const char *name, int images, const void *image, size_t length)
 {
     int code;
@@ -79,7 +77,7 @@ static void write_sog(const char *name, int images, const void *image, size_t le
     size = 0;
 }
 
-/* An .spz in gzip of Gaussians that are all 0. */
+/* A gzipped .spz with all-zero Gaussians. */
 static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
 {
     spz_bytes s;
@@ -99,7 +97,7 @@ static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
     return length;
 }
 
-/* A .glb of nodes that place meshes, one for each .spz in the binary chunk, in turn. */
+/* A .glb with nodes that place meshes in turn, one for each .spz in the binary chunk. */
 static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_size[], int count)
 {
     size_t at = 0;
@@ -134,9 +132,9 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
 
 /* ---- Bombs ----------------------------------------------------------------------------------------------------- */
 
-enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* so that a byte was there for 256 Gaussians */
+enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* a byte for at most 256 Gaussians */
 
-/* Zeros behind an image deflate to nothing, and one entry is every image. */
+/* One entry serves as all images; zero padding after it deflates to almost nothing. */
 static void make_padded_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -148,7 +146,7 @@ static void make_padded_sog(const char *name)
     free(image);
 }
 
-/* The same with an entry for each image, and images that are twice as large as they need be. */
+/* One entry for each image, with images twice as large as needed. */
 static void make_large_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -196,7 +194,7 @@ static void go_through_links(char *name, int i)
     strcpy(name + 32, "s/meta.json");
 }
 
-/* One scene of one Gaussian, in s, that is named 65,536 times. */
+/* A streamed scene that names the scene of one Gaussian in s/ 65,536 times. */
 static void write_streamed_sog(const char *name, void name_of(char *name, int i))
 {
     uint8_t image[40];
@@ -240,7 +238,7 @@ static void make_linked_sog_bomb(const char *name)
     write_streamed_sog(name, go_through_links);
 }
 
-/* Scenes of their own that name the same five images, of which one has a million bytes. */
+/* Separate scenes that share five images, one of them a million bytes. */
 static void make_shared_images(const char *name)
 {
     enum { SCENES = 63, EACH = 1000000 };
@@ -271,7 +269,7 @@ static void make_shared_images(const char *name)
     free(image);
 }
 
-/* A .gltf whose buffers are all the same file of a million bytes, an .spz at its begin. */
+/* A .gltf with one file of a million bytes, which starts with an .spz, as all its buffers. */
 static void make_shared_buffer(const char *name)
 {
     uint8_t *spz = calloc(PADDED, 1);
@@ -301,16 +299,16 @@ static void make_shared_buffer(const char *name)
     size = 0;
 }
 
-/* Gzip at 1032 to 1, and more with what a Gaussian takes while it is packed. */
+/* Gzip at 1032 to 1; packing needs still more memory for each Gaussian. */
 static void make_inflating_spz(const char *name)
 {
     write_file(name, bytes, flat_spz(4000000, 3, bytes, MAX_FILE));
 }
 
-/* A property of a .rad, in `width` bytes a node that all are 0. */
+/* A property of a .rad: `width` zero bytes for each node. */
 typedef struct zero_column { const char *property, *encoding; int width; } zero_column;
 
-/* Returns the size of `count` zeros, deflated. */
+/* Deflates `count` zeros. Returns their size. */
 static size_t put_deflated(uint8_t *out, size_t room, size_t count)
 {
     uint8_t *zeros = calloc(count, 1);
@@ -327,7 +325,6 @@ static size_t put_deflated(uint8_t *out, size_t room, size_t count)
     return room - stream.avail_out;
 }
 
-/* One chunk of `count` nodes. */
 static void write_rad(const char *name, size_t count, const zero_column *columns, const char *more)
 {
     static uint8_t payload[1 << 19];
@@ -368,7 +365,7 @@ static void make_inflating_rad(const char *name)
     write_rad(name, 4000000, columns, "");
 }
 
-/* As many as are always allowed, of SH degree 3, in one chunk. */
+/* The largest count that is always allowed, with SH degree 3. */
 static void make_wide_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f32", 12}, {"alpha", "f32", 4}, {"rgb", "f32", 12},
@@ -377,7 +374,7 @@ static void make_wide_rad(const char *name)
     write_rad(name, 1000000, columns, ",\"maxSh\":3");
 }
 
-/* A palette that is far larger than the scene. */
+/* A palette far larger than the scene. */
 static void make_palette_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f16", 6}, {"alpha", "r8", 1}, {"rgb", "r8", 3},
@@ -386,7 +383,7 @@ static void make_palette_rad(const char *name)
     write_rad(name, 4, columns, ",\"maxSh\":1,\"shCodeCount\":2000000000");
 }
 
-/* Nodes of which each names all later ones as its children. */
+/* Each node names all later ones as its children. */
 static void make_tangled_rad(const char *name)
 {
     enum { NODES = 5000 };
@@ -418,7 +415,7 @@ static void make_instances_glb(const char *name)
     size = 0;
 }
 
-/* Rows of 14 numbers that all are 0, but for the quaternion. */
+/* Rows of 14 zeros, except a quaternion of 1 0 0 0. */
 static void make_exponents_ply(const char *name)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -435,7 +432,7 @@ static void make_exponents_ply(const char *name)
 }
 
 static const struct bomb {
-    const char *name, *line;   /* NULL: it is read */
+    const char *name, *line;   /* line: part of the message; NULL: the file is read */
     void (*make)(const char *name);
 } bombs[] = {
     {"padded.sog", "268402689 Gaussians or more in 1", make_padded_sog},
@@ -456,7 +453,7 @@ static const struct bomb {
 
 enum { BOMBS = sizeof bombs / sizeof *bombs };
 
-/* In a process of its own: what takes memory here would count as that of the reader's. */
+/* Runs in a separate process, so its memory does not count as the reader's. */
 static void make_bomb(const struct bomb *b)
 {
     int status;
@@ -469,9 +466,9 @@ static void make_bomb(const struct bomb *b)
     CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
 }
 
-/* ---- What it takes to import them ------------------------------------------------------------------------------ */
+/* ---- Cost of an import ----------------------------------------------------------------------------------------- */
 
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* of the processor; of the clock */
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* seconds: of processor time; of wall time */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };
@@ -494,7 +491,7 @@ static int import(const char *name, fxs_message *said)
     return result;
 }
 
-/* In a process that cannot take the machine with it. */
+/* Runs in a separate process with limits. */
 static void import_measured(const struct bomb *b)
 {
     const struct rlimit most = {(rlim_t)4 << 30, (rlim_t)4 << 30};
@@ -552,7 +549,7 @@ static int says(const char *words)
     return strstr(message.text, words) && !strchr(message.text, '\n');
 }
 
-/* Small files that hold much and are not many bytes in the end. */
+/* Small files with many Gaussians, within all limits. */
 static void small_ones_pass(void)
 {
     uint8_t image[40];
@@ -579,9 +576,9 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-/* ---- Once ------------------------------------------------------------------------------------------------------ */
+/* ---- Data are decompressed once -------------------------------------------------------------------------------- */
 
-static struct { uint64_t read, from; int opened; } taken;   /* bytes read at `from` or behind, files opened beside */
+static struct { uint64_t read, from; int opened; } taken;   /* bytes read from offset `from` on; further files opened */
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -606,7 +603,7 @@ static int open_counted(void *argument, const char *name, fxs_scene_input *input
 enum { PASSES = 3, MOST_READ = 4096 };
 static fxs_gaussian pass_read[PASSES][MOST_READ];
 
-/* Reads in passes; sets `taken` to what those after the opening took. Returns the Gaussians of a pass, or -1. */
+/* Rewinds and reads PASSES times, with equal results, and sets `taken`. Returns the Gaussians of a pass, or -1. */
 static long read_passes(uint64_t max_memory, uint64_t from)
 {
     const fxs_scene_file_options options = {.max_memory = max_memory};
@@ -625,7 +622,7 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     return count;
 }
 
-/* Two .spz, placed in turn. */
+/* Two .spz, placed in turn. With memory for both each is read once; the minimum memory holds one. */
 static void spz_is_inflated_once(void)
 {
     enum { NODES = 20, EACH = 100, PAYLOAD = 20 * EACH };
@@ -644,7 +641,7 @@ static void spz_is_inflated_once(void)
     uint64_t least = 1 << 10;
     while (least < 1 << 20 && read_passes(least, at) < 0 && CHECK(says("--import-memory")))
         least += 1 << 8;
-    CHECK(taken.read > sizes[0] + sizes[1]);   /* there is room for one of them */
+    CHECK(taken.read > sizes[0] + sizes[1]);   /* the minimum has room for one */
     CHECK(read_passes(least, at) == NODES * EACH && memcmp(kept, pass_read[0], sizeof kept) == 0);
 }
 
@@ -662,7 +659,7 @@ static void files_are_loaded_once(void)
     CHECK(read_passes(least, 0) == count);
 }
 
-/* A name that is there twice is one file. */
+/* Two spellings of a name mean one file. */
 static void same_name_is_one_file(void)
 {
     file_count = 0;
@@ -717,7 +714,7 @@ static void every_bomb_ends(void)
 static int run_tests(int argc, char **argv)
 {
     (void)argv;
-    if (argc == 3)   /* there is nothing to write */
+    if (argc == 3)
         return 1;
     RUN(every_bomb_ends);
     return check_report();

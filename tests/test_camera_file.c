@@ -1,4 +1,4 @@
-/* Camera files: one camera through every format, faults, real files. */
+/* Camera files: one camera in every format, faults, real files. */
 #include <fixsplat/camera.h>
 #include <fixsplat/camera_file.h>
 #include <fixsplat/fit.h>
@@ -59,7 +59,6 @@ static long read_views(const char *name, fxs_file_view **views)
     return count;
 }
 
-/* Expects reading to fail with a message that holds these words. */
 static void check_fault(const char *name, const char *words)
 {
     fxs_file_view *views;
@@ -71,8 +70,8 @@ static void check_fault(const char *name, const char *words)
         free(views);
 }
 
-/* The camera of every format: turned by 0.7 about (1, 2, 3), its rotation by Rodrigues' formula
-   R = cos I + sin [k] + (1 - cos) k k^T. */
+/* The camera in every format: rotated by 0.7 about (1, 2, 3), by Rodrigues' formula R = cos I + sin [k] + (1 - cos) k
+   k^T. */
 
 static const double centre[3] = {1.25, -0.375, 2.0625};
 static double rotation[9], quaternion[4], translation[3];
@@ -216,7 +215,7 @@ static void colmap_txt(void)
     check_fault("", "image 0: not nine numbers and a name");
 }
 
-/* Whether the first view is said to have a lens that bends; it is a pinhole's all the same. */
+/* Checks if the first view is marked as bent by its lens; its pinhole camera is always read. */
 static void check_bends(const char *name, int bends)
 {
     fxs_file_view *views;
@@ -371,7 +370,7 @@ static void put_inria(void)
              centre[0], centre[1], centre[2], r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
 }
 
-/* A frame with the camera's matrix; `own` are further members of the frame. */
+/* A frame with the camera's matrix and the members `own`. */
 static double stretch[3] = {1, 1, 1};    /* of the columns */
 
 static void put_transforms(const char *top, const char *own)
@@ -400,7 +399,7 @@ static void inria(void)
     }
 }
 
-/* Off the axis, and with parallel rays. */
+/* A principal point outside the picture, and an orthographic camera. */
 static void inria_extended(void)
 {
     fxs_file_view *views;
@@ -415,7 +414,6 @@ static void inria_extended(void)
     }
 }
 
-/* What is written is read as it was. */
 static void written(void)
 {
     fxs_file_view views[2], *again;
@@ -490,7 +488,7 @@ static void inria_faults(void)
     }
 }
 
-/* A rotation within 1e-3 comes back orthonormal. */
+/* A rotation within 1e-3 is made orthonormal. */
 static void inria_orthonormalised(void)
 {
     fxs_file_view *views;
@@ -525,7 +523,7 @@ static void transforms(void)
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
     for (int i = 0; i < 3; i++)
-        stretch[i] = 0.037;            /* one scale in all directions is no fault */
+        stretch[i] = 0.037;            /* one scale for all columns is accepted */
     put_transforms(top, "");
     check_camera("transforms.json", "b.jpg", 320, 240);
     stretch[1] = 0.04;
@@ -537,7 +535,7 @@ static void transforms(void)
     stretch[0] = stretch[1] = stretch[2] = 1;
 }
 
-/* An untouched camera of Blender looks along -z with y up. */
+/* A default camera of Blender looks along -z with y up. */
 static void blender(void)
 {
     static const double axes[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
@@ -555,7 +553,6 @@ static void blender(void)
     free(views);
 }
 
-/* The focal length comes from the tangent of half the angle. */
 static void angles(void)
 {
     fxs_file_view *views;
@@ -624,7 +621,7 @@ static void real_cameras(void)
         return;
     CHECK(!strcmp(views[0].name, "20240212_003919.jpg") && views[96].width == 1200 && views[96].height == 900);
     CHECK(fabs(views[0].rotation[6] - 0.18865072947177312) < 1e-12 && fabs(views[0].fy - 993.6739021830649) < 1e-12);
-    /* the plush stands near the origin, before every camera */
+    /* the plush lies near the origin, in front of every camera */
     for (int i = 0; i < 97; i++)
         CHECK(views[i].rotation[6] * -views[i].position[0] + views[i].rotation[7] * -views[i].position[1] +
               views[i].rotation[8] * -views[i].position[2] > 0);
@@ -641,7 +638,7 @@ static void without_cjson(void)
 
 #endif
 
-/* What is in a file cannot steer a terminal: not even from the first character on. */
+/* Messages must not pass on control characters from a file. */
 static void control_characters_in_messages(void)
 {
     static const struct {
@@ -661,7 +658,6 @@ static void control_characters_in_messages(void)
         CHECK(fxs_fail(&message, "%s", rows[i].text) == FXS_ERR_FILE && !strcmp(message.text, rows[i].safe));
 }
 
-/* Each number of a view goes to its place in the camera. */
 static void camera_from_view(void)
 {
     fxs_file_view view = {"", 640, 360, 501.25, 502.5, 303.75, 204.5, {0}, {7, -8.5, 9.25}, 0,
@@ -679,7 +675,7 @@ static void camera_from_view(void)
         CHECK(camera.position_q32[i] == (int64_t)(view.position[i] * 4294967296.0));
 }
 
-/* glFrustum's and glOrtho's matrices of left, right, bottom, top, near, far; far of infinity: 0. */
+/* Matrices of glFrustum and glOrtho for left, right, bottom, top, near, far; far 0 means infinity. */
 static void make_projection(double m[16], int flat, const double at[6])
 {
     const double wide = at[1] - at[0], high = at[3] - at[2], deep = at[5] - at[4], near = at[4], far = at[5];
@@ -694,7 +690,7 @@ static void make_projection(double m[16], int flat, const double at[6])
     m[15] = flat;
 }
 
-/* From the turned camera at `centre`: OpenGL's eye has y up and z back. */
+/* From the rotated camera at `centre`; OpenGL's eye has y up and z back. */
 static void make_view_matrix(double m[16])
 {
     memset(m, 0, 16 * sizeof *m);
@@ -713,7 +709,7 @@ static void apply(double out[4], const double m[16], const double v[4])
     }
 }
 
-/* Points fall where the matrices put them, by the camera's integers. */
+/* The camera must project points like the matrices. */
 static void check_matrices(int flat, const double at[6])
 {
     double view[16], projection[16], eye[4], clip[4];
@@ -743,7 +739,6 @@ static void check_matrices(int flat, const double at[6])
 
 static const double frustum[6] = {-0.1, 0.3, -0.05, 0.2, 0.25, 50};
 
-/* Expects a pair of matrices to be refused with these words. */
 static void refuses_matrices(const double view[16], const double projection[16], const char *words)
 {
     fxs_camera camera;
@@ -802,7 +797,7 @@ static void camera_from_matrices(void)
     CHECK(fxs_camera_from_matrices(&camera, view, projection, 640, FXS_MAX_SIZE + 1, &message) == FXS_ERR_SIZE);
 }
 
-/* The ray through a point of the picture stays at that point, in the new picture's measure. */
+/* Resizing keeps the ray through every point of the picture. */
 static void view_resized(void)
 {
     const fxs_file_view before = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 300.3, .cy = 250.7};
@@ -812,11 +807,11 @@ static void view_resized(void)
     fxs_view_resize(&view, 1280, 960);
     CHECK(view.fx == 1000 && view.fy == 1020 && fabs(view.cx - 600.6) < 1e-9 && fabs(view.cy - 501.4) < 1e-9);
     view = before;
-    fxs_view_resize(&view, 320, 480);                /* by the width: as many pixels of the height as lie there */
+    fxs_view_resize(&view, 320, 480);                /* scales by the width, about the centre of the height */
     CHECK(view.fy == 255 && fabs(view.cx - 150.15) < 1e-9 && fabs(view.cy - (240 + 10.7 / 2)) < 1e-9);
 }
 
-/* The middle of the box is in the middle of the picture, its corners are on the picture and in front. */
+/* The box is centred, its corners are in the picture and in front. */
 static void view_of_a_box(void)
 {
     const double low[3] = {1, 20, -300}, high[3] = {5, 24, -290}, up[3] = {0, -1, 0};
@@ -843,7 +838,7 @@ static void view_of_a_box(void)
     CHECK(fxs_view_frame_box(&view, far_low, far_high, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
 }
 
-/* Where the camera is, and which way it looks, how far along it zooms. */
+/* Position, viewing direction and log focal length along a path. */
 static void state_at(const fxs_file_view *keys, long count, double at, double state[7])
 {
     fxs_file_view view;
@@ -853,8 +848,7 @@ static void state_at(const fxs_file_view *keys, long count, double at, double st
     state[6] = log(view.fx);
 }
 
-/* At each key the velocity before it is that behind it, and in between no rotation is bent. */
-/* Turned by all quarters and between, so that each of the four numbers of the quaternion is the largest somewhere. */
+/* Rotations that make each component of the quaternion the largest somewhere. */
 static void start_views(void)
 {
     static const double ups[3][3] = {{0, -1, 0}, {0, 1, 0}, {1, 0.2, 0.3}}, middle[3] = {0, 0, 0};
@@ -877,7 +871,7 @@ static void start_views(void)
     }
     view.projection = FXS_ORTHOGRAPHIC;
     CHECK(fxs_view_to_start(scene, &view, &message) == FXS_ERR_CAMERA);
-    /* Numbers that no program writes: a tangent, a position, a quaternion. */
+    /* Invalid numbers: a tangent, a position, a quaternion. */
     for (int k = 0; k < 3; k++) {
         memcpy(bad, scene, sizeof bad);
         memset(bad + (k == 0 ? 148 : k == 1 ? 152 : 176), 0x7f, k == 0 ? 4 : k == 1 ? 8 : 12);
@@ -890,7 +884,7 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Directions all around, and near the edges where the two halves of the octahedron meet. */
+/* Directions all around, and near the edge between the halves of the octahedron. */
 static void up_of_a_scene(void)
 {
     unsigned char scene[sizeof(fxs_packed_header)] = {0}, again[sizeof scene];
@@ -921,7 +915,7 @@ static void up_of_a_scene(void)
     }
 }
 
-/* What no program writes, and what there is no direction in, says nothing; nor is a view out of range kept. */
+/* Invalid codes read as unknown; unusable directions and views out of range are not stored. */
 static void start_that_is_none(void)
 {
     static const uint32_t codes[] = {0x7fffffff, 0x80000000 | 0x4000 << 1, 0x80000000 | (uint32_t)0x4000 << 16};
@@ -956,7 +950,7 @@ static void start_that_is_none(void)
     }
 }
 
-/* A camera that looks at a place still does when both are turned, scaled and moved. */
+/* A camera that looks at a point still does after both are placed. */
 static void start_is_placed(void)
 {
     fxs_placement p;
@@ -979,8 +973,7 @@ static void start_is_placed(void)
     CHECK(start.tangent == 0 && start.position[0] == 0 && fabs(start.up[2] + 1) < 1e-12);
 }
 
-/* Cameras around something, rolled to either side, as hands hold them, one of them more level than the others; what is
-   up there is no axis. */
+/* Handheld cameras around a subject, rolled to either side, one level; up is no axis. */
 static void start_view_is_upright(void)
 {
     enum { COUNT = 12, LEVEL = 7 };
@@ -1000,7 +993,7 @@ static void start_view_is_upright(void)
     }
     CHECK(fxs_views_up(&photos->view, COUNT, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 1 - 1e-6 && fabs(along(found, found) - 1) < 1e-12);
-    /* From one side, all looking down: the mean leans, what is sideways does not. */
+    /* From one side, all looking down: the mean of the up vectors leans, the right vectors are level. */
     CHECK(fxs_views_up(&photos->view, COUNT / 2, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 0.9998);
     CHECK(!fxs_fit_start_view(photos, COUNT, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
@@ -1014,7 +1007,7 @@ static void start_view_is_upright(void)
     fxs_start_of(&start, scene);
     CHECK(along(start.up, up) > cos(0.02));
 
-    /* One upright, one on its head. */
+    /* One upright, one upside down. */
     photos[1] = photos[0];
     for (int k = 0; k < 6; k++)
         photos[1].view.rotation[k] = -photos[0].view.rotation[k];
@@ -1028,7 +1021,7 @@ static void start_view_is_upright(void)
     CHECK(fxs_fit_start_view(photos, 0, scene, &message) == FXS_ERR_ARGUMENT);
 }
 
-/* Views from the side to steep ones, of scenes that lie on any axis. */
+/* Views at various heights of scenes upright along any axis. */
 static void up_of_a_view(void)
 {
     static const double middle[3] = {0, 0, 0};
@@ -1045,7 +1038,7 @@ static void up_of_a_view(void)
         fxs_view_up(&view, found);
         CHECK(along(found, up) > 1 - 1e-12);
     }
-    /* Where no axis is level in it, what points up in the picture. */
+    /* Without a level axis: the picture's up. */
     const double eye[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
     double found[3];
     fxs_file_view view;
@@ -1055,6 +1048,7 @@ static void up_of_a_view(void)
         CHECK(found[k] == -view.rotation[3 + k]);
 }
 
+/* The velocity is continuous at each key, and every rotation in between is orthonormal. */
 static void way_is_smooth(void)
 {
     enum { KEYS = 6 };

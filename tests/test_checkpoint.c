@@ -1,4 +1,4 @@
-/* Fits that are saved, and go on from the file: the same end, whatever happens to the file in between. */
+/* A fit resumed from a saved file ends with the same result; damaged files are refused. */
 #include <math.h>
 
 #include "src/fit/coarse.h"
@@ -19,7 +19,7 @@ static float uniform(uint64_t index)
     return fxs_fit_uniform(fxs_fit_random(17, 4, index));
 }
 
-/* Spots of colour in a box, from three sides: coarse enough for Gaussians to be split and cloned. */
+/* Coloured spots in a box from three sides, coarse enough for splits and clones. */
 static void make_input(void)
 {
     fxs_fit_options_init(&options);
@@ -79,7 +79,7 @@ static void save(fxs_fit *fit, const char *name)
         printf("  %s\n", message.text);
 }
 
-/* A file's bytes, for free. */
+/* Reads a file; release with free. */
 static uint8_t *bytes_of(const char *name, size_t *size)
 {
     FILE *file = fopen(in_folder(name), "rb");
@@ -101,9 +101,9 @@ static int same_files(const char *a, const char *b)
     return same;
 }
 
-/* ---- What should be ---------------------------------------------------------------------------------------------- */
+/* ---- Resuming ---------------------------------------------------------------------------------------------------- */
 
-/* Batches of four of three photographs: each has the end of a round and the beginning of the next. */
+/* Batches of four from three photographs cross the end of a round. */
 static void goes_on_in_the_middle_of_a_round(void)
 {
     const fxs_fit_options mine = options;
@@ -130,7 +130,7 @@ static void goes_on_in_the_middle_of_a_round(void)
     options = mine;
 }
 
-/* Exposures and their moments are in the file, and the option is the file's. */
+/* The file stores exposures, their moments and the option. */
 static void goes_on_with_exposure(enum fxs_fit_exposure exposure, const char *half)
 {
     const fxs_fit_options mine = options;
@@ -169,8 +169,8 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
-/* They begin with what is known of all photographs: log2 over 2.2, less the mean; else at 0. The bits are the same by
-   every compiler and processor. */
+/* If all photographs state one, exposures start at log2(exposure) / 2.2 minus the mean; otherwise at 0. The bits are
+   equal for all compilers and processors. */
 static void begins_with_known_exposures(void)
 {
     static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};
@@ -192,7 +192,7 @@ static void begins_with_known_exposures(void)
         }
         fxs_fit_free(fit);
     }
-    for (int kind = 0; kind < 3; kind++) {         /* numbers that no photograph has */
+    for (int kind = 0; kind < 3; kind++) {         /* impossible numbers */
         static const double odd[3] = {1e300, -1, 1e-300};
         photos[1].exposure = kind == 1 ? NAN : odd[kind];
         options.exposure = FXS_FIT_EXPOSURE_GAIN;
@@ -200,7 +200,7 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_free(fit);
     }
-    for (int i = 0; i < PHOTOS; i++)               /* affine: factors, over their mean */
+    for (int i = 0; i < PHOTOS; i++)               /* affine: factors divided by their mean */
         photos[i].exposure = 0.01 * (1 + i);
     options.exposure = FXS_FIT_EXPOSURE_AFFINE;
     fxs_fit *fit = begin();
@@ -221,7 +221,7 @@ static void begins_with_known_exposures(void)
     save(fit, "extreme-exposures");
     fxs_fit_free(fit);
     for (int i = 0; i < PHOTOS; i++)
-        photos[i].exposure = 0;                    /* which the file has */
+        photos[i].exposure = 0;                    /* the file's values count */
     if (CHECK(resume(&fit, "extreme-exposures") == 0)) {
         CHECK(fit->gains.of[0].at[0] > 5 && fit->gains.of[1].at[0] < -10);
         fxs_fit_free(fit);
@@ -229,7 +229,7 @@ static void begins_with_known_exposures(void)
     options = mine;
 }
 
-/* The same masks, or none, as one that ignores nothing is. */
+/* Resuming needs the same masks; a mask that ignores nothing equals none. */
 static void goes_on_with_masks(void)
 {
     static uint8_t masks[PHOTOS][WIDTH * HEIGHT], all[WIDTH * HEIGHT];
@@ -268,8 +268,7 @@ static void goes_on_with_masks(void)
         photos[i].mask = NULL;
 }
 
-/* A block, of two of the photographs in another order, has the exposures or poses that its coarse fit found, and keeps
-   them; and is antialiased where that is. */
+/* A block of two photographs, in another order, keeps its coarse fit's exposures, poses and antialiasing. */
 static void a_block_keeps(const char *name, uint32_t steps)
 {
     const fxs_fit_options mine = options;
@@ -307,7 +306,7 @@ static void a_block_keeps(const char *name, uint32_t steps)
     fxs_fit_free(whole);
 }
 
-/* Poses likewise, from before the first step that moves them and from after it, with exposures and without. */
+/* Poses, saved before and after the first step that moves them, with exposures and without. */
 static void goes_on_with_poses(void)
 {
     const fxs_fit_options mine = options;
@@ -352,7 +351,7 @@ static void goes_on_with_poses(void)
     options = mine;
 }
 
-/* Stopped between two steps that bound scales; a block goes on with it, and a fit without it is another. */
+/* Saved between two steps that bound scales. The file stores the option, which changes the result. */
 static void goes_on_antialiased(void)
 {
     const fxs_fit_options mine = options;
@@ -384,7 +383,7 @@ static void goes_on_antialiased(void)
     options = mine;
 }
 
-/* A sky: how sizes are measured is in the file, and a block has that of its coarse fit. */
+/* The file stores how sizes are measured; a block takes it from its coarse fit. */
 static void goes_on_with_a_sky(void)
 {
     const fxs_fit_options mine = options;
@@ -423,7 +422,7 @@ static void a_block_keeps_exposures_and_poses(void)
     a_block_keeps("half-poses", 526);
 }
 
-/* Past a densification, in the middle of a round of the photographs. */
+/* Saved after a densification, within a round. */
 static void goes_on_as_if_never_stopped(void)
 {
     fxs_fit *whole = begin(), *first = begin(), *second;
@@ -453,7 +452,7 @@ static void goes_on_as_if_never_stopped(void)
     fxs_fit_free(whole);
 }
 
-/* Saved while it passes through the packed profile; with a number out of its range there, it is refused. */
+/* Saved while scales pass through the packed profile, where a number out of range is refused. */
 static void goes_on_in_the_last_tenth(void)
 {
     const fxs_fit_options mine = options;
@@ -470,7 +469,7 @@ static void goes_on_in_the_last_tenth(void)
         CHECK(same_files("end", "resumed"));
         fxs_fit_free(again);
     }
-    options.steps = 2 * STEPS;                   /* it is no longer in its last tenth */
+    options.steps = 2 * STEPS;                   /* no longer in the last tenth */
     if (CHECK(resume(&again, "late") == 0)) {
         go_on(again, LATE + 2);
         fxs_fit_free(again);
@@ -527,9 +526,8 @@ static void names_of_photographs_do_not_matter(void)
         fxs_fit_free(fit);
 }
 
-/* ---- What should not --------------------------------------------------------------------------------------------- */
+/* ---- Faults ------------------------------------------------------------------------------------------------------ */
 
-/* The file that was put there is refused for this reason. */
 static int refused(const char *name, int error, const char *why)
 {
     fxs_fit *fit = (fxs_fit *)&fit;
@@ -573,7 +571,7 @@ static uint32_t get_u32(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Makes the checksum right again. */
+/* Corrects the checksum. */
 static void seal(uint8_t *bytes, size_t size)
 {
     uint64_t sum = 0;
@@ -583,11 +581,11 @@ static void seal(uint8_t *bytes, size_t size)
     put_u32(bytes + size - 4, (uint32_t)(sum >> 32));
 }
 
-/* Words of the file, from its beginning on. */
+/* Offsets in words. */
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* Writes it with this word, and a checksum that is right. A place below 0 is from the end on. */
+/* Changes a word and corrects the checksum. A negative offset counts from the end. */
 static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
@@ -647,7 +645,7 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(0, 1, "not a saved fit"));
 }
 
-/* Of the exposures, which are before the end mark and the checksum. */
+/* Exposures lie before the end mark and the checksum. */
 static void faulty_exposures_are_refused(void)
 {
     enum { WORDS = sizeof(fxs_fit_gain) / 4, END = -3, AT = END - WORDS * PHOTOS };
@@ -659,17 +657,17 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 14);          /* the version of a fit with exposures: it has none */
+    change("half", 1, 14);          /* the version with exposures, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* of an antialiased one, whose cameras are others */
+    change("half", 1, 19);          /* the version with antialiasing hashes cameras differently */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
+    for (int i = 0; i < 6 * 4; i++) {    /* moments: means any, squares from 0, others 0 to 1 */
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);
@@ -686,13 +684,13 @@ static void faulty_exposures_are_refused(void)
     }
 }
 
-/* Of the poses, likewise: turns and shifts, moments, and the depth. */
+/* Rotations, shifts, moments and depths of poses. */
 static void faulty_poses_are_refused(void)
 {
     enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
     static const struct {
         int word;
-        uint32_t beyond, most;     /* refused, and taken */
+        uint32_t beyond, most;     /* refused; accepted */
     } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
                    {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
                    {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0},
@@ -711,11 +709,11 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 16);          /* the version of a fit with poses: it has none */
+    change("half", 1, 16);          /* the version with poses, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
-/* Of the sky: the number of directions, which is behind the options, and the middle and the inverse behind the extent. */
+/* The count of directions follows the options; centre and inverse radius follow the extent. */
 static void faulty_skies_are_refused(void)
 {
     enum { SKY = PRINT, FAR = EXTENT + 2 };
@@ -737,7 +735,7 @@ static void faulty_skies_are_refused(void)
         go_on(fit, 24);
         fxs_fit_free(fit);
     }
-    change("half", 1, 25);          /* the version of a fit with a sky: it has none */
+    change("half", 1, 25);          /* the version with a sky, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -746,7 +744,7 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x51;              /* no version that there is becomes another that there is */
+        bytes[i] ^= 0x51;              /* no version becomes another valid one */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))
@@ -775,7 +773,7 @@ static int is_finite(const fxs_fit *fit)
     return 1;
 }
 
-/* Whatever finite numbers are in it, parameters in their range: it goes on, and no scene has a NaN. */
+/* With any finite numbers, and parameters in range, a fit resumes and its scene has no NaN. */
 static void any_finite_numbers_are_lived_with(void)
 {
     size_t size;
@@ -823,7 +821,7 @@ static void what_is_no_file_is_refused(void)
     CHECK(refused("empty", FXS_ERR_FILE, "not a saved fit"));
 }
 
-/* It would not be taken again. */
+/* A fit that could not be resumed is not saved. */
 static void what_is_not_finite_is_not_saved(void)
 {
     fxs_fit *fit;
@@ -840,7 +838,7 @@ static void what_is_not_finite_is_not_saved(void)
     CHECK(before == after && same_files("half", "kept"));
 }
 
-/* Where there is no room, the last one stays whole. */
+/* On a full disk the previous file stays intact. */
 static void a_full_disk_is_told(void)
 {
     fxs_fit *fit;

@@ -1,4 +1,4 @@
-/* Reads of PlayCanvas's compressed .ply files made here, of faulty ones, and of a real scene. */
+/* Reads PlayCanvas's compressed .ply: synthetic files, faults, a real scene. */
 #include "scene_bytes.h"
 
 enum { MANY = 300, FEW = 3, BOUNDS = 18 };
@@ -162,7 +162,7 @@ static void faulty_headers(void)
     }
 }
 
-/* A count that the file cannot hold is refused before anyone allocates for it. */
+/* A count beyond the file's size is refused before any allocation. */
 static void absurd_count(void)
 {
     make_file(MANY, 1, 0);

@@ -1,6 +1,5 @@
-/* The compute back end against the processor: each stage of random chunks, whole frames of random objects into every
- * target, real scenes, long lists, small buffers; what it says and returns where the device fails, by functions put in
- * place of the real ones. */
+/* The compute back end against the processor: stages on random chunks, frames of random objects with every target, real
+ * scenes, long lists, small buffers; and device failures, by fake OpenGL functions. */
 #include <string.h>
 
 #include <fixsplat/camera.h>
@@ -31,10 +30,10 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;                /* not 0: of a part of a scene, at most */
+static uint64_t part_bytes;                /* limit for a part of a scene; 0: none */
 static fxs_message why;
 
-/* ---- Functions put in place of others ---------------------------------------------------------------------------- */
+/* ---- Fake functions ---------------------------------------------------------------------------------------------- */
 
 static struct fake {
     const char *name;
@@ -49,7 +48,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* Makes a back end of its own with a fake function. Returns the error; *out is null then. */
+/* Creates a back end with a fake function; *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -73,7 +72,6 @@ static void close_compute(fxs_compute *c)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* By the processor, in plain C. */
 static int render_there(const fxs_request *request, fxs_stats *stats)
 {
     fxs_context context;
@@ -85,7 +83,7 @@ static int render_there(const fxs_request *request, fxs_stats *stats)
     return error;
 }
 
-/* The scenes of a request on the device, one for each object, as their numbers do not matter here. */
+/* Renders on the device, with a copy of the scene for each object. */
 static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stats)
 {
     fxs_compute_scene copies[OBJECTS] = {{.key = 0}};
@@ -107,7 +105,6 @@ static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stat
     return error;
 }
 
-/* Says where the first bytes are that differ, and how many do. */
 static int is_equal(const picture *a, const picture *b)
 {
     size_t first = a->bytes, differing = 0;
@@ -122,7 +119,6 @@ static int is_equal(const picture *a, const picture *b)
     return !differing;
 }
 
-/* Both pictures have the same bytes, and the frames the same counts. */
 static int is_same(fxs_request *request, picture *a, picture *b)
 {
     fxs_stats of_a, of_b;
@@ -140,7 +136,7 @@ static int is_same(fxs_request *request, picture *a, picture *b)
 
 /* ---- Random objects ---------------------------------------------------------------------------------------------- */
 
-/* Any value that a chunk may have. */
+/* Any values that are valid in a chunk. */
 static void fill_wild(const packed_scene *s)
 {
     for (uint32_t c = 0; c < s->header->chunk_count; c++) {
@@ -207,7 +203,7 @@ static void random_window(fxs_camera *camera)
     }
 }
 
-/* Leaves out some of the targets, and asks for an occluder or a backdrop. */
+/* Drops random targets, and adds an occluder or a backdrop. */
 static void random_targets(picture *a, picture *b, uint32_t *read)
 {
     const unsigned without = (unsigned)next();
@@ -301,7 +297,7 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
     return words;
 }
 
-/* The splats and depths of the chunk that is the n-th of those that can be seen. Returns how many there are. */
+/* Compares splats and depths of the n-th visible chunk. Returns its visible splats. */
 static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
                               const fxs_splat *splats, const uint32_t *depths)
 {
@@ -323,7 +319,7 @@ static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint
     return (uint32_t)count;
 }
 
-/* Every list is near to far, by the depths of its slots. */
+/* Every list is sorted from near to far by its slots' depths. */
 static int check_lists(const uint32_t *depths)
 {
     const fxs_compute_frame *f = &device->plan.frame;
@@ -380,7 +376,7 @@ static int compare_stages(const fxs_scene *scene)
     return same;
 }
 
-/* project, shade and sort. That no other chunk can be seen, the counts of whole frames say. */
+/* project, shade and sort. Whole frames check the number of visible chunks. */
 static void stages(void)
 {
     state = 20263;
@@ -417,7 +413,7 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     request.options.budget = budget;
     if (!look_at(request.cameras, width, height, distance))
         return;
-    for (int traced = 0; traced < 2; traced++) {       /* by trace_tiles, or by blend_tiles */
+    for (int traced = 0; traced < 2; traced++) {       /* 1: trace_tiles, 0: blend_tiles */
         picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
         if (!traced) {
             const fxs_image none = {0, 0};
@@ -431,7 +427,7 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     }
 }
 
-/* Lists of all lengths, up to that of the scene on the only tile of a picture. */
+/* Lists of all lengths, up to the whole scene in a picture of one tile. */
 static void sizes(void)
 {
     part p;
@@ -443,7 +439,7 @@ static void sizes(void)
     part_free(&p);
 }
 
-/* Every Gaussian in every tile, so that far more entries are needed than were guessed. */
+/* Every Gaussian touches every tile, so the guessed entry capacity overflows. */
 static void veils(void)
 {
     state = 20264;
@@ -460,7 +456,8 @@ static void veils(void)
 
 static void captured_scenes(void)
 {
-    static const char *const names[] = {"snowmiku/snowmiku.ply", "skull/skull.sog", "kitchen-marble/kitchen-marble.spz"};
+    static const char *const names[] = {"snowmiku/snowmiku.ply", "skull/skull.sog",
+                                        "kitchen-marble/kitchen-marble.spz"};
     int there = 0;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         part p;
@@ -475,7 +472,7 @@ static void captured_scenes(void)
         SKIP("the captured scenes are not here");
 }
 
-/* A scene with a tree, whole and by budgets, in parts of few chunks. */
+/* A scene with a tree, whole and with budgets, uploaded in small parts. */
 static void parts_and_levels(void)
 {
     for (int profile = 0; profile < 3; profile++) {
@@ -494,7 +491,7 @@ static void parts_and_levels(void)
     }
 }
 
-/* ---- What fails -------------------------------------------------------------------------------------------------- */
+/* ---- Failures ---------------------------------------------------------------------------------------------------- */
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLenum limited;
@@ -549,7 +546,7 @@ static void init_fails(void)
     fakes[1] = (struct fake){0, 0};
 }
 
-static GLenum failing;                     /* what glGetError says, until `failures` are over */
+static GLenum failing;                     /* error of glGetError for the next `failures` calls */
 static int failures;
 
 static GLenum GL_APIENTRY fake_GetError(void)
@@ -569,7 +566,7 @@ static void *GL_APIENTRY no_map(GLenum target, GLintptr at, GLsizeiptr bytes, GL
     return 0;
 }
 
-/* An error of the device ends a frame; the next one is right. */
+/* A device error ends the frame; the next frame is right. */
 static void frames_fail(void)
 {
     part p;
@@ -592,7 +589,7 @@ static void frames_fail(void)
             void *memory = malloc(fxs_compute_memory(&request));
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
             failing = i ? CONTEXT_LOST : GL_OUT_OF_MEMORY;
-            failures = i ? 1000 : 20;              /* what was there before is not the frame's */
+            failures = i ? 1000 : 20;              /* errors from before a frame are not its own */
             if (i < 2)
                 c->gl.GetError = fake_GetError;
             else if (i == 2)
@@ -615,7 +612,7 @@ static void frames_fail(void)
     part_free(&p);
 }
 
-/* ---- What is lost at any call ------------------------------------------------------------------------------------ */
+/* ---- Loss of the context at any call ----------------------------------------------------------------------------- */
 
 static fxs_gl_function load_losing(void *argument, const char *name)
 {
@@ -631,7 +628,7 @@ static int open_losing(fxs_compute **out)
     return error;
 }
 
-/* How many calls there are where none fails: of LONG_MAX, those that are left. */
+/* Returns the calls of a run without losses, counted down from LONG_MAX. */
 static long calls_made(void)
 {
     const long calls = LONG_MAX - calls_left;
@@ -664,8 +661,8 @@ static void init_loses(void)
     close_compute(c);
 }
 
-/* Each call of a scene's way to the device, and of a frame into every target: an error, or the whole picture; nothing
-   of a picture after an error; and then the bytes of the processor. */
+/* A loss at any call of an upload or a frame gives an error or a picture. The picture is whole or untouched, and the
+   next frame is right. */
 static void frames_lose(void)
 {
     part p;
@@ -704,7 +701,7 @@ static void frames_lose(void)
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
         }
         for (long n = 0; n < of_frame && !check_faults; n++) {
-            for (int again = 0; again < 2; again++) {      /* with the buffers there, and without them */
+            for (int again = 0; again < 2; again++) {      /* with the buffers allocated, then without */
                 picture_clear(&b);
                 lose_after(n, losses[k]);
                 const int error = fxs_compute_render(c, &request, copies, memory, 0, &why);
@@ -737,7 +734,7 @@ static int yes(void *argument)
     return 1;
 }
 
-/* What a frame or a scene is not given room for, stopped frames, damaged scenes, wrong arguments. */
+/* Memory limits, stopped frames, damaged scenes, invalid arguments. */
 static void refusals(void)
 {
     part p;
@@ -751,7 +748,7 @@ static void refusals(void)
     fxs_request_init(&request, &object, 1);
     look_at(request.cameras, 100, 80, 12.8);
     request.targets[0] = a.targets;
-    c->rooms.most = 30000;                  /* as no device has it: the frame's first buffers do not fit */
+    c->rooms.most = 30000;                  /* too little for the frame's first buffers */
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
     c->rooms.most = most;
@@ -762,7 +759,7 @@ static void refusals(void)
     fxs_compute_limit(c, 1000);
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
     fxs_compute_limit(c, 0);
-    part_bytes = 1000;                     /* one chunk takes more */
+    part_bytes = 1000;                     /* less than a chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
     request.options.stop = yes;

@@ -1,4 +1,4 @@
-/* The checksum of .fxs files: known values, every length against bit by bit, in pieces. */
+/* CRC-32 of .fxs files: known values; every length against a bitwise version, in pieces. */
 #include "src/base/crc32.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* The cut through the trees of a frame's objects: within the budget, finer everywhere with a larger one, complete, and
- * the same bytes by any kernels, threads and memory; damaged trees. */
+/* The cut through the trees of a frame: complete, within the budget, nowhere coarser with a larger budget, equal for
+ * all kernels, threads and memory sizes; damaged trees. */
 #include <string.h>
 #include <unistd.h>
 
@@ -15,12 +15,12 @@
 
 enum { WIDTH = TREE_WIDTH, HEIGHT = TREE_HEIGHT, PIXELS = WIDTH * HEIGHT * 4, COUNT = TREE_COUNT };
 
-static fxs_packed_scene packed[3];          /* of each profile */
+static fxs_packed_scene packed[3];
 static fxs_scene scenes[3];
 
-/* ---- What is drawn ----------------------------------------------------------------------------------------------- */
+/* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
-/* Of each leaf, the sum of the shares of the chunks from it to the root. */
+/* Sums the shares from each leaf to the root. */
 static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, uint32_t whole, uint8_t *to)
 {
     whole += drawn[chunk] > 0 ? (uint32_t)drawn[chunk] : 0;
@@ -35,12 +35,12 @@ static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, u
         walk(scene, node.children[i], drawn, whole, to);
 }
 
-/* The cut of one scene: of each chunk its share, -1 where it is not drawn. Returns how many are drawn. */
+/* Cuts one scene; sets each chunk's share, -1 if it is not drawn. Returns the chunks drawn. */
 static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budget, uint32_t detail_q8, int32_t *shares)
 {
     unsigned char pixels[4];
     fxs_scene compensated = *scene;
-    compensated.antialiased = 1;             /* so that shares do not grow with the distance */
+    compensated.antialiased = 1;             /* shares do not grow with distance */
     const fxs_object object = one_object(&compensated);
     fxs_request request = request_of(&object, 1, camera, budget, pixels);
     fxs_context context;
@@ -73,7 +73,7 @@ static int is_seen(const fxs_scene *scene, fxs_camera camera, uint32_t chunk)
 static int32_t shares[2][2 * COUNT / FXS_CHUNK + 16];
 static uint8_t marks[2][COUNT];
 
-/* All leaves that are seen are covered, by one chunk or shares of several. */
+/* Every visible leaf is covered, by one chunk or by shares of several. */
 static void test_covered(void)
 {
     const fxs_scene *scene = &scenes[0];
@@ -87,8 +87,7 @@ static void test_covered(void)
     }
 }
 
-/* The largest depth at which something is drawn for a leaf, 255 where nothing is, as it is not seen: never less with a
-   larger budget. */
+/* Sets the largest depth drawn for each leaf, 255 if none. With a larger budget it never falls. */
 static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, uint8_t deepest, const int32_t *drawn,
                         uint8_t *to)
 {
@@ -122,7 +121,6 @@ static void test_monotonic(void)
     check_monotonic(&scenes[2], camera_at(0.2, -0.5, -1.5));
 }
 
-/* How many of the chunks that a frame draws of a scene grow. */
 static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t budget)
 {
     unsigned char pixels[4];
@@ -145,7 +143,7 @@ static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t 
     return grown;
 }
 
-/* From afar nodes grow, more of them than from near; leaves never do. */
+/* More nodes grow at larger distances; leaves never do. */
 static void test_growth(void)
 {
     uint32_t before = 0;
@@ -159,7 +157,7 @@ static void test_growth(void)
     CHECK(before > 0);
 }
 
-/* 1 - (1 - opacity)^share: with 256 the opacity as it is; the more, the smaller the offset. */
+/* 1 - (1 - opacity)^share: share 256 (1.0) keeps the opacity, larger shares lower the offset. */
 static void test_shares(void)
 {
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
@@ -183,7 +181,7 @@ static void test_detail(void)
     for (uint32_t detail_q8 = 8; detail_q8 < 256 << 8; detail_q8 *= 2) {
         const uint32_t drawn = cut_of(scene, camera, 0, detail_q8, shares[0]);
         const uint32_t both = cut_of(scene, camera, 20 * FXS_CHUNK, detail_q8, shares[1]);
-        CHECK(drawn <= before + before / 4 && both <= 20);       /* what fades is drawn twice */
+        CHECK(drawn <= before + before / 4 && both <= 20);       /* fading chunks are drawn twice */
         before = drawn;
     }
     CHECK(before < scene->chunk_count / 8);
@@ -227,7 +225,7 @@ static double mean_error(const unsigned char *a, const unsigned char *b)
     return sum / PIXELS;
 }
 
-/* In all profiles; the larger the budget, the nearer to the picture of the leaves. */
+/* For all profiles; larger budgets approach the picture of the leaves. */
 static void test_same_bytes(void)
 {
     static unsigned char whole[PIXELS];
@@ -256,8 +254,7 @@ static void test_same_bytes(void)
     }
 }
 
-/* The colours of the levels: the same by all kernels, threads and memory; grey where all leaves are drawn, and not
-   where nodes are. */
+/* Level colours: equal for all kernels, threads and memory sizes; grey if only leaves are drawn. */
 static void test_level_colours(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -276,7 +273,7 @@ static void test_level_colours(void)
     }
 }
 
-/* A window has the pixels of its part of the whole. */
+/* A crop has the whole picture's pixels. */
 static void test_window(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -298,7 +295,7 @@ static void test_window(void)
         CHECK(!memcmp(pictures[1] + row * 4 * 96, pictures[0] + ((row + 64) * WIDTH + 112) * 4, 4 * 96));
 }
 
-/* Objects share a budget: the one that is far gets less; one without a tree is drawn whole. */
+/* A shared budget favours near objects; an object without a tree is drawn whole. */
 static void test_objects(void)
 {
     fxs_object objects[3] = {one_object(&scenes[0]), one_object(&scenes[1]), one_object(&scenes[0])};
@@ -319,7 +316,7 @@ static void test_objects(void)
     CHECK(draw(&context, &request, 0).drawn <= (plain.chunk_count + 1) * FXS_CHUNK);
 }
 
-/* Eyes have the bytes of two frames, each with a cut of its own. */
+/* Two eyes equal two frames, each with its own cut. */
 static void test_eyes(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -340,16 +337,16 @@ static void test_eyes(void)
     }
 }
 
-/* ---- In part ----------------------------------------------------------------------------------------------------- */
+/* ---- Scenes partly in memory ------------------------------------------------------------------------------------- */
 
-/* A scene of which a pool holds some chunks' rows. */
+/* A scene with some chunks' rows in a pool. */
 typedef struct partial {
     fxs_scene scene;
     const fxs_scene *whole;
     uint32_t *places;
     unsigned char *rows;
-    uint32_t held, room, wanted, known;      /* chunks: in the pool, that fit, missing, there */
-    uint32_t asked[64];                      /* the first that were missing */
+    uint32_t held, room, wanted, known;      /* chunks in the pool, its capacity, chunks missing, chunks found */
+    uint32_t asked[64];                      /* the first missing chunks */
 } partial;
 
 static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
@@ -381,8 +378,8 @@ static void fetch(partial *p, uint32_t chunk)
     p->places[chunk] = p->held++;
 }
 
-/* Frame after frame what is missing is fetched, a few chunks at a time: the picture comes nearer, and ends as that of
-   the scene that is there as a whole. */
+/* A few missing chunks are fetched after each frame. The picture approaches the whole scene's, and finally equals
+   it. */
 static void test_in_part(void)
 {
     static unsigned char wanted[PIXELS];
@@ -391,7 +388,7 @@ static void test_in_part(void)
     fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
     fxs_init(&context, 0);
     const fxs_stats all = draw(&context, &request, 0);
-    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* with those above them */
+    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* room for ancestors too */
     const fxs_object object = one_object(&p.scene);
     double first = 0, last = 0;
     int frames = 0;
@@ -423,7 +420,7 @@ static void test_in_part(void)
 
 /* ---- Damage ------------------------------------------------------------------------------------------------------ */
 
-/* Frames of trees whose nodes were changed: an error or a picture, and nothing beyond the memory. */
+/* Changed nodes give an error or a picture, and no access beyond the memory. */
 static void test_damage(void)
 {
     const size_t bytes = packed[2].bytes;
@@ -439,7 +436,7 @@ static void test_damage(void)
         for (int i = 0; i < 1 + round % 40; i++) {
             random = random * 1664525 + 1013904223;
             size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
-            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* gain and size alone */
+            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* gain and size only */
             random = random * 1664525 + 1013904223;
             data[at] = round % 3 && round % 4 ? (unsigned char)(random >> 24)
                                               : data[at] ^ (unsigned char)(1u << (random >> 29) >> (round % 4 ? 0 : 2));

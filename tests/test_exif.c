@@ -1,4 +1,4 @@
-/* Photographs as cameras and phones write them: EXIF, the turns that it names, what lies in it, HEIF, WebP. */
+/* Photographs from cameras and phones: EXIF, orientations, damaged EXIF, HEIF, WebP. */
 #include "photo_folder.h"
 #include "heif_bytes.h"
 #include "jpeg_bytes.h"
@@ -9,7 +9,7 @@ static uint8_t *rgba;
 static int width, height;
 static fxs_exif exif;
 
-/* ---- EXIF that is made here -------------------------------------------------------------------------------------- */
+/* ---- Synthetic EXIF ---------------------------------------------------------------------------------------------- */
 
 enum { SHORT = 3, LONG = 4, RATIONAL = 5, SEGMENT = 400 };
 
@@ -25,7 +25,7 @@ static void add(maker *m, uint32_t value, size_t bytes)
         m->bytes[m->size++] = (uint8_t)(value >> 8 * (m->is_big ? bytes - 1 - i : i));
 }
 
-/* An entry whose value is in it. */
+/* An entry with an inline value. */
 static void add_entry(maker *m, uint32_t tag, uint32_t type, uint32_t value)
 {
     add(m, tag, 2);
@@ -43,7 +43,7 @@ typedef struct facts {
 
 static const facts ordinary = {0, 6, SHORT, {1, 60}, {28, 10}, 400, {425, 100}};
 
-/* Two entries, then four of EXIF, then their three rationals. */
+/* Two entries, then four entries of EXIF, then their three rationals. */
 static void make_exif(maker *m, const facts *f)
 {
     const uint32_t *const rationals[] = {f->seconds, f->aperture, f->focal};
@@ -67,7 +67,7 @@ static void make_exif(maker *m, const facts *f)
         add(m, rationals[i / 2][i % 2], 4);
 }
 
-/* A .jpg with this segment behind its first marker. */
+/* Writes a .jpg with this segment after its first marker. */
 static void put_jpg(const char *name, const uint8_t *jpg, size_t size, const uint8_t *segment, size_t bytes)
 {
     static uint8_t whole[1 << 17];
@@ -94,7 +94,7 @@ static int read_file(const char *name)
     return fxs_photograph_read(in_folder(name), &rgba, &width, &height, &exif, &message);
 }
 
-/* ---- What EXIF says ---------------------------------------------------------------------------------------------- */
+/* ---- EXIF -------------------------------------------------------------------------------------------------------- */
 
 #if defined(FXS_WITH_JPEG) && defined(FXS_WITH_EXIF)
 static void exposures(void)
@@ -120,7 +120,7 @@ static void exposures(void)
     CHECK(!read_file("a.jpg") && exif.exposure == 0 && exif.orientation == 1 && !*exif.lens);
 }
 
-/* Cut short at every length, with every byte changed, and full of noise: the picture is as it was. */
+/* Truncated, changed or random EXIF leaves the picture intact. */
 static void lies(void)
 {
     static uint8_t noise[65533], plain[4 * JPEG_WIDTH * JPEG_HEIGHT];
@@ -154,9 +154,8 @@ static void lies(void)
     }
 }
 
-/* ---- Turns ------------------------------------------------------------------------------------------------------- */
+/* ---- Orientations ------------------------------------------------------------------------------------------------ */
 
-/* The photograph one/images/a.jpg, of a camera of this size. */
 static int read_with(int camera_width, int camera_height)
 {
     const fxs_photos_options options = {0};
@@ -165,8 +164,8 @@ static int read_with(int camera_width, int camera_height)
     return read_photos("one", &options);
 }
 
-/* Where a pixel of what is stored is shown, by the standard: the first row is the top, the bottom, the left or the
-   right side, the first column as well. */
+/* Where a stored pixel appears by the standard: the first row is the top, bottom, left or right, likewise the first
+   column. */
 static void shown_at(int orientation, int x, int y, int w, int h, int at[2])
 {
     static const struct {
@@ -191,8 +190,8 @@ static void check_turned(int orientation)
         }
 }
 
-/* A camera of the size that is stored takes what is stored; one of the turned size what is turned, where EXIF says so,
-   and is refused else. */
+/* A camera of the stored size gets the stored pixels. One of the turned size gets turned pixels if EXIF says so, and is
+   refused otherwise. */
 static void turns(void)
 {
     facts f = ordinary;
@@ -222,12 +221,12 @@ static void turns(void)
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(2 * JPEG_HEIGHT, 2 * JPEG_WIDTH) && photos.fit[0].view.width == JPEG_HEIGHT);
     CHECK(read_with(JPEG_WIDTH, JPEG_WIDTH) == FXS_ERR_FILE);
-    f.type = LONG;                 /* not what the standard has, but what it says is plain */
+    f.type = LONG;                 /* not the standard's type, but unambiguous */
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(JPEG_HEIGHT, JPEG_WIDTH));
 }
 
-/* A square photograph is never turned. */
+/* Square photographs are not turned. */
 static void square(void)
 {
     enum { SIDE = 16 };
@@ -268,7 +267,7 @@ static int heif_is_here(void)
     return read_file("a.heic") != FXS_ERR_UNSUPPORTED;
 }
 
-/* With the bytes at an offset from each such name changed. */
+/* Writes the photograph with bytes changed at an offset from each `name`. */
 static void put_changed_heif(const char *name, size_t offset, const void *bytes, size_t size)
 {
     static uint8_t changed[sizeof turned_heif];
@@ -279,7 +278,7 @@ static void put_changed_heif(const char *name, size_t offset, const void *bytes,
     put_file("a.heic", changed, sizeof changed);
 }
 
-/* What is shown at x, y is stored at y, 19 - x. */
+/* The pixel shown at x, y is stored at y, 19 - x. */
 static void heif(void)
 {
     if (!CHECK(!read_file("a.heic") && width == HEIF_WIDTH && height == HEIF_HEIGHT))
@@ -301,11 +300,11 @@ static void heif(void)
     CHECK(!fxs_image_file_read(in_folder("a.heic"), &rgba, &width, &height, &message));
 }
 
-/* Colours as H.273 has them, in doubles, from the picture with BT.601 in all levels, which is undone first. */
+/* Colours by H.273, in doubles, from the picture in BT.601 full range, which is undone first. */
 static void heif_colours(void)
 {
     static const struct {
-        uint8_t stated[7];         /* primaries, transfer, matrix, levels */
+        uint8_t stated[7];         /* primaries, transfer, matrix, range */
         double red, blue;
     } kinds[] = {{{0, 1, 0, 13, 0, 1, 0x80}, 0.2126, 0.0722}, {{0, 1, 0, 13, 0, 9, 0x80}, 0.2627, 0.0593},
                  {{0, 1, 0, 13, 0, 1, 0}, 0.2126, 0.0722},    {{0, 1, 0, 13, 0, 5, 0}, 0.299, 0.114}};
@@ -335,7 +334,7 @@ static void heif_colours(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "colours that are not known"));
 }
 
-/* Cut short at every length, of sizes that lie, with every byte changed: refused by a line, or read. */
+/* Truncated files, false sizes and changed bytes: refused with a one-line message, or read. */
 static void bad_heif(void)
 {
     for (size_t size = 12; size < sizeof turned_heif; size++) {
@@ -349,14 +348,14 @@ static void bad_heif(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE || (width <= 64 && height <= 64));
     put_changed_heif("ispe", 8, "\0\0\0\0\0\0\0\0", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE);
-    /* the stream's own size, behind the codes of its number and chroma: 32766 x 32766, 8190 x 1022, 2046 x 1022 */
+    /* the stream's own size, after its number and chroma: 32766 x 32766, 8190 x 1022, 2046 x 1022 */
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\x3f\xff\x80\x01\xff\xfc", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\xff\xf8\x03\xff\x00", 7);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x03\xff\x80\x3f\xf0", 6);
     CHECK(!read_file("a.heic") || !strstr(message.text, "a stream of more pixels"));
-    /* a picture that is a tile of itself, or its own alpha, at which libheif 1.15 comes to the end of the stack */
+    /* A picture that is its own tile or alpha; libheif 1.15 overflows the stack. */
     put_changed_heif("dimg", 8, "\0\2", 2);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "in circles"));
     put_changed_heif("dimg", 0, "auxl\0\1\0\1\0\1", 10);
@@ -371,7 +370,7 @@ static void bad_heif(void)
     }
 }
 
-/* The photograph, and behind it this again and again, then zeros. */
+/* The photograph, then these bytes `times` times, then zeros. */
 static void put_chained_heif(const void *bytes, size_t size, size_t times)
 {
     enum { ZEROS = 1 << 16 };
@@ -383,8 +382,8 @@ static void put_chained_heif(const void *bytes, size_t size, size_t times)
     put_file("a.heic", chained, sizeof turned_heif + times * size + ZEROS);
 }
 
-/* References each of which has all that come behind it, as children or as their numbers: refused before that takes
-   quadratic time. Many in one place are none too many. */
+/* References that each contain all later ones, as children or numbers, are refused before they take quadratic time.
+   Many plain references are accepted. */
 static void heif_references(void)
 {
     static const uint8_t child[] = {0, 0, 0, 12, 'i', 'r', 'e', 'f', 0, 0, 0, 0};
@@ -403,7 +402,7 @@ static void heif_references(void)
     CHECK(!read_file("a.heic") || !strstr(message.text, "references of pictures"));
 }
 
-/* For COLMAP: turned, and said to be. */
+/* For COLMAP: pixels are turned and EXIF says upright. */
 static void heif_to_jpg(void)
 {
     put_file("a.heic", turned_heif, sizeof turned_heif);

@@ -1,12 +1,12 @@
-/* Frames at the ends of what the public header allows: of objects, orthographic cameras, targets and pairs of eyes. */
+/* Frames at the limits of the public header: objects, orthographic cameras, targets, pairs of eyes. */
 #include <fixsplat/kernels.h>
 #include "one_scene.h"
 #include "random_scene.h"
 
-#define MOST 256                   /* pixels, each way */
+#define MOST 256                   /* pixels a side */
 #define ONE ((int64_t)1 << 32)
 
-static fxs_context plain;          /* C, one thread */
+static fxs_context plain;          /* plain C, one thread */
 static fxs_options options;
 static uint32_t pixels[2][MOST * MOST];
 
@@ -50,7 +50,6 @@ static int draw(const fxs_context *context, const fxs_object *object, const fxs_
     return error;
 }
 
-/* The largest difference of a channel. */
 static int apart(const uint32_t *a, const uint32_t *b)
 {
     int most = 0;
@@ -74,7 +73,7 @@ static void bin_everywhere(const fxs_view *view, const fxs_splat *splats, const 
     }
 }
 
-/* A factor on the opacity makes ellipses smaller: none may be missing from a tile that it touches. */
+/* Low opacity factors shrink ellipses, but every touched tile must still list them. */
 static void test_faint_objects_are_listed_whole(void)
 {
     fxs_context everywhere = plain;
@@ -93,7 +92,7 @@ static void test_faint_objects_are_listed_whole(void)
     }
 }
 
-/* What lies behind tens of thousands of Gaussians of its tile, which touch other pixels, is found all the same. */
+/* A wall behind tens of thousands of Gaussians of the same tile, which cover other pixels, is still found. */
 static void test_end_of_a_long_list(void)
 {
     enum { SIZE = 16, CORNER = 5 };
@@ -105,7 +104,7 @@ static void test_end_of_a_long_list(void)
     const fxs_camera camera = camera_at(SIZE, -8 * ONE);
     fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * SIZE);
     fxs_stats stats;
-    objects[0].scale_q32 = ONE >> 10;                  /* all of it in one corner */
+    objects[0].scale_q32 = ONE >> 10;                  /* all in one corner */
     objects[0].translation_q32[0] = objects[0].translation_q32[1] = -7 * ONE;
     objects[0].id = 1;
     objects[1].id = 2;
@@ -114,7 +113,7 @@ static void test_end_of_a_long_list(void)
     targets.median_depth = (fxs_image){medians, 4 * SIZE};
     const size_t bytes = fxs_frame_bytes(&plain, objects, 2, SIZE, SIZE, 0);
     void *memory = check_aligned(bytes);
-    for (int last = 0; last < 2; last++) {             /* by versions */
+    for (int last = 0; last < 2; last++) {             /* plain C, then the best kernels */
         fxs_context context = plain;
         fxs_kernels_choose(&context.kernels, last ? ~0u : 0);
         CHECK(!render_frame(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
@@ -127,8 +126,8 @@ static void test_end_of_a_long_list(void)
     free(wall.data);
 }
 
-/* An occluder behind everything hides nothing, wherever in a list an entry stands. Many an entry is seen, as the pixels
-   are open to the end of the list; of several scenes one has such an entry at any given place. */
+/* An occluder behind everything hides nothing, at any place in a list. Pixels stay open, so most entries count; several
+   scenes put one at any place. */
 static void test_occluder_behind_a_long_list(void)
 {
     enum { SIZE = 16, COUNT = 80000 };
@@ -162,7 +161,7 @@ static void test_occluder_behind_a_long_list(void)
 
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
-/* A pixel of an orthographic picture, by a principal point far beside it, is that picture's. */
+/* A single pixel with a distant principal point equals that pixel of the orthographic picture. */
 static void test_pixel_of_an_orthographic_picture(void)
 {
     fxs_camera camera = camera_at(MOST, -8 * ONE);
@@ -236,7 +235,7 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
     return error;
 }
 
-/* Nothing is written, of the first eye neither. */
+/* An error for one eye leaves both pictures untouched. */
 static void test_object_too_far_from_one_eye(void)
 {
     const packed_scene s = cloud(9, 0, 0);
@@ -278,7 +277,7 @@ static void test_targets_of_both_eyes(void)
 
 enum { WILD_OBJECTS = 6, WILD_SIZE = 100 };
 
-/* A number of either sign, as likely small as large, up to 2^bits; often the most. */
+/* A number of either sign up to 2^bits, log-uniform; often the maximum. */
 static int64_t wild(int bits)
 {
     const int64_t most = (int64_t)1 << bits;
@@ -292,17 +291,17 @@ static int64_t wild_above(int64_t least, int bits)
     return x < 0 ? (-x < least ? least : -x) : x < least ? least : x;
 }
 
-/* Moves and stretches a chunk as far as it may be. */
+/* Moves and stretches a chunk to the limits. */
 static void stretch_chunk(packed_scene *s)
 {
     const uint32_t chunk_count = s->scene.chunk_count;
-    packed_scene_turn(s, chunk_count);                 /* there */
+    packed_scene_turn(s, chunk_count);
     fxs_chunk *chunk = &s->chunks[between(0, (int32_t)chunk_count - 1)];
     chunk->origin_q32[between(0, 2)] = wild(59);
     chunk->step_shift = (uint16_t)between(0, 10);
     chunk->step_q32[between(0, 2)] = (uint32_t)next() >> between(0, 31);
     chunk->scale_q16 = between(-19 * 65536, 32 * 65536);
-    packed_scene_turn(s, chunk_count);                 /* and back */
+    packed_scene_turn(s, chunk_count);
     CHECK(!fxs_scene_open(&s->scene, s->data, s->bytes));
 }
 
@@ -346,8 +345,7 @@ static void wild_camera(fxs_camera *camera)
         camera->near_q32 = wild_above(4096, 60);
 }
 
-/* Each target of a frame in memory of its own, rows from the top or from the bottom; of `occluder` the depths are
-   wild. */
+/* Targets in separate memory, rows top down or bottom up; wild occluder depths. */
 static void wild_targets(fxs_targets *t, unsigned char *bytes, uint32_t *occluder, const fxs_camera *camera,
                          unsigned which, int upward)
 {
@@ -375,7 +373,7 @@ typedef struct wild_frame {
     fxs_options options;
     unsigned which;
     uint32_t occluder[WILD_SIZE * WILD_SIZE];
-    unsigned char bytes[3][WILD_SIZE * WILD_SIZE * 40];    /* of two eyes, and of one to compare */
+    unsigned char bytes[3][WILD_SIZE * WILD_SIZE * 40];    /* two eyes, and one to compare */
 } wild_frame;
 
 static void make_wild_frame(wild_frame *w)
@@ -396,7 +394,7 @@ static void make_wild_frame(wild_frame *w)
         w->occluder[i] = between(0, 9) ? (uint32_t)next() >> between(0, 31) : (uint32_t)between(-1, 0);
 }
 
-/* With `less` not 0, in less memory, if that will do. */
+/* less: 1 tries the minimum memory first */
 static int draw_wild(const fxs_context *context, wild_frame *w, int number, int upward, int less)
 {
     fxs_targets targets;
@@ -429,8 +427,8 @@ static void check_wild_pick(wild_frame *w)
     for (int i = 0; i < 3; i++) {
         const int x = between(0, w->camera.width - 1), y = between(0, w->camera.height - 1);
         const fxs_id *id = (const fxs_id *)targets.id.pixels + y * w->camera.width + x;
-        const int found = pick_pixel(&plain, w->objects, w->count, &w->camera, &w->options, &targets, x, y, memory, bytes,
-                                   &result);
+        const int found = pick_pixel(&plain, w->objects, w->count, &w->camera, &w->options, &targets, x, y, memory,
+                                     bytes, &result);
         CHECK(found == (id->gaussian != FXS_NOTHING));
         CHECK(found < 1 || (result.id == id->object && result.gaussian == id->gaussian));
     }
@@ -465,7 +463,7 @@ static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_c
     return error;
 }
 
-/* Two eyes are two frames, by every version and in any memory. */
+/* Two eyes equal two frames, for all kernels and in any memory. */
 static int check_wild_pair(wild_frame *w, const fxs_context *fast)
 {
     const fxs_camera first = w->camera;

@@ -1,5 +1,5 @@
-/* The first view of a scene without cameras: upright however the scene is turned, with something to see in it, and the
- * same by all kernels and any number of threads. */
+/* The first view of a scene without cameras is upright for any rotation of the scene, sees something, and is equal for
+ * all kernels and threads. */
 #include <math.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@ enum { COUNT = 30000, WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 static const char *const names[] = {"knot", "mirrors", "discs", "haze", "site", "landscape", "meadow"};
 enum { NAMES = sizeof names / sizeof *names };
 
-/* Rotations, by rows: as it is, so that z is up, upside down, and leaning by 20 degrees. */
+/* Rotations, by rows: none, z up, upside down, leaning by 20 degrees. */
 static const double turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                   {1, 0, 0, 0, 0, 1, 0, -1, 0},
                                   {1, 0, 0, 0, -1, 0, 0, 0, -1},
@@ -41,7 +41,6 @@ static int make(turned *t, const char *name)
            fxs_scene_open(&t->scene, t->packed.data, t->packed.bytes);
 }
 
-/* The scene turned, with its box, and up in it. */
 static void turn(turned *t, const double r[9])
 {
     fxs_object_init(&t->object, &t->scene);
@@ -62,7 +61,7 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The part of the picture that is covered, and that which one Gaussian takes. */
+/* Shares of the picture: covered, and covered by one Gaussian. */
 static void look(const turned *t, const fxs_file_view *view, double *covered, double *largest)
 {
     static unsigned char coverage[PIXELS];
@@ -104,7 +103,7 @@ static void check_view(const turned *t, const char *name, int turning)
                covered, largest);
 }
 
-/* A leaning scene is set upright where it has a ground; haze and mountains hide theirs. */
+/* A leaning scene is levelled if it has a visible ground; haze and mountains hide theirs. */
 static void upright_with_something_to_see(void)
 {
     for (int i = 0; i < NAMES; i++) {
@@ -145,7 +144,7 @@ static void the_same_everywhere(void)
     fxs_packed_scene_free(&t.packed);
 }
 
-/* ---- Scenes of some kinds ---------------------------------------------------------------------------------------- */
+/* ---- Typical scenes ---------------------------------------------------------------------------------------------- */
 
 static fxs_gaussian laid[COUNT];
 static size_t laid_count;
@@ -160,7 +159,6 @@ static double uniform(double low, double high)
     return low + (high - low) * (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/* A direction from the sphere. */
 static void find_direction(double d[3])
 {
     const double angle = uniform(0, 6.283185307179586), height = uniform(-1, 1), out = sqrt(1 - height * height);
@@ -169,7 +167,7 @@ static void find_direction(double d[3])
     d[2] = out * sin(angle);
 }
 
-/* A flat Gaussian across a normal, of a checkered colour. */
+/* A flat Gaussian facing along a normal, with checkered colour. */
 static void put(const double p[3], const double normal[3], double size)
 {
     const double length = sqrt(along(normal, normal)), n[3] = {normal[0] / length, normal[1] / length,
@@ -188,7 +186,6 @@ static void put(const double p[3], const double normal[3], double size)
     g->opacity = 2;
 }
 
-/* A parallelogram at o, from there along u and v. */
 static void lay_panel(const double o[3], const double u[3], const double v[3], int count)
 {
     const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
@@ -200,7 +197,6 @@ static void lay_panel(const double o[3], const double u[3], const double v[3], i
     }
 }
 
-/* An ellipsoid. */
 static void lay_ball(const double middle[3], const double radii[3], int count)
 {
     const double size = 2.8 * sqrt((radii[0] * radii[1] + radii[1] * radii[2] + radii[2] * radii[0]) / 3 / count);
@@ -215,7 +211,7 @@ static void lay_ball(const double middle[3], const double radii[3], int count)
     }
 }
 
-/* The sides of a box that stands on the ground. */
+/* Four sides and the roof of a box on the ground. */
 static void lay_box(const double low[3], const double high[3], int count)
 {
     const double x[3] = {high[0] - low[0], 0, 0}, y[3] = {0, high[1] - low[1], 0}, z[3] = {0, 0, high[2] - low[2]};
@@ -227,7 +223,7 @@ static void lay_box(const double low[3], const double high[3], int count)
     lay_panel(right, z, y, count / 5);
 }
 
-/* From the middle outwards, larger the farther; the last are as far as `reach`. */
+/* Ground from the centre to `reach`, with Gaussians that grow with distance. */
 static void lay_ground(double reach, int count)
 {
     static const double normal[3] = {0, 1, 0};
@@ -246,7 +242,7 @@ static void lay_ring(double radius, int trees, int count)
     }
 }
 
-/* Above the ground, in all distances up to the farthest. */
+/* Above the ground, at all distances up to the farthest. */
 static void lay_sky(double nearest, double farthest, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -269,7 +265,7 @@ static void lay_room(void)
     lay_ball((double[3]){1.8, -0.9, 1}, (double[3]){0.25, 0.9, 0.25}, 2000);
 }
 
-/* What a capture has behind the walls, where no camera looked. */
+/* A capture's clutter behind the walls, unseen by any camera. */
 static void lay_mess(void)
 {
     lay_room();
@@ -326,12 +322,12 @@ static void lay_wall(void)
         lay_ball((double[3]){2 * i, 0.2, 4.5}, (double[3]){0.5, 0.5, 0.5}, 2000);
 }
 
-/* Where the camera is to stand: in a box or outside it; and what it is to look at. */
+/* The camera's place (in or outside a box) and its target. */
 static const struct kind {
     const char *name;
     void (*lay)(void);
     double low[3], high[3];
-    int within, turns;               /* so many of the turns above are tried */
+    int within, turns;               /* turns: number of rotations to try */
     double target[3];
 } kinds[] = {
     {"room", lay_room, {-2.4, -2.5, -1.9}, {2.4, -0.3, 1.9}, 1, 2, {0, 0, 0}},
@@ -366,7 +362,6 @@ static int make_kind(turned *t, const struct kind *kind)
     return error || fxs_scene_open(&t->scene, t->packed.data, t->packed.bytes);
 }
 
-/* The view in the axes of the scene before it was turned. */
 static void check_kind(const turned *t, const struct kind *kind, const double r[9])
 {
     fxs_file_view view;
@@ -391,7 +386,7 @@ static void check_kind(const turned *t, const struct kind *kind, const double r[
                eye[2], ahead[0], ahead[1], ahead[2]);
 }
 
-/* From within where a capture was made so, and never from beneath. */
+/* Captures from inside are viewed from inside, and never from below. */
 static void from_where_cameras_were(void)
 {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
@@ -406,7 +401,7 @@ static void from_where_cameras_were(void)
     }
 }
 
-/* What is said to be up is, wherever the ground lies; where nothing is said, up is found. */
+/* A stated up vector is kept, wherever the ground is; without one it is estimated. */
 static void upright_as_told(void)
 {
     static const double ups[][3] = {{3, -4, 0}, {0.1, 0.2, -0.7}, {0, 0, 0}};
@@ -427,7 +422,7 @@ static void upright_as_told(void)
     fxs_packed_scene_free(&t.packed);
 }
 
-/* Objects that are hidden, cropped away or far off the box, and no objects at all. */
+/* Hidden, cropped and distant objects, and none. */
 static void nothing_to_see(void)
 {
     static const int64_t far[3] = {(int64_t)90 << 32, 0, 0};

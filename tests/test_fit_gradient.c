@@ -1,37 +1,36 @@
-/* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
- * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
- * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; where a mask ignores pixels; for the
- * exposure of the photograph and the pose of its camera. And the cuts themselves, and the bounds of scales. */
+/* The gradients of a step against central differences of a forward pass in doubles, for every parameter: Gaussians
+ * inside and outside the cut-offs, at the picture's edges, with clamped Jacobian slopes, colours clamped at 0, alphas
+ * at 0.99, closed and ignored pixels, exposures, poses. Also the cut-offs, and the bounds of scales. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
-enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* of a Gaussian: the parameters, and its 2D centre */
-enum { DEPTH = 3 };                /* of what the camera shows: its rate of shifts */
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* the parameters and the 2D centre */
+enum { DEPTH = 3 };                /* visible depth, which scales the rate of shifts */
 
 /* ---- The reference ----------------------------------------------------------------------------------------------- */
 
-/* What a forward pass decides. The differences keep to it: the gradient is that between the cuts. */
+/* Decisions of a forward pass. Both passes of a difference keep them, since the gradient is piecewise. */
 enum { OUT, IN, CAPPED };
 typedef struct cuts {
     int is_set;                    /* 0: the next pass decides */
     int order[MOST], visible;
     unsigned char taken[PIXELS][MOST], dark[MOST][3], beside[MOST][2];
-    unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];   /* whether any pixel's is so */
-    double nearest;                /* how near one was to being decided otherwise; relative */
+    unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];   /* 1 if it holds at any pixel */
+    double nearest;                /* relative distance of the closest decision */
 } cuts;
 
 typedef struct scene {
     int count, degree;
     fxs_fit_camera camera;
     double variables[MOST][VARIABLES], background[3];
-    enum fxs_fit_exposure exposure;    /* of the photograph */
-    double gain[FXS_FIT_GAIN];     /* its numbers: e, r and b; or what is added, as W and w, to an affine map */
+    enum fxs_fit_exposure exposure;
+    double gain[FXS_FIT_GAIN];     /* e, r and b; or the change of an affine map */
     double pose[FXS_FIT_POSE];
-    int has_pose;                  /* likewise */
-    double rotation[9], eye[3];    /* the camera's, with its pose */
+    int has_pose;
+    double rotation[9], eye[3];    /* of the posed camera */
     uint8_t photograph[PIXELS][3];
-    const uint8_t *mask;           /* of the photograph, or null */
+    const uint8_t *mask;           /* or null */
     cuts cuts;
 } scene;
 
@@ -41,7 +40,7 @@ typedef struct flat {
 
 static double picture[3][PIXELS];
 
-/* Notes how far `value` is from the cut, relative to `scale`; returns whether it is above it. */
+/* Records the relative distance of `value` to the cut. Returns whether it is above. */
 static int above(cuts *c, double value, double cut, double scale)
 {
     c->nearest = fmin(c->nearest, fabs(value - cut) / scale);
@@ -58,7 +57,8 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* J W Sigma W^T J^T + 0.3, Sigma = R S S R^T; its inverse; the opacity times sqrt(det without 0.3 / det). */
+/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T; its inverse; the opacity times sqrt(det without 0.3 /
+   det). */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
@@ -164,7 +164,7 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
     return capped ? CAPPED : IN;
 }
 
-/* The camera turned by 2 atan(|a| / 2) about a in its own frame (Rodrigues), and moved along the axes that it had. */
+/* Rotates the camera by 2 atan(|a| / 2) about a in its frame (Rodrigues); moves it along its unrotated axes. */
 static void pose(scene *s)
 {
     const double *a = s->pose, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), angle = 2 * atan(length / 2);
@@ -183,7 +183,6 @@ static void pose(scene *s)
     }
 }
 
-/* A map with all 12 numbers. */
 static const double affine[FXS_FIT_GAIN] = {1.25, -0.125, 0.0625, 0.1875, 0.75, -0.0625, -0.25, 0.125, 1.125, 0.0625,
                                             -0.03125, 0.125};
 
@@ -236,7 +235,7 @@ static void draw(scene *s)
     s->cuts.is_set = 1;
 }
 
-/* dL/dvariable, of one of the scene's */
+/* dL/dvariable */
 static double difference(scene *s, double *variable)
 {
     const double kept = *variable, h = 1e-6;
@@ -246,8 +245,8 @@ static double difference(scene *s, double *variable)
         draw(s);
         loss[side] = 0;
         for (int c = 0; c < 3; c++)
-            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, s->exposure != FXS_FIT_EXPOSURE_NONE, WIDTH,
-                                   HEIGHT);
+            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, s->exposure != FXS_FIT_EXPOSURE_NONE,
+                                   WIDTH, HEIGHT);
     }
     *variable = kept;
     return (loss[1] - loss[0]) / (2 * h);
@@ -264,7 +263,7 @@ typedef struct kind {
     int is_antialiased;
 } kind;
 
-/* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
+/* Draws scenes until no decision could differ in single precision, and photographs near their pictures. */
 static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposure exposure, int has_pose)
 {
     static const double gain[3] = {0.375, -0.25, 0.125}, at[] = {0.0625, -0.25, 0.1875, -0.125, 0.0625, 0.25};
@@ -317,15 +316,14 @@ static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposur
         }
 }
 
-/* ---- Against it -------------------------------------------------------------------------------------------------- */
+/* ---- Gradients against differences ------------------------------------------------------------------------------- */
 
-/* Exposures and poses of two photographs. */
 typedef struct photographs {
     fxs_fit_gain gains[2];
     fxs_fit_pose poses[2];
 } photographs;
 
-/* What a first step leaves: a tenth of the gradients as Adam's means. The photograph is the second. */
+/* Runs a first step, which leaves a tenth of each gradient as Adam's mean, on the second photograph. */
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
     const int is_affine = s->exposure == FXS_FIT_EXPOSURE_AFFINE;
@@ -361,7 +359,7 @@ static double gradient_of(const fxs_fit_model *m, int i, int k)
     return (double)m->means[(size_t)k * m->stride + (size_t)i] / (double)0.1f;
 }
 
-/* How large the gradients of a Gaussian's parameters of one sort are. */
+/* The largest gradient in a parameter's group. */
 static double size_of(const double *d, int k)
 {
     static const int ends[] = {FXS_FIT_SCALE, FXS_FIT_ROTATION, FXS_FIT_OPACITY, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS};
@@ -376,7 +374,7 @@ static double size_of(const double *d, int k)
 
 typedef struct tally {
     int gaussians, unseen, outside, beside, dark, capped, closed;
-    double worst;                  /* fault, in what is allowed */
+    double worst;                  /* error, relative to the tolerance */
 } tally;
 
 static void count_cuts(const scene *s, int i, tally *t)
@@ -391,7 +389,7 @@ static void count_cuts(const scene *s, int i, tally *t)
     t->dark += seen && (s->cuts.dark[i][0] || s->cuts.dark[i][1] || s->cuts.dark[i][2]);
 }
 
-/* Singles leave 1e-5 of what a pixel gives, which counts where Gaussians in front take nearly all of it. */
+/* Single precision leaves 1e-5 of a pixel's weight, which matters behind nearly opaque Gaussians. */
 static void check_near(double value, double wanted, double size, int i, int k, tally *t)
 {
     const double fault = fabs(value - wanted) / (1e-4 * size + 2e-5);
@@ -410,12 +408,12 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    /* by_centre is that of the mean over pixels and channels. */
+    /* by_centre is relative to the mean over pixels and channels. */
     const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
 
-/* Of the mean over pixels and channels. */
+/* Relative to the mean over pixels and channels. */
 static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
 {
     static const fxs_fit_gain none;
@@ -427,7 +425,7 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* The same; and each three take a step as long as their rate against the gradient. */
+/* Also checks that each step against the gradient is as long as its rate. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
@@ -442,7 +440,6 @@ static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
     }
 }
 
-/* Every version has the same bytes. */
 static void check_versions(const scene *s, const fxs_fit_model *c, const photographs *photographs_of_c)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -461,7 +458,7 @@ static void check_versions(const scene *s, const fxs_fit_model *c, const photogr
     }
 }
 
-/* As many scenes, of degrees 0 to 3 in turn; some six Gaussians of each. */
+/* Checks random scenes with SH degrees 3 to 0 in turn, about six Gaussians of each. */
 static tally check_scenes(const kind *k, int scenes)
 {
     static scene s;
@@ -493,7 +490,7 @@ static void test_ordinary(void)
     CHECK(t.gaussians - t.unseen > 15);
 }
 
-/* Centres beyond the picture, and so far beyond it that the Jacobian's slopes are cut. */
+/* Centres outside the picture, up to clamped slopes. */
 static void test_beyond_the_picture(void)
 {
     const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}, NULL, 0};
@@ -514,7 +511,7 @@ static void test_opaque(void)
     CHECK(t.capped > 8 && t.closed > 8);
 }
 
-/* A third of the pixels is ignored, in patches: of the Gaussians too that reach across their edges. */
+/* Patches with a third of the pixels are ignored, also under Gaussians at their edges. */
 static void test_ignored_pixels(void)
 {
     static uint8_t mask[PIXELS];
@@ -525,8 +522,7 @@ static void test_ignored_pixels(void)
     CHECK(t.gaussians - t.unseen > 15);
 }
 
-/* Opacities that compensate the dilation: of Gaussians smaller than a pixel and larger ones, of flat ones and needles,
-   and beyond the picture. */
+/* Opacities that compensate the dilation: small and large Gaussians, flat ones, needles, and outside the picture. */
 static void test_antialiased(void)
 {
     const kind small = {10, 30, 1, {-4.5, -1.5}, {0, 5}, {0, 1.5}, NULL, 1};
@@ -546,9 +542,9 @@ static void test_many(void)
     CHECK(check_scenes(&k, 4).closed > 15);
 }
 
-/* ---- The cuts ---------------------------------------------------------------------------------------------------- */
+/* ---- The cut-offs ------------------------------------------------------------------------------------------------ */
 
-/* Of one pixel of a tile: what some splats leave of it, and what comes back to each. */
+/* One pixel of a tile: the transmittance after some splats, and the gradient of each. */
 enum { SPLATS = 3 };
 typedef struct pixel_case {
     const fxs_fit_stages *stages;
@@ -588,7 +584,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Halves the range of a number of the case until it is two neighbours, of which `high` alone has the property. */
+/* Bisects a number of the case to two adjacent floats; only `high` has the property. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {
@@ -604,7 +600,6 @@ static void close_in(pixel_case *c, float *number, float *low, float *high, int 
     CHECK(has(c));
 }
 
-/* Its alpha is the same everywhere. */
 static fxs_fit_splat everywhere(double alpha)
 {
     const fxs_fit_splat s = {.centre = {8, 8}, .offset = (float)-log2(alpha), .limit = FXS_FIT_FAINT,
@@ -618,7 +613,7 @@ static int is_taken(pixel_case *c)
     return left_of(c) < 1;
 }
 
-/* The farthest level that a splat takes: the pixel and the sums are of the same mind. */
+/* The largest level that a splat takes: the pixel and the sums decide alike. */
 static void test_cut_of_level(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -651,7 +646,7 @@ static int is_third_taken(pixel_case *c)
     return c->tile.colour[0][FXS_FIT_AT(c->x, c->y)] > 0;
 }
 
-/* 1 - 0.99, less the second's share, is near 0.001, and then the third is seen or not. */
+/* 1 - 0.99, less the second's share, is near 0.001, which decides if the third is taken. */
 static void test_closed_pixel(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -692,7 +687,7 @@ static void test_alpha_of_99(void)
     }
 }
 
-/* A Gaussian in the middle of the picture by project; red: its parameter of SH degree 0. */
+/* Projects a central Gaussian; red: its SH coefficient of degree 0. */
 static fxs_fit_splat project_red(const fxs_fit_stages *stages, double logit, float depth, float red)
 {
     static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
@@ -715,7 +710,8 @@ static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, flo
     return project_red(stages, logit, depth, 0);
 }
 
-/* Levels: Mahalanobis 3, or an alpha of 1/255 where that comes first; no Gaussian fainter, or nearer than the plane. */
+/* Levels end at Mahalanobis distance 3 or alpha 1/255. Fainter Gaussians and those in front of the near plane are
+   dropped. */
 static void test_project_cuts(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -738,7 +734,7 @@ static void test_project_cuts(void)
     }
 }
 
-/* A splat with a colour that is none is in the lists, and no pixel takes of it. */
+/* A splat with a non-finite colour is listed, but no pixel takes it. */
 static void test_no_colour(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e30f};
@@ -757,8 +753,9 @@ static void test_no_colour(void)
     }
 }
 
-/* The bound of Gaussians before two cameras, in doubles: that of the nearer one; of the other where they are a tenth
-   beside its picture, and far beside the nearer one's; none a fifth beside it, and behind both. */
+/* The scale bound in front of two cameras, in doubles, is the nearer one's. A Gaussian a tenth outside the farther
+   camera's picture, but too far outside the nearer one's, has the farther one's bound. A fifth outside or behind both
+   it has none. */
 static void test_bounds_of_scales(void)
 {
     enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };

@@ -1,5 +1,5 @@
-/* The loss of the fit by each version of its passes, on random pictures: SSIM against its definition, the gradient
- * against central differences in doubles, up to the edges of pictures smaller than a window too; and with masks. */
+/* The loss of the fit in every version, on random pictures: SSIM against its definition, the gradient against central
+ * differences in doubles, also for pictures smaller than a window, and with masks. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -12,10 +12,10 @@ typedef struct pictures {
     int is_masked, has_exposure;
     uint8_t mask[FIT_LOSS_PIXELS];
     fxs_fit_loss loss;
-    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];   /* of rows */
+    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];   /* absolute, dissimilar: for each row */
 } pictures;
 
-/* The picture a few steps of the photograph's bytes away or anywhere, but not so near that |a - b| has no gradient. */
+/* Photograph bytes +- `away`, with |a - b| kept from 0, where it has no gradient. */
 static void make_pictures(pictures *p, int width, int height, double away)
 {
     p->width = width;
@@ -38,7 +38,6 @@ static int is_ignored(const pictures *p, int pixel)
     return p->is_masked && !p->mask[pixel];
 }
 
-/* Ignores a random disc and single pixels, one of `rare`. */
 static void make_mask(pictures *p, int rare)
 {
     const double middle[2] = {fit_uniform(0, p->width), fit_uniform(0, p->height)};
@@ -51,7 +50,7 @@ static void make_mask(pictures *p, int rare)
     }
 }
 
-/* Cuts a third of the photograph to white, where the picture is some steps above or below. */
+/* Saturates a third of the photograph, with the picture above or below. */
 static void cut_white(pictures *p)
 {
     p->has_exposure = 1;
@@ -62,7 +61,7 @@ static void cut_white(pictures *p)
         }
 }
 
-/* What counts of the picture. */
+/* The value that the loss sees. */
 static double seen_of(const pictures *p, int pixel)
 {
     return p->has_exposure && p->photograph[3 * pixel] == 255 ? fmin(p->picture[pixel], 1) : p->picture[pixel];
@@ -112,7 +111,7 @@ static double at_of(const fxs_fit_plane *plane, const pictures *p, int i)
     return (double)plane->first[i / p->width * plane->stride + i % p->width];
 }
 
-/* Weighted means, variances and covariance of the window around a pixel, as the definition says. */
+/* Weighted means, variances and covariance of the window around a pixel, by definition. */
 static double similarity_at(const pictures *p, int pixel)
 {
     double window[FIT_WINDOW], mean[2] = {0}, variance[2] = {0}, covariance = 0;
@@ -144,7 +143,7 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
             absolute += is_ignored(p, i) ? 0 : fabs(seen_of(p, i) - p->photograph[3 * i] / 255.0);
             dissimilar += is_ignored(p, i) ? 0 : 1 - similarity_at(p, i);
         }
-        /* Singles leave some 1e-7 of the mean squares, beside the 9e-4 of the definition. */
+        /* Single precision leaves about 1e-7 of the mean squares, against the 9e-4 of the definition. */
         CHECK(fabs((double)p->absolute[row] - absolute) < 1e-6 * p->width);
         CHECK(fabs((double)p->dissimilar[row] - dissimilar) < 3e-4 * p->width);
     }
@@ -226,12 +225,11 @@ static void test_cut_white(void)
         }
 }
 
-/* All that the passes give, of one version. */
 typedef struct outcome {
     float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } outcome;
 
-/* `p` stays as it is; its numbers for the first `width` columns. */
+/* Keeps the first `width` columns of the result; `p` is unchanged. */
 static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, outcome *out)
 {
     memset(out, 0, sizeof *out);
@@ -244,7 +242,7 @@ static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, o
     free_planes(p);
 }
 
-/* Nothing depends on what is ignored, and a mask that ignores nothing is none, to the byte. */
+/* Results do not depend on ignored pixels; a mask that ignores nothing changes no byte. */
 static void test_ignored_pixels(void)
 {
     enum { WIDE = 61, HIGH = 29 };
@@ -276,8 +274,7 @@ static void test_ignored_pixels(void)
     }
 }
 
-/* With exposures it is nothing to the loss how much brighter than cut white the picture is; elsewhere, white is as any
-   other, to the byte. */
+/* With exposures the loss ignores how far the picture exceeds saturated white. Other white counts as usual. */
 static void test_brighter_than_white(void)
 {
     enum { WIDE = 61, HIGH = 29 };
@@ -312,7 +309,7 @@ static void test_brighter_than_white(void)
     }
 }
 
-/* Where all columns from one on are ignored, the picture is as if it ended before them. */
+/* Ignoring all columns from one on equals a narrower picture. */
 static void test_mask_of_an_edge(void)
 {
     enum { WIDE = 40, HIGH = 20, LEFT = 23 };
@@ -338,7 +335,7 @@ static void test_mask_of_an_edge(void)
     }
 }
 
-/* All one colour, where SSIM's variances are 0 inside; and black ones. */
+/* Single colours, where SSIM's variances vanish; and black. */
 static void test_flat_pictures(void)
 {
     static pictures p;
@@ -352,7 +349,7 @@ static void test_flat_pictures(void)
     }
 }
 
-/* The same picture twice: nothing of |a - b|, and SSIM is 1. */
+/* Equal pictures: |a - b| is 0 and SSIM is 1. */
 static void test_same_picture(void)
 {
     static pictures p;

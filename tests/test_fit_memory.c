@@ -1,5 +1,5 @@
-/* A fit in which one allocation, or each from there on, gets no memory: an error, nothing kept, and a right fit
- * after. And how much it allocates. */
+/* Fails one allocation of a fit, or all from there on: an error, no leak, and a correct fit afterwards. Also the total
+ * memory. */
 #include "src/fit/fit_internal.h"
 #include "fit_scene.h"
 
@@ -54,7 +54,7 @@ void free(void *memory)
     __libc_free(memory);
 }
 
-/* Few enough points for qsort, which has memory of its own for 1,024 bytes and more. */
+/* Few enough points for qsort, which allocates from 1,024 bytes on. */
 enum { SIDE = 20, POINTS = 30, STEPS = 20, MANY = 4000 };
 
 static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
@@ -71,7 +71,7 @@ static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
     return fxs_fit_create(f, &photo, 1, points, (size_t)count, options, &message);
 }
 
-/* What the recipes do to a model now and then. */
+/* The recipes' occasional changes of a model. */
 static int change_model(fxs_fit_model *m)
 {
     const fxs_fit_densify densify = {0, 0.3f, 100, 0.005f, 3 * POINTS, {{0}, 0}};
@@ -81,7 +81,7 @@ static int change_model(fxs_fit_model *m)
     return error ? error : fxs_fit_model_order(m);
 }
 
-/* A fit to its end, by way of the packed profile. Returns the first error. */
+/* Runs a fit to its end, including the packed profile. Returns the first error. */
 static int fit_some(enum fxs_fit_recipe recipe)
 {
     fxs_fit_options options;
@@ -132,8 +132,8 @@ static void test_no_memory(void)
 #endif
 }
 
-/* At most twice parameters, gradients and moments, while Gaussians are added and in the steps that pass through the
-   profile, too; and where their number stays, not more after a thousand steps. */
+/* At most twice the size of parameters, gradients and moments, also while Gaussians are added and through the profile.
+   With a constant number it does not grow. */
 static void test_amount(void)
 {
 #ifdef COUNTING

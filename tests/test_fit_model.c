@@ -1,4 +1,4 @@
-/* How the Gaussians of a fit begin, become more and fewer, and what a recipe does when: against plain code in
+/* The start of a fit's Gaussians, their growth and pruning, and the schedule of recipes, against plain code in
    doubles. */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "src/fit/recipe.h"
 #include "check.h"
 
-/* Allocations that there is memory for; below 0: any number. */
+/* allocations that succeed; negative: all */
 static long memory_left = -1;
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -54,7 +54,7 @@ static int is_near(double a, double b, double relative)
     return fabs(a - b) <= relative * fmax(fabs(a), fabs(b));
 }
 
-/* Parameters of all kinds; moments that tell whose they are. */
+/* Random parameters; each moment encodes its owner. */
 static fxs_fit_model random_model(size_t count)
 {
     fxs_fit_model m;
@@ -150,7 +150,7 @@ static void nearest_points(void)
         }
 }
 
-/* What would take all pairs where points share a cell takes no time that is noticed. */
+/* Points in one cell must not take quadratic time. */
 static void nearest_of_many(void)
 {
     const size_t count = 300000;
@@ -224,7 +224,6 @@ static int has_moments(const fxs_fit_model *m, size_t i, double of)
     return 1;
 }
 
-/* R of a Gaussian. */
 static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
 {
     double q[4], n = 0;
@@ -241,7 +240,7 @@ static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
             r[a][b] = rows[a][b] / n;
 }
 
-/* The first child is on the positive side of each axis, the second on the negative one. */
+/* The first child lies on the positive side of each axis, the second on the negative one. */
 static int is_child(const fxs_fit_model *m, size_t i, const fxs_fit_model *old, size_t of, int which)
 {
     int ok = has_moments(m, i, -1) && !differing(m, i, old, of, FXS_FIT_ROTATION, FXS_FIT_OPACITY) &&
@@ -300,7 +299,7 @@ static void densified(void)
     }
 }
 
-/* The largest gradients first: one by one by looking for the largest. */
+/* The largest gradients come first, found one by one. */
 static void densified_up_to_a_number(void)
 {
     for (size_t room = 0; room < 60; room += 19) {
@@ -332,7 +331,7 @@ static void densified_up_to_a_number(void)
     }
 }
 
-/* What would leave nothing leaves all; without a rotation there is no longest axis. */
+/* A rule that would remove all Gaussians removes none; a Gaussian without a rotation has no longest axis. */
 static void densified_to_nothing(void)
 {
     fxs_fit_model m = random_model(40);
@@ -350,7 +349,7 @@ static void densified_to_nothing(void)
     fxs_fit_model_free(&m);
 }
 
-/* One that is as opaque as a number can say, and one that is thin as a hair: what their children are is finite. */
+/* Saturated opacity and hair-thin shapes have finite children. */
 static void children(void)
 {
     fxs_fit_model m = random_model(2);
@@ -389,7 +388,7 @@ static void reset(void)
     fxs_fit_model_free(&old);
 }
 
-/* Ten bits a coordinate, the highest first, x the lowest of three. */
+/* Ten bits a coordinate, the highest first, x lowest of three. */
 static unsigned long plain_code(const fxs_fit_model *m, size_t i, const double middle[3], double spread)
 {
     unsigned long code = 0;
@@ -422,12 +421,12 @@ static void order(void)
         behind += i && plain_code(&m, i, middle, spread) < plain_code(&m, i - 1, middle, spread);
     }
     CHECK(!wrong);
-    CHECK(behind < 5);             /* single precision may round a coordinate into the next cell */
+    CHECK(behind < 5);             /* single precision may round into the next cell */
     fxs_fit_model_free(&m);
     fxs_fit_model_free(&old);
 }
 
-/* Planes for so many, also where only the count changes: what is beyond it has no opacity and no size. */
+/* Planes fit the count; slots beyond it have zero opacity and size. */
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
@@ -457,7 +456,7 @@ static void resized(void)
     fxs_fit_model_free(&m);
 }
 
-/* Where memory ends, the model is as it was. */
+/* A failed allocation leaves the model unchanged. */
 static void without_memory(void)
 {
 #ifdef LIMITED
@@ -495,7 +494,7 @@ static double choose_of(int n, int k)
     return k < 0 || k > n ? 0 : exp(lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1));
 }
 
-/* The paper's formula as it is written. */
+/* The paper's formula, verbatim. */
 static void plain_share(double o, int n, double *opacity, double *factor)
 {
     double sum = 0;
@@ -518,7 +517,6 @@ static size_t not_shared(const fxs_fit_model *m, size_t i, const fxs_fit_model *
            differing(m, i, old, of, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS) + !has_moments(m, i, -1);
 }
 
-/* Which Gaussian of `old` that has the same position, moved or not. */
 static size_t source_of(const fxs_fit_model *m, size_t i, const fxs_fit_model *old)
 {
     for (size_t k = 0; k < old->count; k++)
@@ -556,7 +554,7 @@ static void relocated(void)
     fxs_fit_model_free(&old);
 }
 
-/* Many at one place: as the paper, and no more than 51 are counted. */
+/* Many at one place follow the paper, which counts up to 51. */
 static void relocated_to_one(void)
 {
     for (size_t count = 2; count < 90; count += 7) {
@@ -575,7 +573,7 @@ static void relocated_to_one(void)
     }
 }
 
-/* An opacity that is the threshold is dead: it goes to the other. */
+/* Opacity at the threshold counts as dead and is relocated. */
 static void relocated_at_the_threshold(void)
 {
     fxs_fit_model m = random_model(2);
@@ -588,7 +586,7 @@ static void relocated_at_the_threshold(void)
     fxs_fit_model_free(&old);
 }
 
-/* A twentieth more, up to the most there may be; drawn by opacity; where all are dead, none. */
+/* Adds a twentieth, up to the limit, drawn by opacity; none if all are dead. */
 static void grown(void)
 {
     enum { COUNT = 4000 };
@@ -607,7 +605,7 @@ static void grown(void)
     }
     sum = opaque / drawn;
     CHECK(fabs(sum - 0.75) < 0.1); /* deviation 0.03 */
-    CHECK(fabs(mean - COUNT / 2) < 400);   /* 82 */
+    CHECK(fabs(mean - COUNT / 2) < 400);   /* deviation 82 */
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT + 300, 3, 700}));
     CHECK(m.count == COUNT + 300);
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT, 3, 800}));
@@ -619,7 +617,7 @@ static void grown(void)
     fxs_fit_model_free(&m);
 }
 
-/* ---- What a step does -------------------------------------------------------------------------------------------- */
+/* ---- Schedules --------------------------------------------------------------------------------------------------- */
 
 static fxs_fit_plan plan_of(const fxs_fit_options *options, uint32_t step)
 {
@@ -661,8 +659,8 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* None by itself; else it falls to a tenth, in all but reference by the end of their own steps, and is less for 500
-   steps after the beginning and after each reset. */
+/* 0 by default. Otherwise it falls to a tenth, in mcmc and fast over the fit's own steps, and ramps up over 500 steps
+   after the start and each reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
@@ -684,7 +682,7 @@ static void rates_of_exposures(void)
     }
 }
 
-/* mcmc and fast have one course, which adapts to the number of steps. */
+/* mcmc and fast share a schedule, which scales with the number of steps. */
 static void mcmc_recipe(void)
 {
     fxs_fit_options o;
@@ -717,8 +715,8 @@ static void mcmc_recipe(void)
     CHECK(fxs_fit_first_opacity(FXS_FIT_MCMC) == 0.5f && fxs_fit_first_scale(FXS_FIT_FAST) == 0.1f);
 }
 
-/* Scales are bounded by photographs of the size that they have in the step: the first, every 100th, that before the
-   last tenth, and the last. */
+/* Scales are bounded at step 1, each 100th, the last before the last tenth, and the last, by photographs of that step's
+   size. */
 static void bounds_of_scales(void)
 {
     fxs_fit_options o;
@@ -750,7 +748,7 @@ static void extents(void)
 
 /* ---- Adam, noise ------------------------------------------------------------------------------------------------- */
 
-/* One Gaussian whose red's gradient is given by its sum: Adam in doubles, parameter by parameter. */
+/* Adam in doubles for one Gaussian, from the sums of red's gradient. */
 static void adam(void)
 {
     const fxs_fit_stages *stages = fxs_fit_stages_choose(~0u);
@@ -782,7 +780,7 @@ static void adam(void)
     fxs_fit_model_free(&m);
 }
 
-/* A gradient that is not finite, or of no use, moves nothing; bounds hold; the neighbours go on. */
+/* Non-finite and huge gradients move nothing; bounds hold; neighbours move on. */
 static void gradients_beyond(void)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -3e20f};
@@ -803,7 +801,7 @@ static void gradients_beyond(void)
             memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
             *at(&m, FXS_FIT_SCALE, 5) = 100;
             *at(&m, FXS_FIT_OPACITY, 3) = 0;
-            for (int k = 0; k < 3; k++)    /* not cut at 0 */
+            for (int k = 0; k < 3; k++)    /* not clamped at 0 */
                 *at(&m, FXS_FIT_COLOUR + k, 3) = 9;
             old = copy_of(&m);
             for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
@@ -822,7 +820,7 @@ static void gradients_beyond(void)
         }
 }
 
-/* Weights of the means that would make a square infinite; a square that has no root: the parameter stays. */
+/* If a regulariser's square overflows or a square is negative, the parameter stays. */
 static void regularisers_beyond(void)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -847,8 +845,7 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* Covariance of Sigma xi sigmoid(...) amount over many of the same shape; the best version's bytes are those of plain
-   C. */
+/* Covariance of Sigma xi sigmoid(...) amount, over many equal shapes; the best version equals plain C. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -888,7 +885,7 @@ static void noise(void)
 
 /* ---- The square cut-off ------------------------------------------------------------------------------------------ */
 
-/* A picture of one white Gaussian by Kerbl et al.'s rule, in doubles: tiles by the square, pixels by 1/255. */
+/* Pictures of one white Gaussian by Kerbl et al.'s rule, in doubles: tiles by the square, pixels by 1/255. */
 static void square(void)
 {
     fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
@@ -951,7 +948,7 @@ static fxs_fit_photo photos[PHOTOS];
 static fxs_fit_point points[60];
 static fxs_fit_options options;
 
-/* Cameras about a ball of points, all looking at its middle. */
+/* Cameras around a ball of points, looking at its centre. */
 static void set_scene(void)
 {
     memset(photos, 0, sizeof photos);
@@ -979,7 +976,7 @@ static void set_scene(void)
     options.max_gaussians = fxs_fit_recipe_gaussians(options.recipe);
 }
 
-/* Returns how many Gaussians there are after `steps`; all is finite, and the fit's own to the byte when done again. */
+/* Returns the number of Gaussians after `steps`. All are finite, and a repeated fit gives the same bytes. */
 static size_t fitted(size_t photo_count, size_t point_count, uint32_t steps)
 {
     fxs_fit *fit;
@@ -1018,7 +1015,7 @@ static void hard_scenes(void)
         CHECK(fitted(PHOTOS, 60, 720));                /* all black */
         for (int i = 0; i < 60; i++)
             memset(points[i].position, 0, sizeof points[i].position);
-        CHECK(fitted(PHOTOS, 60, 110));                /* all at one place */
+        CHECK(fitted(PHOTOS, 60, 110));                /* all in one place */
         set_scene();
         for (int i = 0; i < 60; i++)
             points[i].position[i % 3] = 9e11f;
@@ -1028,7 +1025,6 @@ static void hard_scenes(void)
     }
 }
 
-/* Sums up the bytes of the Gaussians after 720 steps. */
 static uint64_t bytes_of_fit(unsigned cpu)
 {
     fxs_fit *fit;
@@ -1053,14 +1049,14 @@ static uint64_t bytes_of_fit(unsigned cpu)
     return sum;
 }
 
-/* Recipes, cut-offs and seeds differ from each other; plain C and the best instructions do not. */
+/* Recipes, cut-offs and seeds change the result; instruction sets do not. */
 static void same_bytes(void)
 {
     uint64_t sums[5];
     for (int i = 0; i < 5; i++) {
         turn = 9;
         set_scene();
-        options.steps = i == 2 ? 700 : 900;    /* as mcmc and fast differ in their numbers of steps alone */
+        options.steps = i == 2 ? 700 : 900;    /* mcmc and fast differ only in their steps */
         options.recipe = (enum fxs_fit_recipe)(i % 3);
         options.cutoff = i == 3 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
         options.seed = i == 4;
@@ -1071,7 +1067,7 @@ static void same_bytes(void)
     }
 }
 
-/* The first step of fast sees what a step of photographs that were averaged before sees, with cameras to match. */
+/* The first step of fast sees averaged photographs, with cameras to match. */
 static void reduced(void)
 {
     enum { W = 203, H = 195 };
@@ -1107,7 +1103,7 @@ static void reduced(void)
     CHECK(report[0].absolute == report[1].absolute && report[0].dissimilar == report[1].dissimilar);
 }
 
-/* Photographs become no smaller than 50 pixels. */
+/* Photographs are not reduced below 50 pixels. */
 static void sizes_of_photographs(void)
 {
     fxs_fit_options o;

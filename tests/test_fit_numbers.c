@@ -1,12 +1,11 @@
-/* The fit's own functions of a number against the C library's over their whole range, and its optimiser against Adam
- * in doubles. */
+/* The fit's elementary functions against the C library over their whole range, and its optimiser against Adam in
+ * doubles. */
 #include "src/base/exponential.h"
 #include "src/fit/exposure.h"
 #include "fit_scene.h"
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-/* A float of this exponent, of either sign. */
 static float number(int exponent, int is_negative)
 {
     const float x = (float)ldexp(1 + (double)(fit_random() >> 41) * 0x1p-23, exponent);
@@ -19,7 +18,7 @@ static void check_relative(const char *name, float x, float found, double wanted
         printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
 }
 
-/* A polynomial's rounding; in exp_e that of the argument too, which grows with it. */
+/* Tolerances: the polynomial's rounding; for exp_e also the argument's, which grows with it. */
 static void test_exponentials(void)
 {
     fit_state = 1;
@@ -51,7 +50,7 @@ static void test_logarithm(void)
     CHECK(ln(1.0f) == 0);
 }
 
-/* Those that packing has. */
+/* The functions of packing. */
 static void test_doubles(void)
 {
     fit_state = 6;
@@ -71,7 +70,7 @@ static void test_doubles(void)
 
 enum { WIDTH = 32, HEIGHT = 24, COUNT = 20, STEPS = 300, PHOTOGRAPHS = 3 };
 
-/* Of the loss's mean over pixels and channels, by its sum's gradient. */
+/* Adam on the mean loss over pixels and channels, from the gradient of its sum. */
 typedef struct adam {
     double mean, square, parameter, way;
 } adam;
@@ -103,7 +102,7 @@ static void make_model(fxs_fit_model *m, const fxs_fit_camera *camera)
     }
 }
 
-/* Steps as a fit makes them; what Adam was given is what is new in its means. */
+/* Full steps of a fit; the gradients are recovered from Adam's means. */
 static void test_steps_are_adams(void)
 {
     static uint8_t pixels[PHOTOGRAPHS][3 * WIDTH * HEIGHT];
@@ -150,7 +149,7 @@ static void test_steps_are_adams(void)
     fxs_fit_stepper_free(stepper);
 }
 
-/* Gradients of colours down to numbers that are not normal, and 0: a step is as long as Adam's, and finite. */
+/* Colour gradients down to subnormals and 0: steps are as long as Adam's, and finite. */
 static void test_tiny_gradients(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -210,7 +209,7 @@ static void test_factors(void)
     }
 }
 
-/* By gradients of all sizes; the limits; what is not finite changes nothing. */
+/* Gradients of all sizes; limits; non-finite gradients change nothing. */
 static void test_gain_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 3e18f};
@@ -219,7 +218,7 @@ static void test_gain_steps(void)
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
         float sums[FXS_FIT_GAIN];
-        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* those beside the diagonal are nothing to a gain */
+        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* off-diagonal sums do not affect a gain */
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
         const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];
         const double gradients[3] = {red + green + blue, red - green, blue - green};
@@ -249,7 +248,7 @@ static void test_gain_steps(void)
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
 }
 
-/* The same of affine exposures, whose step is put behind the map that is there. */
+/* The same for affine exposures: a step is applied after the current map. */
 static void test_affine_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e20f};
@@ -295,8 +294,8 @@ static void test_affine_steps(void)
           gain.at[0] == 1 && gain.at[1] == 0);
 }
 
-/* Steps of batches of more photographs than a sum has parts. After each the means are neutral, but for the rounding of each
-   number, and photographs that were not in the batch have moved by the same. */
+/* Batches with more photographs than a sum has parts: after each step the means are neutral within rounding, and
+   photographs outside the batch moved alike. */
 static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };

@@ -1,4 +1,4 @@
-/* The last steps of a fit: what is fitted is what is packed. A scene of bold SH, of which the photographs are drawn. */
+/* The last steps of a fit optimise the packed values. The scene has strong SH; its photographs are rendered from it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +53,6 @@ static int make_model(fxs_fit_model *m)
     return CHECK(!error);
 }
 
-/* On a circle around the scene. */
 static void set_view(int i)
 {
     const double turn = 6.283185307179586 * i / VIEWS, c = cos(turn), s = sin(turn);
@@ -180,7 +179,7 @@ static int pack(const fit *f, fxs_packed_scene *packed, fxs_scene *scene)
            CHECK(!fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* Decibels between the photographs and what the renderer makes of the packed scene. */
+/* PSNR between the photographs and the rendered packed scene, in dB. */
 static double psnr_of(const fit *f)
 {
     enum { BYTES = 4 * PIXELS };
@@ -220,7 +219,7 @@ static double largest_of(const float *values, size_t count)
     return most;
 }
 
-/* Within the rounding of single precision. */
+/* Within single-precision rounding. */
 static void compare(const decoded *d, const fxs_gaussian *g)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity));
@@ -235,7 +234,7 @@ static void compare(const decoded *d, const fxs_gaussian *g)
         CHECK((float)d->sh[k] == g->sh[k]);
 }
 
-/* Of every Gaussian; and packed again, the parameters have the same codes. */
+/* Compares each packed Gaussian; packing the parameters again gives the same codes. */
 static void check_packed(const fit *f)
 {
     fxs_packed_scene packed;
@@ -268,7 +267,7 @@ static void test_what_is_fitted_is_packed(void)
     }
 }
 
-/* The masters move by less than a step of the codes, and every parameter of most Gaussians moves. */
+/* Masters move by less than a code step, and most parameters move. */
 static void test_gradients_reach_the_masters(void)
 {
     fit f;
@@ -294,7 +293,7 @@ static void test_gradients_reach_the_masters(void)
     end(&f);
 }
 
-/* Where rounding costs much: a scene of few Gaussians has few entries of a palette. */
+/* Few Gaussians mean few palette entries, so rounding costs much. */
 static void test_fitted_is_better_than_rounded(void)
 {
     fit f;
@@ -325,7 +324,7 @@ static int same(const fit *a, const fit *b)
     return is_same;
 }
 
-/* Any threads and instruction set: the same bytes. */
+/* Threads and instruction sets do not change the result. */
 static void test_same_bytes(void)
 {
     fxs_pool *pool = fxs_pool_create(3);
@@ -348,7 +347,6 @@ static void test_same_bytes(void)
     fxs_pool_destroy(pool);
 }
 
-/* The blocks of a state, in memory. */
 typedef struct store {
     unsigned char *bytes;
     size_t count;
@@ -371,7 +369,7 @@ static int read_block(void *argument, void *block, size_t bytes)
     return 0;
 }
 
-/* A state that is saved and read goes on as if it had not been; one that is none is refused. */
+/* A saved and reloaded state continues with the same bytes; an invalid one is refused. */
 static void test_state(void)
 {
     for (int profile = 0; profile < 3; profile++) {

@@ -1,4 +1,4 @@
-/* The error bounds that fixed.h states, over strided mantissas and the edges. */
+/* The error bounds stated in fixed.h, over strided mantissas and edge cases. */
 #include <math.h>
 
 #include <fixsplat/fixed.h>
@@ -35,7 +35,7 @@ static void test_mulhi(void)
     CHECK(fxs_mulhi(0, UINT32_MAX) == 0 && fxs_mulhi(65536, 65535) == 0 && fxs_mulhi(65536, 65536) == 1);
 }
 
-/* Floor, and the bit below it. */
+/* Floor plus the bit below. */
 static int64_t rounded(int64_t x, int shift)
 {
     return (x >> shift) + (x >> (shift - 1) & 1);
@@ -60,7 +60,7 @@ static void test_clamp(void)
     CHECK(fxs_clamp(INT32_MIN, INT32_MIN, 0) == INT32_MIN && fxs_clamp(INT32_MAX, 0, INT32_MAX) == INT32_MAX);
 }
 
-/* Calls visit for 2^bit, 2^bit + STRIDE, ... below 2^32, and for the numbers around each power of two. */
+/* Visits 2^bit, 2^bit + STRIDE, ... below 2^32, and numbers around each power of two. */
 static void sweep(int bit, void (*visit)(uint32_t m))
 {
     for (uint64_t m = (uint64_t)1 << bit; m >> 32 == 0; m += STRIDE)
@@ -72,8 +72,8 @@ static void sweep(int bit, void (*visit)(uint32_t m))
         }
 }
 
-static double worst;    /* error */
-static int outside;     /* results out of their range */
+static double worst;    /* relative error */
+static int outside;     /* results out of range */
 
 static void visit_reciprocal(uint32_t m)
 {
@@ -96,7 +96,7 @@ static void visit_rsqrt(uint32_t m)
     uint32_t got = fxs_rsqrt(m);
     double exact = ldexp(1, 30) / sqrt(ldexp(m, -32));
     worst = fmax(worst, fabs(got - exact) / exact);
-    outside += got < (1u << 30) - (1u << 10) || got > 1u << 31;   /* its error takes it a little below 2^30 */
+    outside += got < (1u << 30) - (1u << 10) || got > 1u << 31;   /* the error allows slightly less than 2^30 */
 }
 
 static void test_rsqrt(void)
@@ -107,7 +107,7 @@ static void test_rsqrt(void)
         printf("  relative error 2^%.2f, %d outside\n", log2(worst), outside);
 }
 
-/* Rounded down from a value within 1 part in 2^18. */
+/* Rounded down from a value within 2^-18. */
 static void visit_sqrt(uint32_t x)
 {
     double exact = sqrt(x), got = fxs_sqrt(x);

@@ -1,5 +1,5 @@
-/* Windows of a picture have its pixels, also those of headsets' fields of view; foveated pictures are put together from
- * windows as the header says, the same by every exact back end. */
+/* Crops ("windows") have the pixels of the whole picture, also for headsets' fields of view. Foveated pictures are
+ * composed as the header states, equally by every exact back end. */
 #include <math.h>
 #include <stdio.h>
 
@@ -43,7 +43,6 @@ static fxs_camera window_of(const fxs_camera *camera, int32_t x, int32_t y, int3
     return window;
 }
 
-/* Returns how many of a window's pixels are not those of the picture. */
 static int differences(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                        const uint8_t *whole, const fxs_camera *window)
 {
@@ -88,7 +87,7 @@ static void test_windows_of_random_scenes(void)
     }
 }
 
-/* left, right, up, down; the left eye, the right one, and one that is symmetric. */
+/* left, right, up, down: left eye, right eye, symmetric */
 static const double headset[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}, {-1.38, 1.38, 1.2, -1.2}};
 
 static int make_scene(const char *name, fxs_packed_scene *packed, fxs_scene *scene)
@@ -110,8 +109,8 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
     return camera;
 }
 
-/* Slopes beyond those of the window count: wide pictures round otherwise, and Gaussians far beside it are cut at their
-   slopes. An eye's picture is a window of one with the principal point in the middle. */
+/* Slopes are clamped by the whole picture, not the window, since wide pictures round differently. An eye's picture is a
+   window of a symmetric one. */
 static void test_windows_of_wide_pictures(void)
 {
     static const char *const names[] = {"knot", "landscape"};
@@ -131,7 +130,7 @@ static void test_windows_of_wide_pictures(void)
     }
 }
 
-/* Without `whole`, the same window has other limits: what is tested above is not there by itself. */
+/* Control: without `whole` the window's own clamping changes pixels. */
 static void test_what_windows_are_for(void)
 {
     fxs_packed_scene packed;
@@ -169,7 +168,7 @@ static fxs_stats render_counted(const fxs_scene *scene, const fxs_camera *camera
     return stats;
 }
 
-/* What a hidden part leaves out shows nowhere else. Returns how many Gaussians are drawn with it; *all: without. */
+/* Pixels outside the hidden part must not change. Returns the Gaussians drawn; *all: without a hidden part. */
 static uint32_t check_hidden(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              uint32_t *all)
 {
@@ -229,7 +228,7 @@ static void test_hidden_parts(void)
     camera.hidden_width = camera.width;
     camera.hidden_height = camera.height;
     drawn = check_hidden(&scene, &camera, &options, &all);
-    CHECK(drawn < all / 50);                     /* some across the picture's edges */
+    CHECK(drawn < all / 50);                     /* some cross the picture's edges */
     fxs_packed_scene_free(&knot);
 }
 
@@ -267,9 +266,9 @@ static void test_window_errors(void)
     }
 }
 
-/* ---- Putting together -------------------------------------------------------------------------------------------- */
+/* ---- Composition ------------------------------------------------------------------------------------------------- */
 
-/* A back end that fills pictures with random bytes and keeps what it was asked for. */
+/* A back end that draws random bytes and records requests. */
 typedef struct recorder {
     uint32_t calls, fail_at;
     fxs_camera cameras[FXS_RINGS][2];
@@ -326,7 +325,7 @@ static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int 
     return sum;
 }
 
-/* Of 256: the least of the ramps of those edges that are not the picture's. */
+/* The share in 1/256: the smallest ramp of edges that are inside the picture. */
 static int share(const fxs_ring *r, const fxs_foveation *f, int eye, int x, int y, int width, int height)
 {
     const int left = r->x[eye], top = r->y[eye], right = left + r->width * r->rate, lower = top + r->height * r->rate;
@@ -424,8 +423,8 @@ static void test_putting_together(void)
     fxs_pool_destroy(pool);
 }
 
-/* Pixel (X, Y) of a ring lies where the middle of its block does, and its camera is a window of the picture at its
-   rate; of a picture that is a window itself, of that one's. */
+/* Pixel (X, Y) of a ring lies at the centre of its block. The ring's camera is a crop of the picture at its rate; for a
+   cropped picture, of the whole one. */
 static void test_cameras_of_rings(void)
 {
     recorder r = {.fail_at = UINT32_MAX};
@@ -495,7 +494,7 @@ static fxs_request request_of(const eyes *e)
     return request_for(&e->object, 1, &e->options, 2, e->cameras, e->targets);
 }
 
-/* By a back end, into e->pixels. Returns 0 where it is not there. */
+/* Renders into e->pixels. Returns 0 if the back end is unavailable. */
 static int foveate(const char *name, const fxs_foveation *f, eyes *e, fxs_foveated *out)
 {
     const fxs_backend *backend = fxs_backend_find(name);
@@ -516,7 +515,7 @@ static int foveate(const char *name, const fxs_foveation *f, eyes *e, fxs_foveat
     return 1;
 }
 
-/* The inside of the full rate has the bytes of the picture without foveation, of both eyes. */
+/* The inside of the full-rate ring has the unfoveated bytes, for both eyes. */
 static void check_inside(const eyes *e, const uint8_t *whole, const fxs_foveation *f, const fxs_foveated *out)
 {
     const fxs_ring *r = &out->rings[0];
@@ -557,7 +556,7 @@ static void test_back_ends(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The processor, with nothing hidden. */
+/* The CPU back end without hidden parts. */
 static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_message *why)
 {
     fxs_request all = *q;
@@ -566,7 +565,7 @@ static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_me
     return fxs_backend_cpu.render(self, &all, stats, why);
 }
 
-/* What a ring leaves out because a finer one hides it is not missed, wherever the gaze is. */
+/* Skipping the part under a finer ring changes no pixel, for any gaze. */
 static void test_nothing_is_missed(void)
 {
     const fxs_backend all = {.name = "all", .render = render_all, .nanoseconds = no_time};
@@ -640,7 +639,7 @@ static void test_errors(void)
         r = (recorder){.fail_at = k};
         CHECK(attempt(&r, &q, &f) == FXS_ERR_DEVICE && r.calls == k);
     }
-    r = (recorder){.fail_at = 0};                /* not called again */
+    r = (recorder){.fail_at = 0};                /* must not be called again */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const fxs_foveation wrong = {{{0, 0}, {0, 0}}, {bad[i][0], bad[i][1]}, bad[i][2]};
         CHECK(attempt(&r, &q, &wrong) == FXS_ERR_ARGUMENT && !fxs_foveation_bytes(&wrong, q.cameras, 2));

@@ -1,5 +1,4 @@
-/* The bytes of .fxs files and of the pictures that they render to: the same on every processor, see
- * scripts/processors.sh. */
+/* .fxs files and their rendered pictures have the same bytes on every processor; see scripts/processors.sh. */
 #include <float.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -20,7 +19,7 @@ static char folder[] = "/tmp/fixsplat-bytes-XXXXXX";
 static char ply_path[64], fxs_path[64];
 static fxs_message message;
 
-/* Numbers that a float holds exactly, so that no processor rounds them. */
+/* Numbers that floats represent exactly. */
 static float grid(uint32_t *seed, int low, int high)
 {
     *seed = *seed * 1664525u + 1013904223u;
@@ -74,7 +73,6 @@ static int pack(enum fxs_profile profile, int tree)
     return done;
 }
 
-/* The file, for free. */
 static void *load(size_t *bytes)
 {
     FILE *file = fopen(fxs_path, "rb");
@@ -156,7 +154,7 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, 0, expected);
 }
 
-/* So many that their palettes are full: fewer have one entry a stage, where nothing is searched. */
+/* Enough Gaussians for full palettes; small ones have one entry a stage and need no search. */
 static void test_full_palettes(void)
 {
     static const uint64_t compact[3] = {0x3cd5c70902e00437u, 0x0fea4dc982ced672u,
@@ -167,14 +165,14 @@ static void test_full_palettes(void)
     check_file(FXS_PROFILE_SMALL, 12000, 1, 0, small);
 }
 
-/* With levels of detail. The pictures are those of the leaves. */
+/* With levels of detail; the pictures show the leaves. */
 static void test_tree(void)
 {
     static const uint64_t expected[3] = {0xb4ac07b150dc25c8u, 0xddf2486c9aa86a74u,
                                          0xdb4bcc7a3a7f819au};
     static const uint64_t small[3] = {0x291e5f90dfd04546u, 0xcdc9b5f48d74e1ebu,
                                       0x38598508e0976ea7u};
-    if (FLT_EVAL_METHOD != 0) {                /* refused: its floats would be others */
+    if (FLT_EVAL_METHOD != 0) {                /* refused: floats with excess precision would differ */
         CHECK(write_ply(3000, 3) && !pack(FXS_PROFILE_DEFAULT, 1) && strstr(message.text, "single precision"));
         return;
     }

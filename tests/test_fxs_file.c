@@ -1,5 +1,5 @@
-/* .fxs files: written, mapped and rendered as from memory; damage of every part is found; an existing file survives a
-   failure. */
+/* .fxs files: writing, mapping, rendering as from memory; damage anywhere is found; a failed write keeps the old
+   file. */
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -67,13 +67,14 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
     free(memory);
 }
 
-/* In memory: the bytes of a file, without a file. */
+/* Sealed memory equals the file's bytes. */
 static void test_seal(void)
 {
     fxs_message m;
     fxs_mapping file;
     void *copy;
-    if (!CHECK(!posix_memalign(&copy, 64, packed.bytes) && !fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
+    if (!CHECK(!posix_memalign(&copy, 64, packed.bytes) && !fxs_file_write(fxs_path, packed.data, packed.bytes, &m) &&
+               !fxs_map(&file, fxs_path, &m)))
         return;
     memcpy(copy, packed.data, packed.bytes);
     CHECK(fxs_file_seal(copy, packed.bytes - 1) == FXS_ERR_SCENE && !memcmp(copy, packed.data, packed.bytes));
@@ -94,14 +95,14 @@ static void test_round_trip(void)
     draw(packed.data, packed.bytes, from_memory);
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
-    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* not one colour */
-    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* from a mapping, over itself */
-    CHECK(!fxs_map_check(&file, fxs_path, &m));                           /* which is another file now */
+    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* several colours */
+    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* over itself, from a mapping */
+    CHECK(!fxs_map_check(&file, fxs_path, &m));                           /* replaced by another file */
     fxs_unmap(&file);
     CHECK(!file.data);
 }
 
-/* A file of 16 pages, cut to one, and written to: the mapping says so, and what is lost reads as 0. */
+/* A mapped file that is written to or truncated: the check reports it, and lost pages read as 0. */
 static void test_changed(void)
 {
     enum { PAGE = 4096, PAGES = 16 };
@@ -118,7 +119,7 @@ static void test_changed(void)
             return;
         const volatile unsigned char *data = file.data;
         CHECK(!fxs_map_check(&file, path, &m) && data[PAGES * PAGE - 1] == 7);
-        nanosleep(&(struct timespec){0, 20000000}, 0);   /* the clock of a file system ticks every 4 or 10 ms */
+        nanosleep(&(struct timespec){0, 20000000}, 0);   /* file times tick every 4 or 10 ms */
         out = fopen(path, "r+b");
         CHECK(out && fputc(8, out) == 8 && !fclose(out) && (!cut || !truncate(path, PAGE)));
         CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
@@ -129,7 +130,7 @@ static void test_changed(void)
     unlink(path);
 }
 
-/* Cut short and made as long again, with its old time: what was read in between is not what it was. */
+/* Truncated, extended again and given its old time: the check still reports it. */
 static void test_cut_and_grown(void)
 {
     enum { PAGE = 4096, PAGES = 4 };
@@ -151,7 +152,7 @@ static void test_cut_and_grown(void)
     unlink(path);
 }
 
-/* A SIGBUS outside of what is mapped here, below it as above it, ends the process as ever. */
+/* A SIGBUS outside a mapping, below or above it, still ends the process. */
 static void test_other_faults(void)
 {
     enum { PAGE = 4096 };
@@ -166,13 +167,13 @@ static void test_other_faults(void)
         return;
     for (int above = 0; above < 2; above++) {
         int status = 0, descriptor = open(path, O_RDONLY);
-        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* the system may choose another place */
+        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* the system may choose another address */
         const volatile char *other = mmap(wish, 2 * PAGE, PROT_READ, MAP_PRIVATE, descriptor, 0);
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* in place of a loop without end */
-            _exit(other[PAGE]);        /* beyond the file's last page */
+            alarm(10);                 /* against an endless loop */
+            _exit(other[PAGE]);        /* past the file's last page */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);
         munmap((void *)other, 2 * PAGE);
@@ -182,7 +183,7 @@ static void test_other_faults(void)
     unlink(path);
 }
 
-/* More files than there is room for, and the room again afterwards. */
+/* The table of mappings fills up, and is free again afterwards. */
 static void test_many(void)
 {
     fxs_message m;
@@ -198,7 +199,7 @@ static void test_many(void)
     fxs_unmap(&files[0]);
 }
 
-/* As in zlib and PNG (ISO 3309), bit by bit. */
+/* CRC-32 of zlib and PNG (ISO 3309), bitwise. */
 static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
 {
     const unsigned char *byte = data;
@@ -210,7 +211,7 @@ static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
     return ~crc;
 }
 
-/* The checksums are those that docs/format.md says, so that other programs can read and write them. */
+/* Checksums follow docs/format.md, so that other programs can use them. */
 static void test_checksums(void)
 {
     fxs_message m;
@@ -235,7 +236,7 @@ static void test_checksums(void)
     fxs_unmap(&file);
 }
 
-/* Every byte of the headers and a sample of the rest, one bit flipped. */
+/* Flips one bit in each byte of the headers and in a sample of the rest. */
 static void test_damage(void)
 {
     fxs_message m;

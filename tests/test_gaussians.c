@@ -1,5 +1,5 @@
-/* Gaussians of the program, by a function: the same bytes as from a .ply, filtered or not; and a function that gives
-   too few, too many, NaN, or others in a later pass. */
+/* Gaussians from a callback: same bytes as from a .ply, filtered or not. A callback may also give too few, too many,
+   NaN, or other values in a later pass. */
 #include <math.h>
 #include <string.h>
 
@@ -14,11 +14,11 @@ enum { COUNT = 9000 };                  /* more than two batches of the packer *
 static fxs_gaussian made[COUNT];
 
 static struct {
-    uint64_t calls, next, passes;       /* next: where a call has to begin, unless a pass does */
-    uint64_t at, from_pass;             /* faulty from the call that begins there or behind, and from that pass, on */
-    long step;                          /* Gaussians a call, at most; 0: all that are asked for */
-    long result;                        /* of the faulty call, where it is not 0 */
-    void (*spoil)(fxs_gaussian *g);     /* what else it does, or null */
+    uint64_t calls, next, passes;       /* next: expected start of a call within a pass */
+    uint64_t at, from_pass;             /* faulty from this Gaussian and this pass on */
+    long step;                          /* most Gaussians a call; 0: all requested */
+    long result;                        /* result of the faulty call; 0: as usual */
+    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian; may be null */
 } source;
 
 static fxs_message message;
@@ -49,7 +49,6 @@ static long give(void *argument, uint64_t first, fxs_gaussian *out, size_t capac
     return count;
 }
 
-/* All is well from now on. */
 static void forget(void)
 {
     memset(&source, 0, sizeof source);
@@ -99,7 +98,7 @@ static int pack_made(void)
     return pack_opened(FXS_PROFILE_DEFAULT, 0);
 }
 
-/* ---- As from a file -------------------------------------------------------------------------------------------- */
+/* ---- Same bytes as from a file --------------------------------------------------------------------------------- */
 
 static int open_ply(int degree)
 {
@@ -129,7 +128,7 @@ static void same_bytes_as_ply(void)
     }
 }
 
-/* With an origin, the headers of chunks and the bounds are moved by it, and nothing else is. */
+/* An origin moves chunk headers and bounds, nothing else. */
 static void same_codes_far_out(void)
 {
     static const double origin[3] = {500000, -4500000, 0.5};
@@ -168,7 +167,7 @@ static void same_codes_far_out(void)
     }
 }
 
-/* ---- What is wrong --------------------------------------------------------------------------------------------- */
+/* ---- Faults ---------------------------------------------------------------------------------------------------- */
 
 static void fails(int error, const char *words)
 {
@@ -203,7 +202,7 @@ static void spoil_all(fxs_gaussian *g) { memset(g, 0xff, sizeof *g); }
 static void spoil_sh(fxs_gaussian *g) { g->sh[44] = -g->sh[44]; }
 static void spoil_scale(fxs_gaussian *g) { g->scale[0] = INFINITY; }
 
-/* A pass that differs from the one before: an error, or a scene that opens. */
+/* A pass that differs from the first: an error, or a valid scene. */
 static void changed_between_passes(void)
 {
     void (*const spoil[])(fxs_gaussian *) = {spoil_position, spoil_position_nan, spoil_all, spoil_sh, spoil_scale};

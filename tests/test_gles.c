@@ -1,6 +1,6 @@
-/* The GLES back end against the processor, byte for byte: sizes, formats, runs, small limits, real scenes, into a
- * target of the caller with the state kept, as compute shaders draw into it too; what it says and returns where the
- * device fails, by functions put in place of the real ones. */
+/* The GLES back end against the processor, byte for byte: sizes, formats, runs, small limits, real scenes, and the
+ * caller's target with its state kept, also drawn by compute shaders. Also device failures, by fake OpenGL
+ * functions. */
 #include <math.h>
 #include <string.h>
 
@@ -19,7 +19,7 @@
 #include <fixsplat/pixel.h>
 
 
-/* What weight.frag may say of its factors. */
+/* Checks the range that weight.frag promises to compilers. */
 static int wrong_factors;
 
 static int FACTOR(int x)
@@ -52,7 +52,7 @@ int main(void)
 }
 #else
 
-/* ---- Contexts and functions put in place of others --------------------------------------------------------------- */
+/* ---- Contexts and fake functions --------------------------------------------------------------------------------- */
 
 static const struct port {
     const char *name;
@@ -71,10 +71,10 @@ static const struct port {
 };
 
 static const struct port *port;
-static void *context;                      /* of the port, open */
+static void *context;
 static fxs_message why_not;
 
-/* What load gives instead of the real function; a name that ends the list is null. */
+/* Functions that replace real ones; a null name ends the list. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -96,7 +96,7 @@ static void fake(int i, const char *name, fxs_gl_function function)
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLint limit, read_type;             /* 0: the device's own */
-static int no_blocks;                      /* no storage buffers in fragment shaders */
+static int no_blocks;                      /* 1: no storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
 {
@@ -119,7 +119,7 @@ static void fake_limits(GLint size, GLint type)
     fake(0, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv);
 }
 
-/* A back end with the fakes as they are; null, with why_not, where it cannot be. */
+/* Creates a back end with the current fakes; null, with why_not, on failure. */
 static fxs_gles *open_gles(int *error)
 {
     fxs_gles *gles = malloc(fxs_gles_bytes());
@@ -167,7 +167,6 @@ static int make_subject(subject *s, const char *name, uint64_t count, int width,
     return made;
 }
 
-/* The jobs of a frame in another order. */
 static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
@@ -175,9 +174,9 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
         job(argument, jobs);
 }
 
-static fxs_compute *compute;               /* not null: it draws into targets, in place of fxs_gles_render */
+static fxs_compute *compute;               /* if set, draws into targets instead of fxs_gles_render */
 
-/* The objects have one scene. */
+/* All objects share one scene. */
 static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
 {
     fxs_compute_scene copy = {.key = 0};
@@ -197,7 +196,7 @@ static int render_target(const fxs_context *c, fxs_gles *gles, const fxs_request
                    : fxs_gles_render(gles, c, request, target, memory, bytes, stats);
 }
 
-/* Renders; pixels null: into the target. */
+/* Renders into pixels, or into the target if it is given. */
 static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
 {
@@ -221,7 +220,6 @@ static size_t picture_bytes(const subject *s)
     return (size_t)s->camera.width * (size_t)s->camera.height * 4;
 }
 
-/* Memory for a picture, filled with something else. */
 static uint8_t *new_picture(const subject *s)
 {
     uint8_t *pixels = malloc(picture_bytes(s));
@@ -229,7 +227,7 @@ static uint8_t *new_picture(const subject *s)
     return pixels;
 }
 
-/* The exact ways that this context has: by lists, and where it can by fetch. */
+/* Exact modes of this context: lists, and fetch if supported. */
 static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
@@ -237,7 +235,7 @@ static int exact_ways(const fxs_gles *gles)
     return compute || fxs_gles_no_fetch(gles) ? 1 : 2;
 }
 
-/* The back end's pictures, with `stride` and from `first` on, are the processor's. stats: by lists. */
+/* Compares all exact modes with the processor, with this stride and first byte. *stats: of lists. */
 static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
 {
     uint8_t *expected = new_picture(s);
@@ -257,7 +255,7 @@ static int same(const subject *s, fxs_gles *gles)
     return same_laid_out(s, gles, (ptrdiff_t)s->camera.width * 4, 0, 0);
 }
 
-/* ---- The same bytes ---------------------------------------------------------------------------------------------- */
+/* ---- Same bytes -------------------------------------------------------------------------------------------------- */
 
 #define OPEN_OR_SKIP(gles) \
     int error; \
@@ -305,8 +303,7 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* Lists that do not fit in the frame's memory at once; of needles, u is beyond its range in tiles of the square that
-   they do not touch. */
+/* Lists exceed the frame's memory. For needles u overflows in tiles of the square that they do not touch. */
 static void runs(void)
 {
     subject s;
@@ -321,7 +318,7 @@ static void runs(void)
     close_gles(gles);
 }
 
-/* Textures so small that the picture is drawn in windows, and lists in parts. */
+/* Small textures force crops of the picture and parts of lists. */
 static void small_textures(void)
 {
     static const GLint limits[] = {16, 63, 64, 200, 2048};
@@ -341,8 +338,8 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* 80,000 faint points over a picture of one tile: its pixels are open to the last. The 65,536th is large and not
-   faint, so that one too few is seen. */
+/* 80,000 faint points over one tile, so pixels stay open to the end. The 65,536th is large and not faint: it shows if
+   an entry is missing. */
 static packed_scene faint_points(void)
 {
     packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
@@ -375,7 +372,7 @@ static void GL_APIENTRY count_DrawArrays(GLenum mode, GLint first, GLsizei count
     real_DrawArrays(mode, first, count);
 }
 
-/* A list longer than one draw may take. */
+/* A list longer than one draw takes. */
 static void long_list(void)
 {
     const packed_scene p = faint_points();
@@ -400,7 +397,7 @@ static void long_list(void)
     close_gles(gles);
 }
 
-/* A device that reads integers as words only, and has no large points. */
+/* A device that reads back integers only as words and lacks large points. */
 static void words_read(void)
 {
     subject s;
@@ -499,9 +496,9 @@ static void quads(void)
     close_gles(gles);
 }
 
-/* ---- By framebuffer fetch ---------------------------------------------------------------------------------------- */
+/* ---- Framebuffer fetch ------------------------------------------------------------------------------------------- */
 
-/* The shaders' versions of what pixel.h says, wherever it can count. */
+/* The shaders' versions of pixel.h, wherever results matter. */
 static void products(void)
 {
     int differing = 0;
@@ -529,7 +526,7 @@ static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
 
 static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
-/* A driver that lists the extension but does not know its word. */
+/* A driver that lists the extension but rejects its keyword. */
 static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -539,7 +536,7 @@ static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Without the extension there are lists, and the reason is said. */
+/* Without the extension lists work, and the reason is reported. */
 static void fetch_hidden(void)
 {
     subject s;
@@ -570,7 +567,7 @@ static void fetch_hidden(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Two eyes of which one does not see all that the other does: the processor's bytes. */
+/* Two eyes with different visible Gaussians equal the processor's. */
 static void fetch_eyes(void)
 {
     subject s;
@@ -608,9 +605,9 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* ---- Meshes between ---------------------------------------------------------------------------------------------- */
+/* ---- Occluders and backdrops ------------------------------------------------------------------------------------- */
 
-/* What the caller has drawn: a slanted plane through the subject, with a hole, over a gradient; rows from the top. */
+/* The caller's drawing: a slanted plane with holes through the subject, over a gradient; rows top down. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -639,7 +636,7 @@ static void free_mesh(mesh m)
     free(m.colours);
 }
 
-/* The subject behind and before the mesh; `draw` null: by the processor. */
+/* Renders the subject with the mesh; `draw` null: on the processor. */
 static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const mesh *m, int bottom_up,
                        size_t memory_bytes, uint8_t *pixels)
 {
@@ -662,7 +659,7 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
     return error;
 }
 
-/* Occluder and backdrop give the bytes of the processor: in every format, in windows, bands and parts of lists. */
+/* Occluder and backdrop give the processor's bytes, in every format, in crops, bands and parts of lists. */
 static void meshes(void)
 {
     subject s;
@@ -696,13 +693,13 @@ static void meshes(void)
     }
 }
 
-/* ---- Into the caller's target ------------------------------------------------------------------------------------ */
+/* ---- The caller's target ----------------------------------------------------------------------------------------- */
 
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
-enum { UNITS = 10 };                       /* textures that the back end binds */
+enum { UNITS = 10 };                       /* texture units that the back end binds */
 
-/* More of a context's state than the back end touches; what a context does not know stays 0. */
+/* More state than the back end touches; unsupported values stay 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -767,13 +764,13 @@ static GLuint make_program(void)
     return program;
 }
 
-enum { WIDE = 240, HIGH = 160 };           /* of the caller's texture */
+enum { WIDE = 240, HIGH = 160 };           /* size of the caller's texture */
 
 typedef struct caller {
     GLuint texture, framebuffers[2], program, vertex_array, buffers[4], samplers[UNITS], textures[UNITS], renderbuffer;
 } caller;
 
-/* Everything other than it is in a new context. */
+/* Changes all state from its defaults. */
 static void upset(caller *c)
 {
     static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD,
@@ -857,7 +854,7 @@ static void read_target(const fxs_gles_target *t, uint8_t *pixels)
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
 }
 
-/* Pixels of the caller's texture that are not those of the picture, or of what was beside it. */
+/* Counts pixels that differ from the picture inside, or from the clear colour outside. */
 static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -881,7 +878,7 @@ static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *
     return !differing_pixels(s, t, expected);
 }
 
-/* The target has the expected picture, with nothing changed beside it, and the caller's state is as it was. */
+/* The target gets the picture, its surroundings and the caller's state stay. */
 static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gles_target *t,
                          const uint8_t *expected)
 {
@@ -899,7 +896,7 @@ static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_
     CHECK(in_target(s, t, expected));
 }
 
-/* small: in windows, as far as it is drawn on a framebuffer of the back end's own. */
+/* small: forces crops, if the back end draws into its own framebuffer. */
 static void target_by(int small)
 {
     subject s;
@@ -934,7 +931,7 @@ static void target_in_windows(void)
     target_by(64);
 }
 
-/* How much a pixel of the caller's texture is off c + d (1 - alpha), d what was beneath it. */
+/* The largest error against c + d (1 - alpha), where d was beneath. */
 static double off_by(const uint8_t *pixel, const uint8_t *over)
 {
     static const uint8_t beneath[4] = {51, 102, 153, 204};
@@ -946,7 +943,7 @@ static double off_by(const uint8_t *pixel, const uint8_t *over)
     return most;
 }
 
-/* Over what is in the framebuffer, in windows and parts of lists too. */
+/* Over the framebuffer's content, also in crops and parts of lists. */
 static void target_over_by(int small)
 {
     subject s;
@@ -992,7 +989,7 @@ static void target_over(void)
     target_over_by(16);
 }
 
-/* Quads: the bytes that they have on a framebuffer of the back end's own. */
+/* Quads give the same bytes as in the back end's own framebuffer. */
 static void target_quads(void)
 {
     subject s;
@@ -1017,7 +1014,7 @@ static void target_quads(void)
     close_gles(gles);
 }
 
-/* Lists so short that their chunks run out before their records. */
+/* Short lists: their chunks run out before their records. */
 static void target_of_short_lists(void)
 {
     subject s;
@@ -1037,7 +1034,7 @@ static void target_of_short_lists(void)
     close_gles(gles);
 }
 
-/* A texture of the caller's with these rows, of 4 bytes a pixel, in the order of the framebuffer's. */
+/* A texture with these rows, 4 bytes a pixel, in the framebuffer's row order. */
 static GLuint make_texture(const subject *s, const void *pixels, int top_down, GLint format, GLenum layout, GLenum type)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -1054,8 +1051,8 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* From the caller's textures: a depth in words gives the bytes of the processor; a depth buffer all but a few, and by
-   compute shaders those of fragment shaders. */
+/* From the caller's textures. A depth in words gives the processor's bytes; a depth buffer nearly so, and then compute
+   and fragment shaders agree. */
 static void target_meshes(void)
 {
     static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
@@ -1130,7 +1127,6 @@ static void target_meshes(void)
 
 /* ---- Depths and ids in the same draw ----------------------------------------------------------------------------- */
 
-/* A framebuffer with colour, median depths and ids. */
 typedef struct outputs {
     GLuint framebuffer, textures[3];
 } outputs;
@@ -1160,7 +1156,7 @@ static outputs make_outputs(void)
     return o;
 }
 
-/* The subject twice, with ids of their own, into the targets or the caller's framebuffer. */
+/* Renders the subject twice, with two ids, into the targets or the caller's framebuffer. */
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
 {
     fxs_context c;
@@ -1180,7 +1176,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     return error;
 }
 
-/* Words of a buffer that are not the picture's, nor 3 beside it. */
+/* Counts words that differ from the picture inside, or from 3 outside. */
 static int differing_words(const subject *s, const fxs_gles_target *t, GLenum buffer, const uint32_t *expected, int n)
 {
     static GLuint words[HIGH][WIDE][4];
@@ -1199,7 +1195,7 @@ static int differing_words(const subject *s, const fxs_gles_target *t, GLenum bu
     return differing;
 }
 
-/* One frame of the processor and one of the device: the same colours, depths and ids, the state kept. */
+/* Colours, depths and ids equal the processor's; the state stays. */
 static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gles_target *t,
                           const mesh *m)
 {
@@ -1250,7 +1246,7 @@ static void depths_and_ids_by(int small)
         if (!make_subject(&s, names[i % 3], 5000, 111, 83))
             return;
         if (i == 3)
-            s.camera.position_q32[2] -= INT64_C(7) << 32;      /* so far that depths of 28 bits end at 16 */
+            s.camera.position_q32[2] -= INT64_C(7) << 32;      /* 28-bit depths saturate at 16 */
         const mesh m = make_mesh(&s);
         fxs_gles_target t = {.framebuffer = o.framebuffer, .x = 13, .y = 7, .top_down = i % 2, .depths_and_ids = 1,
                              .depth_bits = i == 2 ? 24 : i == 3 ? 28 : i == 4 ? 1 : 0, .over = i == 3};
@@ -1269,7 +1265,7 @@ static void depths_and_ids(void)
     depths_and_ids_by(16);
 }
 
-/* A driver that does not compile the shader of depths and ids. */
+/* A driver that rejects the shader of depths and ids. */
 static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -1279,7 +1275,7 @@ static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Then they are refused each time, and colours are drawn. */
+/* Then depths and ids are refused each time; colours are still drawn. */
 static void depths_and_ids_without_shader(void)
 {
     subject s;
@@ -1298,7 +1294,7 @@ static void depths_and_ids_without_shader(void)
     close_gles(gles);
 }
 
-/* They are not to be had by quads or fetch, nor in a framebuffer without room for them. */
+/* Depths and ids are refused with quads, fetch and unsuitable framebuffers. */
 static void depths_and_ids_refused(void)
 {
     subject s;
@@ -1317,7 +1313,7 @@ static void depths_and_ids_refused(void)
     close_gles(gles);
 }
 
-/* ---- By compute shaders ------------------------------------------------------------------------------------------ */
+/* ---- Compute shaders --------------------------------------------------------------------------------------------- */
 
 static int open_compute_by(fxs_gl_load_fn *by, GLint size)
 {
@@ -1346,7 +1342,7 @@ static void close_compute(void)
     no_blocks = 0;
 }
 
-/* Runs a test whose targets are drawn by compute shaders, from a storage buffer, and from a texture of several rows. */
+/* Runs a test with targets drawn by compute shaders, from a storage buffer, then from a texture of several rows. */
 static void run_by_compute(void (*test)(void))
 {
     for (int by_texture = 0; by_texture < 2; by_texture++) {
@@ -1389,8 +1385,7 @@ static fxs_gl_function load_losing(void *argument, const char *name)
     return losing_load(load, argument, name);
 }
 
-/* Frames whose device fails from the n-th call on: an error, and in the target all of the picture or nothing; then the
-   bytes of the processor. */
+/* Fails each call of a frame in turn: an error, and a whole or untouched target. The next frame is right. */
 static void compute_draws_lose_by(int by_texture)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
@@ -1450,8 +1445,8 @@ static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const
     real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
 }
 
-/* A driver that does not compile a shader of draws: said each time, with the line; the state is kept, and frames into
-   memory go on. */
+/* A driver that rejects a shader of draws: reported each time with its line; the state stays, frames into memory
+   work. */
 static void compute_without_shader(void)
 {
     subject s;
@@ -1479,7 +1474,7 @@ static void compute_without_shader(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Making and ending it leaves the state; a picture larger than a texture of words is refused; wrong arguments. */
+/* Creation and destruction keep the state. Pictures larger than a texture of words and wrong arguments are refused. */
 static void compute_refuses(void)
 {
     state before, after;
@@ -1518,7 +1513,6 @@ static void compute_refuses(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Making and ending a back end leaves the state too. */
 static void init_keeps_state(void)
 {
     state before, after;
@@ -1534,9 +1528,9 @@ static void init_keeps_state(void)
     settle();
 }
 
-/* ---- What goes wrong --------------------------------------------------------------------------------------------- */
+/* ---- Failures ---------------------------------------------------------------------------------------------------- */
 
-static int calls, missing;                 /* the call of load that finds nothing */
+static int calls, missing;                 /* the call of load that returns null */
 static char missing_name[64];
 
 static fxs_gl_function load_but_one(void *argument, const char *name)
@@ -1617,7 +1611,7 @@ static void unfit_contexts(void)
     refuses("16x16");
 }
 
-static int good_calls;                     /* before the device is lost */
+static int good_calls;                     /* calls before the device is lost */
 static PFNGLMAPBUFFERRANGEPROC real_MapBufferRange;
 static PFNGLUNMAPBUFFERPROC real_UnmapBuffer;
 
@@ -1653,7 +1647,7 @@ static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
     return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
 }
 
-/* A function fails from its n-th call on, for every n until a frame is done without: the error is that expected. */
+/* Fails a function from its n-th call on, for each n until a frame succeeds: always this error. */
 static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls, int expected)
 {
     int error = expected, n;
@@ -1699,7 +1693,7 @@ static void lost_devices(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* A buffer that cannot be mapped, after a frame that could be drawn. */
+/* A buffer that cannot be mapped, after a good frame. */
 static void full_device(void)
 {
     subject s;
@@ -1730,7 +1724,7 @@ typedef struct turn {
     caller caller;
 } turn;
 
-/* Two contexts of every port, all open on this thread. */
+/* Two contexts of each port, all open on this thread. */
 static void contexts_in_turn(void)
 {
     static const int order[] = {0, 2, 0, 3, 1, 3, 1, 0, 2, 1};

@@ -1,4 +1,4 @@
-/* Reads of .glb and .gltf files made here, of faulty ones, and of a real scene. */
+/* Reads synthetic .glb and .gltf files, faulty ones, and a real scene. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static fxs_message message;
 static fxs_scene_file_info info;
 static fxs_gaussian out[4 * COUNT];
 
-/* ---- Making a file --------------------------------------------------------------------------------------------- */
+/* ---- Synthetic files ------------------------------------------------------------------------------------------- */
 
 static uint8_t bin[MAX_BYTES], file_bytes[MAX_BYTES + MAX_TEXT];
 static size_t bin_size, file_size;
@@ -54,13 +54,13 @@ static void put_component(int type, int normalized, double value)
     bin_size += (size_t)size[type - BYTE];
 }
 
-/* An accessor in a bufferView of its own, with `gap` bytes behind each element. */
+/* Adds an accessor with its own bufferView and `gap` bytes after each element. */
 static void add(const char *name, int components, int type, int normalized, int gap, const double *values)
 {
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     const char *comma = accessor_count ? "," : "";
     size_t start = bin_size, element = 0;
-    bin_size += 8;   /* byteOffsets of 4 in the bufferView and 4 in the accessor */
+    bin_size += 8;   /* byteOffset 4 in bufferView and accessor */
     for (int i = 0; i < COUNT; i++) {
         size_t at = bin_size;
         for (int c = 0; c < components; c++)
@@ -79,7 +79,6 @@ static void add(const char *name, int components, int type, int normalized, int 
 static const char extension[] =
     "\"KHR_gaussian_splatting\":{\"kernel\":\"ellipse\",\"colorSpace\":\"srgb_rec709_display\"}";
 
-/* The file around one primitive. */
 static void write_json(const char *nodes, const char *extensions, const char *buffer)
 {
     json[0] = '\0';
@@ -113,7 +112,7 @@ static void put_named(const char *name, const void *bytes, size_t size)
     fclose(stream);
 }
 
-/* ---- The Gaussians in it --------------------------------------------------------------------------------------- */
+/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
 static double position[3 * COUNT], rotation[4 * COUNT], scale[3 * COUNT], opacity[COUNT], sh[16][3 * COUNT];
 
@@ -165,7 +164,7 @@ static void add_all(int degree)
     add_sh(degree);
 }
 
-/* ---- Reading it ------------------------------------------------------------------------------------------------ */
+/* ---- Reading --------------------------------------------------------------------------------------------------- */
 
 static long read_scene(const char *name, int step)
 {
@@ -210,7 +209,7 @@ static void expect_read(long result, long count)
         printf("  %ld: %s\n", result, message.text);
 }
 
-/* ---- What a transform has to do -------------------------------------------------------------------------------- */
+/* ---- Transforms ------------------------------------------------------------------------------------------------ */
 
 static void rotation_matrix(double x, double y, double z, double w, double m[3][3])
 {
@@ -236,7 +235,7 @@ static void multiply(double a[3][3], double b[3][3], double c[3][3])
             c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* KHR_gaussian_splatting, "Calculating color"; without degree 0. */
+/* KHR_gaussian_splatting, "Calculating color", without degree 0. */
 static double colour(const double k[15], const double d[3])
 {
     double x = d[0], y = d[1], z = d[2];
@@ -265,7 +264,7 @@ static void check_colours(const fxs_gaussian *g, int i, double turn[3][3], doubl
     }
 }
 
-/* The read Gaussians are those of the values under x -> m x + shift in glTF's frame; `turn` is the rotation of m. */
+/* Checks the Gaussians after x -> m x + shift in glTF's frame; `turn` is the rotation in m. */
 static void check_gaussians(const fxs_gaussian *g, double m[3][3], const double shift[3], double turn[3][3],
                             double tolerance)
 {
@@ -337,7 +336,7 @@ static void every_type(void)
             }
 }
 
-/* 0 of SCALE and the ends of OPACITY stay finite; below 0 is as its magnitude. */
+/* SCALE 0 and OPACITY 0 or 1 stay finite; a negative scale counts as its magnitude. */
 static void extreme_values(void)
 {
     clear();
@@ -357,7 +356,7 @@ static void extreme_values(void)
     CHECK(out[0].scale[1] == 0 && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
-/* SCALE of drafts: logarithms as floats, and as signed integers; by their names of now and then. */
+/* SCALE of drafts: logarithms as floats or signed integers, by current and former names. */
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {
@@ -384,7 +383,7 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* one of five below 0 is a size, two are logarithms */
+    for (int below = 1; below <= 2; below++) {   /* of five values one below 0 is a size, two are logarithms */
         add_all(0);
         clear();
         for (int i = 0; i < below; i++)
@@ -400,7 +399,7 @@ static void log_scales(void)
     }
 }
 
-/* Of two primitives, one has the SCALE 0 to 2, all of which could be linear, the other what shows that they are not. */
+/* One primitive with SCALE 0 to 2, which could be linear; the other proves logarithms for the whole file. */
 static void log_scales_of_a_file(void)
 {
     static char whole[MAX_TEXT];
@@ -470,15 +469,14 @@ static void draft_names(void)
     }
 }
 
-/* sRGB of linear light. */
 static double srgb(double c)
 {
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
 }
 
-static fxs_gaussian plain[COUNT];       /* as the file has them */
+static fxs_gaussian plain[COUNT];       /* as in the file */
 
-/* The colours that were read, of linear light, in sRGB; a small coefficient by the difference that it makes. */
+/* Colours of linear light must become sRGB, and small coefficients scale with the slope. */
 static void check_srgb(int degree)
 {
     static const double sh_0 = 0.28209479177387814;
@@ -495,7 +493,7 @@ static void check_srgb(int degree)
         }
 }
 
-/* Where nothing is said, as beside an .spz, colours are sRGB; of linear light they become that. */
+/* Unstated colour spaces, also with an .spz, mean sRGB; linear light is converted. */
 static void colour_spaces(void)
 {
     static const struct { const char *text; int fails, is_linear; } cases[] = {
@@ -522,7 +520,7 @@ static void colour_spaces(void)
     }
 }
 
-/* translation, rotation and scale of one node, times a parent's. */
+/* One node's translation, rotation and scale, times its parent's. */
 static void transforms(void)
 {
     double r[3][3], m[3][3], shift[3] = {1.5, -2, 30};
@@ -579,7 +577,7 @@ static void several_parts(void)
     check_gaussians(out + COUNT, identity, shift, identity, 2e-6);
 }
 
-/* Gaussian i of those read, in the axes of the file, is `position` moved so far. */
+/* Checks that Gaussian i is moved by this, in the file's axes. */
 static void check_moved(int i, const double by[3])
 {
     static const double signs[3] = {-1, -1, 1};
@@ -589,7 +587,7 @@ static void check_moved(int i, const double by[3])
     }
 }
 
-/* Nodes far out keep their places by an origin. */
+/* Distant nodes keep their places through an origin. */
 static void far_nodes(void)
 {
     static const double far[3] = {-500000.25, 4500000, 3}, also[3] = {-500000.25, 4500002, 3}, still[3] = {0};
@@ -608,7 +606,7 @@ static void far_nodes(void)
     check_moved(0, still);
 }
 
-/* A node that brings far positions back is near: the bounds of its accessor say so. */
+/* A node that moves distant positions back is near, by its accessor's bounds. */
 static void far_accessor(void)
 {
     char rest[2048];
@@ -704,7 +702,6 @@ static int is_near(double a, double b)
     return fabs(a - b) < 1e-5;
 }
 
-/* Replaces the first `old` of the JSON. */
 static void replace(const char *old, const char *by)
 {
     static char changed[MAX_TEXT];
@@ -717,7 +714,7 @@ static void replace(const char *old, const char *by)
     strcpy(json, changed);
 }
 
-/* In the bufferView's axes as they are, but for the node's matrix and the frame of all glTF. */
+/* The .spz is used as it stands, with the node's matrix and glTF's frame. */
 static void compressed(void)
 {
     static const char *const forms[] = {
@@ -777,7 +774,7 @@ static void opacities_beside_spz(void)
     CHECK(info.clamped_opacity && out[0].opacity == 20);
 }
 
-/* Opacities beyond 0 and 1 are clamped, and it is said; NaN stays. */
+/* Opacities outside 0 to 1 are clamped and reported; NaN stays. */
 static void opacities_out_of_range(void)
 {
     add_all(0);
@@ -797,9 +794,9 @@ static void opacities_out_of_range(void)
           out[3].opacity == -20 && out[4].opacity == 20);
 }
 
-/* ---- Accessors without all of their data ---- */
+/* ---- Incomplete accessors ---- */
 
-/* Replaces two positions; the others stay, or are 0 where the accessor has no base. */
+/* Replaces two positions; the others stay, or are 0 without a base. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)
 {
     char text[256];
@@ -860,7 +857,7 @@ static void faulty_sparse(void)
     }
 }
 
-/* An accessor without a bufferView is all 0; a scene of nothing else is refused, whatever its count. */
+/* An accessor without a bufferView is 0; a scene with no other accessors is refused for any count. */
 static void zeros(void)
 {
     add_all(1);
@@ -881,7 +878,7 @@ static void zeros(void)
     check_fails("no accessor of a primitive with Gaussians has data for each of them");
 }
 
-/* KHR_mesh_quantization lets positions be integers. */
+/* KHR_mesh_quantization allows integer positions. */
 static void quantized_positions(void)
 {
     double whole[3 * COUNT];
@@ -904,7 +901,7 @@ static void quantized_positions(void)
 
 static void faulty_text(void)
 {
-    static const char *const cases[][3] = {   /* what is replaced, by what, the message */
+    static const char *const cases[][3] = {   /* old, new, message */
         {"\"2.0\"", "\"1.0\"", "not glTF 2"}, {"\"version\"", "\"verzion\"", "not glTF 2"},
         {"\"scenes\":[", "\"scenes\":[,", "bad JSON"},
         {"\"scenes\"", "\"scanes\"", "no primitive with KHR_gaussian_splatting"},
@@ -965,7 +962,7 @@ static void faulty_text(void)
     }
 }
 
-/* What would take long or much memory for its size. */
+/* Small files that would take much time or memory. */
 static void many_of_all(void)
 {
     static char text[MAX_TEXT];
@@ -1014,12 +1011,12 @@ static void faulty_containers(void)
     }
 }
 
-/* The .ply is in the tile's frame, z up: 3D Tiles turn glTF's y up to that by (x, y, z) -> (x, -z, y). */
+/* The .ply is in the tile's frame, z up. 3D Tiles turn glTF's y up into it by (x, y, z) -> (x, -z, y). */
 static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
     static fxs_gaussian g[2][1000];
-    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* from the .ply's frame to that read */
+    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* from the .ply's frame to the read one */
     fxs_scene_file *files[2];
     fxs_scene_file_info infos[2];
     char name[1024];

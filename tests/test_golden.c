@@ -1,6 +1,6 @@
-/* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png, by the processor
- * and each exact back end; --cuda: by CUDA alone. --update writes them anew. On a difference the frame and a picture of
- * the difference are left in build/golden. */
+/* Golden images: small frames of procedural scenes against tests/golden/NAME.png, byte for byte, by the processor and
+ * each exact back end. --cuda: only CUDA. --update: writes them. On a mismatch the frame and a difference picture go to
+ * build/golden. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -30,7 +30,7 @@ static const golden cases[] = {
     /* project, shade: degree 3 on an object; blend: opaque surfaces, early stop */
     {"knot", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 240, 135, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 17, 19, 27)},
-    /* shade: the same, degree 1 of 3 only */
+    /* shade: degree 1 of 3 */
     {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, RGBA8, OPTIONS(MAHALANOBIS, 1, 0, 0, 0)},
     /* bin, blend: the original's square instead of the ellipse */
     {"knot-square", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 120, 68, 0,
@@ -41,19 +41,19 @@ static const golden cases[] = {
     /* project: depths from near to far, culls at the edges; sort: 150,000 keys */
     {"landscape", "landscape", 150000, {4.6, -1.9, -12.7}, {0, -2.2, 0}, 52, 256, 144, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 153, 189, 230)},
-    /* project: whitening and bin: spans of needles 1:1000 at all angles, widths under a pixel */
+    /* project, bin: needles 1:1000 at all angles, widths below a pixel */
     {"needles", "needles", 20000, {0, -2, -11}, {0, 0, 0}, 50, 200, 150, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 25, 25, 30)},
     /* blend: deep translucent overlap, small weights; resolve: coverage, premultiplied */
     {"fog-coverage", "fog", 5000, {0, -1, -12}, {0, 0, 0}, 45, 160, 90, 0,
      FXS_FORMAT_RGBA8_COVERAGE, OPTIONS(MAHALANOBIS, 3, 0, 0, 0)},
-    /* sort: exact ties of depth keep the order of the scene; blend: tiles that close */
+    /* sort: equal depths keep the scene's order; blend: tiles that close */
     {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, RGBA8, OPTIONS(MAHALANOBIS, 0, 0, 0, 0)},
-    /* project: from sub-pixel to larger than the picture; a size that is no multiple of the tile */
+    /* project: from sub-pixel to larger than the picture; partial tiles */
     {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 255, 255, 255)},
-    /* project: the camera inside the scene, a very wide view: near plane, cut slopes, huge footprints */
+    /* project: camera inside the scene with a very wide view: near plane, clamped slopes, huge footprints */
     {"inside", "knot", 30000, {0.4, 0.3, 0.2}, {1.5, 0.9, 2}, 140, 160, 120, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 90, 60, 30)},
-    /* everything: one pixel */
+    /* all stages: one pixel */
     {"pixel", "fog", 500, {0, 0, -8}, {0, 0, 0}, 20, 1, 1, 0, RGBA8, OPTIONS(MAHALANOBIS, 2, 10, 200, 100)},
 };
 
@@ -61,7 +61,7 @@ static int updating;
 static const golden *current;
 static const fxs_backend *backend;
 
-/* The processor draws with the plain C versions. */
+/* The processor uses plain C. */
 static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *g, void *self, uint8_t *pixels,
                 fxs_message *m)
 {
@@ -123,7 +123,7 @@ static void compare(const golden *g, const uint8_t *actual, const char *path)
     free(expected);
 }
 
-/* A back end other than the processor is compared only. */
+/* --update only uses the processor. */
 static void golden_image(void)
 {
     char path[128];

@@ -1,4 +1,4 @@
-/* Reads of the folder of PNGs that gsplat writes: what its bytes mean, and faulty ones. */
+/* Reads gsplat's folder of PNGs: the meaning of its bytes, and faulty folders. */
 #include "every_format_bytes.h"
 
 #ifdef WITH_GSPLAT
@@ -6,7 +6,6 @@
 static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 static fxs_gaussian out[GAUSSIANS + 1];
 
-/* Returns how many, or an error and the message. */
 static long read_folder(void)
 {
     fxs_scene_file *file;
@@ -85,7 +84,7 @@ static void faults(void)
         struct made_file *meta = &files[0];
         meta->data[meta->size] = 0;
         const char *found = strstr((char *)meta->data, cases[i].old);
-        if (!found && strstr(cases[i].words, "shN"))       /* without libzip none is made */
+        if (!found && strstr(cases[i].words, "shN"))       /* absent without libzip */
             continue;
         if (!CHECK(found != NULL))
             continue;

@@ -1,6 +1,6 @@
-/* The driver of the display controller ILI9341 against a model of it, which takes the bytes of its bus, refuses
- * sequences that its data sheet does not allow, and keeps the picture: the renderer's RGB565, byte for byte. With
- * arguments the model takes what a board's firmware has sent: test_ili9341 SCENE.fxs WIDTH HEIGHT FRAMES STREAM. */
+/* The driver of the ILI9341 display controller against a model. The model takes the bus's bytes, refuses sequences that
+ * the data sheet forbids, and holds the picture, which must be the renderer's RGB565. With arguments it takes the bytes
+ * of a board's firmware: test_ili9341 SCENE.fxs WIDTH HEIGHT FRAMES STREAM. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,21 +19,21 @@ static const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0
 
 #define UNTOUCHED 0xbeef
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-enum { COMMAND, DATA, WAIT };              /* an event of the stream: one of these, then a byte */
+enum { COMMAND, DATA, WAIT };              /* a stream event: a kind and a byte */
 enum { MIRROR_Y = 0x80, MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 
 typedef struct model {
     uint16_t memory[LONG_SIDE][SHORT_SIDE];
-    const char *fault;                     /* the first, or null */
-    uint32_t now, reset_at, awake_at;      /* milliseconds waited */
+    const char *fault;                     /* the first one, or null */
+    uint32_t now, reset_at, awake_at;      /* milliseconds */
     int is_reset, is_awake, is_on;
     uint8_t command, data[4], access, format;
-    uint32_t count;                        /* bytes of data so far */
-    int32_t window[2][2], at[2];           /* columns and pages: first and last, and the next one */
-    uint64_t pixels;                       /* written so far */
+    uint32_t count;                        /* data bytes received */
+    int32_t window[2][2], at[2];           /* columns and pages: first, last; next */
+    uint64_t pixels;
 } model;
 
-/* Commands that are known, with how many bytes of data they have. */
+/* Known commands with their count of data bytes. */
 static const struct command {
     uint8_t code, count;
 } commands[] = {{0x01, 0}, {0x11, 0}, {0x29, 0}, {0x2a, 4}, {0x2b, 4}, {0x2c, 0}, {0x36, 1},
@@ -92,7 +92,7 @@ static void begin_command(model *m)
     }
 }
 
-/* All data of a command is there. */
+/* Handles a command with complete data. */
 static void end_command(model *m)
 {
     const uint8_t *d = m->data;
@@ -117,7 +117,7 @@ static const struct command *command_of(uint8_t code)
     return 0;
 }
 
-/* Whether the command before has all of its data. */
+/* True if the previous command has all its data. */
 static int is_complete(const model *m)
 {
     return m->command == 0x2c ? m->count % 2 == 0 : !m->command || m->count == command_of(m->command)->count;
@@ -139,7 +139,7 @@ static void take_command(model *m, uint8_t code)
         begin_command(m);
 }
 
-/* A pixel at the next place of the window; columns go by first. */
+/* Writes a pixel and advances, columns first. */
 static void write_pixel(model *m, uint16_t pixel)
 {
     const int turned = m->access & TRANSPOSE;
@@ -189,15 +189,14 @@ static void take(model *m, uint8_t kind, uint8_t byte)
         take_data(m, byte);
 }
 
-/* What is seen, the panel upright or on its side. The columns of the memory run from right to left on the glass, whose
-   filters begin with blue, so both want BGR. */
+/* The visible pixel, for the panel upright or on its side. The memory's columns run right to left on the glass and its
+   filters begin with blue, so both need BGR. */
 static uint16_t seen(const model *m, int32_t x, int32_t y, int upright)
 {
     return upright ? m->memory[y][SHORT_SIDE - 1 - x] : m->memory[x][y];
 }
 
-/* Whether the picture is seen at the upper left corner, with nothing around it. `pixels`: RGB565 with the low byte
-   first. */
+/* True if the picture shows in the upper left corner and the rest is untouched. `pixels`: RGB565, low byte first. */
 static int shows(const model *m, const unsigned char *pixels, int32_t width, int32_t height)
 {
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
@@ -214,7 +213,7 @@ static int shows(const model *m, const unsigned char *pixels, int32_t width, int
 
 /* ---- The driver -------------------------------------------------------------------------------------------------- */
 
-/* A bus whose DMA, if it has any, reads pixels as late as it may. */
+/* A bus whose DMA, if any, reads pixels as late as possible. */
 typedef struct bus {
     model *model;
     int dma;
@@ -259,7 +258,7 @@ static fxs_ili9341 panel_on(bus *b)
     return (fxs_ili9341){.bus = {send_command, send_data, wait, b}};
 }
 
-/* A frame as a whole in RGB565. Free it. */
+/* Renders a whole frame in RGB565. Release with free. */
 static unsigned char *whole_picture(const fxs_object *object, const fxs_camera *camera)
 {
     fxs_context context;
@@ -273,7 +272,7 @@ static unsigned char *whole_picture(const fxs_object *object, const fxs_camera *
     return pixels;
 }
 
-/* The same by the driver, in its least memory. */
+/* Renders the frame through the driver, in minimum memory. */
 static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_camera *camera, int32_t rows, int32_t gap)
 {
     const ptrdiff_t stride = camera->width * 2 + gap;
@@ -296,7 +295,7 @@ static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_came
     free(strips);
 }
 
-/* Upright and on its side, with rows that lie apart, with DMA. */
+/* Upright and on its side, with padded rows, with DMA and without. */
 static void test_pictures(void)
 {
     static const int32_t sizes[][2] = {{240, 320}, {320, 240}, {131, 77}, {241, 240}, {1, 1}, {320, 17}};
@@ -343,7 +342,7 @@ static void test_refused(void)
     CHECK(!fxs_ili9341_rows(&panel, &strip, 16, 16) && m.pixels == 20 * 16 && !m.fault);
 }
 
-/* Streams that a controller does not take, or takes for something else: each with its last event, and none before. */
+/* Each stream is refused at its last event. */
 static void test_model_refuses(void)
 {
 #define AWAKE COMMAND, 0x01, WAIT, 120, COMMAND, 0x3a, DATA, 0x55, COMMAND, 0x11, WAIT, 5
@@ -382,9 +381,9 @@ static void test_model_refuses(void)
     }
 }
 
-/* ---- What a board has sent --------------------------------------------------------------------------------------- */
+/* ---- A stream from a board --------------------------------------------------------------------------------------- */
 
-/* Whether the stream shows the last of so many steps of the turntable, after all others. */
+/* Returns 0 if the stream shows the last of FRAMES turntable steps, after all others. */
 static int check_stream(char **arguments)
 {
     static model m;

@@ -1,4 +1,4 @@
-/* Image files: round trips, failures that leave the old file whole. Metrics: values worked out by hand. */
+/* Image files: round trips, and failures that keep the old file. Metrics: values computed by hand. */
 #include <fixsplat/film_file.h>
 #include <fixsplat/image_file.h>
 
@@ -47,7 +47,6 @@ static uint8_t random_byte(void)
     return (uint8_t)(seed >> 24);
 }
 
-/* Noise with an alpha of 255, or noise there too. */
 static void make_image(int opaque)
 {
     seed = 1;
@@ -132,7 +131,7 @@ static void endings(void)
     CHECK(files_in_folder() == 0);
 }
 
-/* Encodes a picture, which it fails to where its library is missing. */
+/* Encodes a picture. Returns 0 if the library is missing. */
 static int encode(enum fxs_image_format format, int quality, fxs_encoded *encoded)
 {
     const int status = fxs_image_encode(format, quality, image, WIDTH, HEIGHT, encoded, &message);
@@ -155,7 +154,7 @@ static void qualities(void)
     }
 }
 
-/* BT.709 by its formula, in doubles: each number is that, rounded, or one beside it. */
+/* BT.709 by formula; values may round either way. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -172,7 +171,7 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* used again */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* buffer reused */
     fxs_encoded_free(&frame);
 
     static const struct {
@@ -189,7 +188,7 @@ static void frames_of_films(void)
     }
 }
 
-/* What is smooth comes back within a few levels. */
+/* Smooth pictures survive within a few levels. */
 static void jpg(void)
 {
     uint8_t *rgba;
@@ -217,7 +216,7 @@ static void jpg(void)
 }
 
 #ifdef FXS_WITH_WEBP
-/* Without loss: colours under an alpha of 0 too. */
+/* Lossless, also colours with alpha 0. */
 static void webp(void)
 {
     fxs_encoded encoded = {0};
@@ -248,7 +247,7 @@ static int refuse(const char *path, fxs_message *why)
     return strstr(path, "a.png") ? fxs_fail(why, "%s: not this one", path) : 0;
 }
 
-/* A program that refuses an output is asked before anything of it is there. */
+/* A callback may refuse an output before any of it is written. */
 static void refused_targets(void)
 {
     make_image(0);
@@ -278,7 +277,7 @@ static void unwritable_folder(void)
     remove(in_folder("a.png"));
 }
 
-/* A limit of the file size stands in for a full disk; the old file stays and nothing is left beside it. */
+/* A file size limit simulates a full disk; the old file stays, without leftovers. */
 static void full_disk(void)
 {
     static const char *const names[] = {"a.png", "a.ppm", "a.raw"};
@@ -360,7 +359,7 @@ static const struct {
     const uint8_t *bytes;
     size_t size;
     int grey;
-    uint32_t hash;                 /* of the pixels: the same on every machine */
+    uint32_t hash;                 /* of the pixels; equal on all machines */
 } jpegs[] = {
     {baseline_jpeg, sizeof baseline_jpeg, 0, 0xa65fd5fe},
     {progressive_jpeg, sizeof progressive_jpeg, 0, 0xa65fd5fe},
@@ -377,7 +376,7 @@ static uint32_t hash_of(const uint8_t *bytes, size_t size)
     return hash;
 }
 
-/* Content tells the kind: the ending does not matter. */
+/* The content, not the extension, decides the format. */
 static void jpeg(void)
 {
     for (int i = 0; i < JPEGS; i++) {
@@ -403,7 +402,6 @@ static void jpeg(void)
     remove(in_folder("a.png"));
 }
 
-/* A .jpg of 16 x 16 pixels of these four values. */
 static void put_cmyk(J_COLOR_SPACE space, int is_adobe, const uint8_t values[4])
 {
     enum { SIDE = 16 };
@@ -432,7 +430,7 @@ static void put_cmyk(J_COLOR_SPACE space, int is_adobe, const uint8_t values[4])
     free(bytes);
 }
 
-/* Inks of printing: as Adobe's programs store them, inverted, in both of its ways, and as they are. */
+/* CMYK as Adobe stores it, inverted, as CMYK and YCCK; and plain CMYK. */
 static void cmyk(void)
 {
     static const uint8_t stored[4] = {200, 100, 50, 180}, inks[4] = {55, 155, 205, 75};
@@ -454,11 +452,11 @@ static void cmyk(void)
     remove(in_folder("cmyk.jpg"));
 }
 
-/* The first .jpg with other bytes at `offset` behind its first marker of that kind. */
+/* The first .jpg with bytes changed at `offset` after the first such marker. */
 static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
 {
     uint8_t changed[sizeof baseline_jpeg];
-    size_t at = 2;                 /* its segments come one behind the other */
+    size_t at = 2;                 /* segments follow each other */
     memcpy(changed, baseline_jpeg, sizeof changed);
     while (changed[at + 1] != marker)
         at += 2 + (size_t)(changed[at + 2] << 8 | changed[at + 3]);
@@ -473,7 +471,7 @@ static void bad_jpeg(void)
     check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
-    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampled by 3 x 2 and 2 x 1 */
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampling 3 x 2 and 2 x 1 */
     check_unreadable("a.jpg", "Fractional sampling not implemented");
     put_changed_jpeg(0xc0, 9, "\4", 1);
     check_unreadable("a.jpg", "Bogus marker length");
@@ -487,7 +485,7 @@ static void bad_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* Data that end early, in a file that does not; and bytes between two segments, which do no harm. */
+/* Data that end early in a complete file are an error; bytes between segments are harmless. */
 static void damaged_jpeg(void)
 {
     uint8_t bytes[sizeof baseline_jpeg + 3], *rgba;
@@ -506,7 +504,7 @@ static void damaged_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* A grey picture of 8 x 8 whose one mean comes again and again, each time in 11 bytes. */
+/* A grey picture of 8 x 8 that repeats its mean in scans of 11 bytes. */
 static void scans(void)
 {
     static const uint8_t frame[] = {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
@@ -552,7 +550,7 @@ static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_
     return put_word(to + 4 + size, crc32(0, to, (uInt)size + 4));
 }
 
-/* A .png of these rows, each behind its filter's byte; `palette`: chunks before the data, or NULL. */
+/* `rows`: each after its filter byte. `palette`: chunks before the data, or NULL. */
 static void put_png(const char *name, const uint8_t header[13], const uint8_t *palette, size_t palette_size,
                     const uint8_t *rows, size_t size)
 {
@@ -573,7 +571,7 @@ static void put_png(const char *name, const uint8_t header[13], const uint8_t *p
     free(bytes);
 }
 
-/* RGBA of 8 or 16 bits, with `size` zeros to be inflated. */
+/* RGBA with 8 or 16 bits and `size` zeros of data. */
 static void put_zeros(const char *name, int side, int depth, int interlaced, size_t size)
 {
     uint8_t *zeros = calloc(1, size);
@@ -584,7 +582,7 @@ static void put_zeros(const char *name, int side, int depth, int interlaced, siz
     free(zeros);
 }
 
-/* Depths and kinds of colour, as RGBA: of 16 bits the upper 8, grey thrice, palettes looked up. */
+/* All bit depths and colour types become RGBA: upper 8 of 16 bits, grey tripled, palettes looked up. */
 static void png_kinds(void)
 {
     static const uint8_t palette[12] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 0, 255};
@@ -619,7 +617,7 @@ static void png_kinds(void)
     remove(in_folder("a.png"));
 }
 
-/* Bytes of a picture's rows: those of an interlaced one come in seven parts, each with rows of its own. */
+/* Bytes of all rows; an interlaced picture has seven parts with their own rows. */
 static size_t row_bytes(int side, int depth, int interlaced)
 {
     static const int parts[8][4] = {{0, 0, 1, 1}, {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4},
@@ -633,7 +631,7 @@ static size_t row_bytes(int side, int depth, int interlaced)
     return bytes;
 }
 
-/* A .png inflates to its rows, and to nothing more. */
+/* A .png must inflate to exactly its rows. */
 static void inflated_size(void)
 {
     uint8_t *rgba;
@@ -659,7 +657,7 @@ static void inflated_size(void)
     remove(in_folder("a.png"));
 }
 
-/* Black and white, all black: eight pixels of a byte that deflate makes a thousandth of. */
+/* All-black bilevel pictures: eight pixels a byte, deflated to a thousandth. */
 static void little_for_much(void)
 {
     enum { MOST = 8192 };
@@ -679,7 +677,7 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* A picture of one pixel, with a chunk of zeros before its data; `wrong` is added to the checksum of the chunk. */
+/* One pixel, with a chunk of zeros before its data; `wrong` is added to that chunk's checksum. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
@@ -697,7 +695,7 @@ static void put_chunked(const char *type, size_t size, int wrong)
     free(content);
 }
 
-/* Chunks that do not change pixels are passed over, of any size and content; their checksums are not. */
+/* Ancillary chunks are skipped, whatever their size and content, but checksums must be right. */
 static void chunks(void)
 {
     static const char *const types[] = {"iCCP", "gAMA", "tEXt", "abCd"};
@@ -732,13 +730,13 @@ static void metrics_equal(void)
     make_image(0);
     memcpy(other, image, sizeof image);
     for (int i = 3; i < 4 * PIXELS; i += 4)
-        other[i] = random_byte();   /* alpha does not count */
+        other[i] = random_byte();   /* alpha is ignored */
     CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
     CHECK(metrics.mse == 0 && isinf(metrics.psnr) && metrics.psnr > 0 && metrics.largest == 0);
     CHECK(near(metrics.ssim, 1));
 }
 
-/* Flat images: the variances are 0, so that SSIM = (2 a b + c1) / (a^2 + b^2 + c1). */
+/* Flat images: variances are 0, so SSIM = (2 a b + c1) / (a^2 + b^2 + c1). */
 static void metrics_flat(void)
 {
     static const int sizes[][2] = {{WIDTH, HEIGHT}, {11, 11}, {WIDTH, 4}, {1, HEIGHT}, {1, 1}, {10, 12}};
@@ -753,7 +751,6 @@ static void metrics_flat(void)
     }
 }
 
-/* One channel of one pixel differs by 255. */
 static void metrics_pixel(void)
 {
     struct fxs_metrics metrics;
@@ -766,7 +763,7 @@ static void metrics_pixel(void)
     CHECK(metrics.ssim < 1 && metrics.ssim > 2.0 / 3);
 }
 
-/* SSIM as the paper writes it: one window after another, two-dimensional weights, centred moments. */
+/* SSIM as in the paper: each window with two-dimensional weights and centred moments. */
 static double plain_ssim(int channel)
 {
     double sum = 0, c1 = 6.5025, c2 = 58.5225, total = 0, weight[11][11];

@@ -1,5 +1,5 @@
-/* Every fast version of a stage against the C version: random and extreme inputs, all outputs compared byte by byte,
- * guard bytes around them. `test_kernels SEED` replays one case, `test_kernels --bench` measures. */
+/* Every fast kernel against plain C: random and extreme inputs; all outputs are compared byte by byte, between guard
+ * bytes. `test_kernels SEED` replays one case, `test_kernels --bench` measures. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"                      /* 0 where there is no such clock */
+#define TICK "ns"                      /* 0 without a clock */
 #endif
 
 #include <fixsplat/kernels.h>
@@ -18,14 +18,14 @@
 #include "packed_scene.h"
 
 #define ALL_CASES 2000
-#ifndef CASES                          /* an emulated board has time for fewer */
+#ifndef CASES                          /* fewer on emulated boards */
 #define CASES ALL_CASES
 #endif
 #define GUARD 64
 #define GUARD_BYTE 0xa5
 #define MAX_SPLATS 1024
 #define MAX_ENTRIES 3000
-#define TILE_COLUMNS 100               /* tiles of the picture that blend is tried on, each way */
+#define TILE_COLUMNS 100               /* tiles of blend's picture, each way */
 #define MAX_STRIDE 200
 
 static const struct {
@@ -36,7 +36,7 @@ static const struct {
 
 #define VERSIONS (sizeof versions / sizeof *versions)
 
-static fxs_kernels fast;               /* of the version under test */
+static fxs_kernels fast;               /* version under test */
 static uint64_t first_seed = 1, last_seed = CASES;
 
 /* ---- Random numbers -------------------------------------------------------------------------------------------- */
@@ -72,7 +72,7 @@ static double uniform(double low, double high)
     return low + (high - low) * (double)(next() >> 11) * 0x1p-53;
 }
 
-/* A number of any size up to `limit`, either sign, small ones as likely as large ones. */
+/* A number up to `limit`, log-uniform, either sign. */
 static int64_t any_size(int64_t limit)
 {
     int64_t x = (int64_t)(next() >> 1 >> below(63)) % (limit + 1);
@@ -89,7 +89,7 @@ static void *allocate(size_t bytes)
 
 /* ---- Guarded buffers ------------------------------------------------------------------------------------------- */
 
-/* An output twice, for the C version [0] and the fast one [1], each between guard bytes. */
+/* An output in two copies, for C [0] and fast [1], each between guard bytes. */
 typedef struct output {
     unsigned char *memory[2];
     size_t bytes;
@@ -98,7 +98,7 @@ typedef struct output {
 static output outputs[8];
 static size_t output_count;
 
-/* Both copies start with the same noise. `skew`: bytes off the alignment. */
+/* Fills both copies with equal noise. `skew`: misalignment in bytes. */
 static output *output_new(size_t bytes, size_t skew)
 {
     output *o = &outputs[output_count++];
@@ -143,7 +143,7 @@ static void outputs_free(void)
 
 /* ---- Scenes and cameras ---------------------------------------------------------------------------------------- */
 
-static packed_scene made;            /* of one chunk */
+static packed_scene made;            /* one chunk */
 static fxs_scene scene;
 static fxs_view view;
 
@@ -152,7 +152,7 @@ static fxs_chunk *chunk_of(void)
     return made.chunks;
 }
 
-/* Codes of one kind a row: 0 all 0, 1 all of the highest, 2 either, above that random. */
+/* Codes by kind: 0 zeros, 1 maxima, 2 both, others random. */
 static void fill_codes(unsigned char *row, size_t bytes, uint32_t kind)
 {
     for (size_t i = 0; i < bytes; i += 4) {
@@ -175,7 +175,7 @@ static void fill_rows(unsigned char *rows, int degree)
         rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
 }
 
-/* The other profiles: any bytes are codes. */
+/* Other profiles: all bytes are valid codes. */
 static void fill_other(unsigned char *rows, uint32_t bytes)
 {
     for (uint32_t row = 0; row < bytes / FXS_CHUNK; row++)
@@ -186,7 +186,7 @@ static void fill_other(unsigned char *rows, uint32_t bytes)
         made.header->palette_step_q19 = one_in(4) ? 32767 : below(32768);
 }
 
-/* Anything that fxs_scene_open accepts, the limits of each range among it. */
+/* Any header that fxs_scene_open accepts, including limits of each range. */
 static void wild_header(fxs_chunk *c)
 {
     const int64_t far = (int64_t)1 << 60;
@@ -207,7 +207,6 @@ static void wild_header(fxs_chunk *c)
     }
 }
 
-/* All centres in one place. */
 static void point_header(fxs_chunk *c)
 {
     for (int i = 0; i < 3; i++) {
@@ -216,7 +215,7 @@ static void point_header(fxs_chunk *c)
     }
 }
 
-/* A box of the size of a chunk of a captured scene, about the origin; sigma up to 0.05. */
+/* A box as large as a captured chunk, around the origin; sigma up to 0.05. */
 static void tame_header(fxs_chunk *c)
 {
     double size = exp2(uniform(-4, 2));
@@ -258,7 +257,7 @@ static void random_rotation(fxs_camera *camera)
         q[i] = uniform(-1, 1);
         norm += q[i] * q[i];
     }
-    if (norm < 1e-3 || one_in(8)) {              /* none */
+    if (norm < 1e-3 || one_in(8)) {              /* identity */
         memset(q, 0, sizeof q);
         q[0] = norm = 1;
     }
@@ -270,7 +269,7 @@ static void random_rotation(fxs_camera *camera)
         camera->rotation_q30[i] = (int32_t)lrint(m[i] * 0x1p30);
 }
 
-/* A point of the chunk's box, minus `distance` along the view. */
+/* Moves the camera to a point of the chunk's box minus `distance` along the view. */
 static void place_camera(fxs_camera *camera, double distance)
 {
     const fxs_chunk *c = chunk_of();
@@ -282,7 +281,7 @@ static void place_camera(fxs_camera *camera, double distance)
     }
 }
 
-/* In the middle, anywhere, or where a centre on the axis is at its limit. */
+/* Central, random, or with a centre on the axis at its limit. */
 static int32_t principal_point(int32_t size)
 {
     const int32_t limit = 65536 << 12, half_pixel = 1 << 11;
@@ -297,7 +296,7 @@ static void set_scale(fxs_chunk *c, int32_t scale_q16)
     c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
 }
 
-/* Parallel rays: the chunk is from a 16th of the picture to 4096 times as wide. */
+/* Orthographic: the chunk is 1/16 to 4096 times as wide as the picture. */
 static void zoom_to_chunk(fxs_camera *camera)
 {
     const fxs_chunk *c = chunk_of();
@@ -306,12 +305,12 @@ static void zoom_to_chunk(fxs_camera *camera)
     camera->fx_q12 = camera->fy_q12 = (int32_t)fmax(1, fmin(INT32_MAX, focal_q12));
 }
 
-/* Parallel rays, any zoom, from very near to very far: all centres in one place on the axis. */
+/* Orthographic, any zoom and distance, all centres in one place on the axis. */
 static void zoom_to_point(fxs_camera *camera)
 {
     const int64_t distance = (int64_t)1 << (one_in(4) ? 13 : one_in(2) ? 60 : 13 + below(48));
     point_header(chunk_of());
-    if (one_in(2))                               /* large Gaussians reach it from off the axis */
+    if (one_in(2))                               /* large Gaussians reach it from outside */
         camera->width = camera->height = 1 + (int32_t)below(8);
     fxs_camera_init(camera, camera->width, camera->height);
     camera->fx_q12 = one_in(4) ? 1 : one_in(4) ? INT32_MAX : (int32_t)exp2(uniform(0, 31));
@@ -320,8 +319,8 @@ static void zoom_to_point(fxs_camera *camera)
     camera->near_q32 = 1 << 12;
 }
 
-/* By 64 times the depth of the plane that all is projected by, or a unit of the chunk view beside that; the largest
-   sigma is a quarter of that to twice that. */
+/* Moves by 64 times the depth of the projection plane, or a unit of the chunk view next to that. The largest sigma is
+   1/4 to 2 times as large. */
 static void move_off_axis(void)
 {
     fxs_chunk_view cv;
@@ -332,7 +331,6 @@ static void move_off_axis(void)
     set_scale(chunk_of(), (sigma < 32 ? sigma : 32) * 65536);
 }
 
-/* A part of the picture, from nothing to all. */
 static void hide_some(fxs_camera *camera)
 {
     camera->hidden_x = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->width);
@@ -377,9 +375,9 @@ static void make_view(void)
 
 /* ---- project, shade -------------------------------------------------------------------------------------------- */
 
-/* To see that the cases are worth something. */
+/* Counters that show the cases are useful. */
 static uint64_t visible_total;
-static uint64_t zooms;                 /* a bit for each plane_zeros, from -22 to 38, that showed something */
+static uint64_t zooms;                 /* bit i: something was visible with plane_zeros i - 22 */
 
 static void count_visible(uint32_t count, int veils)
 {
@@ -398,7 +396,7 @@ static int has_veil(const fxs_bounds *bounds, uint32_t count)
     return 0;
 }
 
-/* Halves every sigma. Returns 0 where they are at their least. */
+/* Halves every sigma. Returns 0 at the minimum. */
 static int shrink(fxs_chunk *c)
 {
     if (c->scale_q16 < -(31 << 16))
@@ -407,10 +405,8 @@ static int shrink(fxs_chunk *c)
     return 1;
 }
 
-/* Splats, bounds, indices and depths. */
 static const size_t projected_bytes[] = {sizeof(fxs_splat), sizeof(fxs_bounds), sizeof(uint32_t), sizeof(uint32_t)};
 
-/* By both versions. Returns how many are visible. */
 static uint32_t project_both(output *const to[4], size_t skew)
 {
     uint32_t count[2];
@@ -418,7 +414,7 @@ static uint32_t project_both(output *const to[4], size_t skew)
         fxs_splat *splats = at(to[0], i, skew);
         count[i] = (uint32_t)(i ? fast.project : fxs_project_c)(
             &view, &scene, 0, splats, at(to[1], i, skew), at(to[2], i, skew), at(to[3], i, skew));
-        for (uint32_t k = 0; k < count[i]; k++)      /* colours are not project's */
+        for (uint32_t k = 0; k < count[i]; k++)      /* project does not set colours */
             memset(splats[k].colour_q13, 0, sizeof splats[k].colour_q13);
     }
     CHECK(count[0] == count[1]);
@@ -428,8 +424,8 @@ static uint32_t project_both(output *const to[4], size_t skew)
     return count[0];
 }
 
-/* A chunk with a veil is left to C: in most cases sigmas are halved until there is none. On the way the largest are the
-   smallest veils. */
+/* Chunks with a veil fall back to C, so sigmas are mostly halved until no veil is left; the steps include the smallest
+   veils. */
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
@@ -465,9 +461,8 @@ static void shade_case(void)
 
 /* ---- bin ------------------------------------------------------------------------------------------------------- */
 
-static uint64_t rows_total;            /* boxes on more than one tile row */
+static uint64_t rows_total;            /* boxes on several tile rows */
 
-/* Tile rows of a box. */
 static int rows_of(fxs_box box)
 {
     int rows = 0;
@@ -482,7 +477,7 @@ static int compare_words(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The notes of some boxes are the same, in any order. */
+/* The notes of some boxes must be equal, in any order. */
 static void check_notes(const fxs_box *boxes, uint32_t count)
 {
     static uint32_t macros[9 * FXS_CHUNK + FXS_NOTES_MORE], listed[9 * FXS_CHUNK + FXS_NOTES_MORE];
@@ -498,7 +493,7 @@ static void check_notes(const fxs_box *boxes, uint32_t count)
     CHECK(noted[0] == noted[1] && !memcmp(notes[0], notes[1], noted[0] * sizeof **notes));
 }
 
-/* A splat's columns on its tile rows, and on a part of them. */
+/* The columns of a splat on all its tile rows or some. */
 static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
 {
     fxs_span spans[2][64 + FXS_SPANS_MORE];
@@ -509,7 +504,7 @@ static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
     CHECK(!memcmp(spans[0], spans[1], (size_t)some * sizeof **spans));
 }
 
-/* Lists of keys of which many may lie within a part of the range, or be equal. */
+/* Sorts lists with crowded and equal keys. */
 static void sort_case(void)
 {
     const uint32_t most = 1u << below(14), count = below(most) + below(2);
@@ -528,7 +523,6 @@ static void sort_case(void)
     CHECK(!memcmp(at(keys, 0, 8), at(keys, 1, 8), count * sizeof(fxs_key)));
 }
 
-/* The slots of a tile of a macro tile. */
 static void list_case(void)
 {
     const uint32_t count = below(200), tile = below(4), usual = below(16);
@@ -541,8 +535,8 @@ static void list_case(void)
     CHECK(!memcmp(at(entries, 0, 4), at(entries, 1, 4), listed * sizeof(uint32_t)));
 }
 
-/* The splats of a chunk, each at several places; every third time on a picture of a few tiles, which cuts the large
-   ones to a box. */
+/* Bins a chunk's splats, moved to several places. Every third picture has few tiles, which clip large splats to a
+   box. */
 static void bin_case(void)
 {
     fxs_splat splats[FXS_CHUNK];
@@ -582,8 +576,8 @@ static int32_t extreme(int32_t low, int32_t high)
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
 }
 
-/* A splat whose coordinates stay within +-128 over the tile at (x, y), sizes from 0.55 to 100 pixels. Its rows are all
-   that it can touch, and some more, one of the tile's among them: the contract of a tile list. */
+/* A splat with coordinates within +-128 over the tile at (x, y), 0.55 to 100 pixels large. Its rows include all touched
+   rows, some others, and one row of the tile, as tile lists require. */
 static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 {
     const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
@@ -608,7 +602,6 @@ static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 static fxs_splat tile_splats[MAX_SPLATS];
 static uint32_t tile_entries[MAX_ENTRIES];
 
-/* A list for the tile at (x, y). Returns its length. */
 static uint32_t make_list(int32_t x, int32_t y)
 {
     const uint32_t count = one_in(16) ? 0 : one_in(4) ? below(MAX_ENTRIES) : below(40);
@@ -635,7 +628,7 @@ static void blend_case(void)
     CHECK(same(tile));
 }
 
-/* A tile that was begun: T from closed to clear, sums and weights that such a pixel may have. */
+/* A partly blended tile: T from closed to clear, with possible sums and weights. */
 static void begin_tile(fxs_tile *tile, fxs_trace *trace)
 {
     const int begun = !one_in(3);
@@ -651,7 +644,7 @@ static void begin_tile(fxs_tile *tile, fxs_trace *trace)
     }
 }
 
-/* What the frame sets before each part of a list: no depth, no place, and how much of the part each pixel takes. */
+/* Sets up a part of a list like the frame: no depths or slots, and an end for each pixel. */
 static void begin_part(fxs_trace *trace, uint32_t count)
 {
     const int occluded = one_in(2);
@@ -662,7 +655,7 @@ static void begin_part(fxs_trace *trace, uint32_t count)
         trace->end[i] = (int16_t)(!occluded || one_in(4) ? INT16_MAX : one_in(8) ? 0 : (int)below(count + 2));
 }
 
-/* One to three parts of up to 512 entries, that go on from each other. */
+/* One to three consecutive parts of up to 512 entries. */
 static void trace_case(void)
 {
     static int16_t depths_q15[MAX_ENTRIES];
@@ -697,7 +690,7 @@ static void make_tile(fxs_tile *tile)
     }
 }
 
-/* Every size of a tile, each format. */
+/* All tile sizes and formats. */
 static void resolve_case(void)
 {
     fxs_tile tile;
@@ -708,7 +701,7 @@ static void resolve_case(void)
     for (int size = 0; size < FXS_TILE_PIXELS * 4; size++) {
         const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
         const enum fxs_format format = (enum fxs_format)(size / FXS_TILE_PIXELS);
-        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;   /* bytes of its numbers */
+        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;   /* bytes a channel */
         const ptrdiff_t pitch = (ptrdiff_t)((4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE)) * wide);
         const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
         const size_t skew = below(32) * wide, first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
@@ -721,7 +714,7 @@ static void resolve_case(void)
     }
 }
 
-/* Every sum and every transmittance, each format. */
+/* All sums and transmittances, each format. */
 static void resolve_every_number(void)
 {
     fxs_tile tile;
@@ -747,7 +740,6 @@ static void resolve_every_number(void)
 
 /* ---- Tests ----------------------------------------------------------------------------------------------------- */
 
-/* Runs every seed until one fails. */
 static void run_cases(void (*one)(void), uint64_t share)
 {
     for (uint64_t seed = first_seed; seed <= last_seed && !check_faults; seed++) {
@@ -870,8 +862,8 @@ typedef struct workload {
 
 static workload *bench_load;
 
-/* Chunks of 0.4 units in view of a camera 5 away with a focal length of 1000 pixels: sigmas of 1 to 10 pixels. X
-   of a rotation is in 0..1/4, so that it and Y are hardly ever longer than 1. */
+/* Chunks of 0.4 units, 5 units away, at a focal length of 1000 pixels: sigmas of 1 to 10 pixels. X of a rotation is in
+   0..1/4, so that X and Y seldom exceed length 1. */
 static packed_scene bench_scene(enum fxs_profile profile)
 {
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};
@@ -967,7 +959,7 @@ static void bench_rgba16(workload *w, const fxs_kernels *k)
     resolve_as(FXS_FORMAT_RGBA16_COVERAGE, w, k);
 }
 
-/* Least of all runs, for one of `units`. */
+/* The minimum over all runs, for one unit. */
 static double measure(void (*job)(workload *, const fxs_kernels *), const fxs_kernels *kernels, uint32_t units)
 {
     uint64_t least = UINT64_MAX;

@@ -1,11 +1,11 @@
-/* Reads of .ksplat files made here, of each compression level and SH degree, and of faulty ones. */
+/* Reads synthetic .ksplat files of each compression level and SH degree, and faulty ones. */
 #include "scene_bytes.h"
 
 enum { HEADER = 4096, SECTION = 1024, SECTIONS = 3, ROWS = 9, ROOM = 10, BLOCK_RANGE = 1000 };
 
 static fxs_gaussian gaussians[ROOM], expected[ROOM];
 
-/* Of each section: 2 + 2 + 1 with room for 6, none, 1 + 0 + 3. */
+/* Buckets by section: 2 + 2 + 1 with capacity 6, none, 1 + 0 + 3. */
 static const struct { uint32_t count, room, bucket_size, full, partial, lengths[3]; } sections[SECTIONS] = {
     {5, 6, 2, 2, 1, {1, 0, 0}}, {0, 0, 0, 0, 0, {0, 0, 0}}, {4, 4, 7, 0, 3, {1, 0, 3}}
 };
@@ -23,7 +23,7 @@ static float centre_of(int section, int bucket, int axis)
     return (float)(100 * section + 10 * bucket + axis) / 4;
 }
 
-/* A value from 1 to 4: a float, or a half of exponent 15 or 16. Writes it and returns it. */
+/* Writes and returns a value from 1 to 4: a float, or a half with exponent 15 or 16. */
 static float put_real(int level, int row, int i)
 {
     int code = code_of(row, i) % 2048;
@@ -44,7 +44,7 @@ static float put_coefficient(int level, int row, int i)
     return -2 + 5 * (float)code / 255;
 }
 
-/* SH coefficient i of the file is in degree 1, 2 or 3, there in blocks of a channel. */
+/* Maps SH coefficient i of the file, in blocks by degree and channel, to our order. */
 static int place_of(int i)
 {
     int degree = i < 9 ? 1 : i < 24 ? 2 : 3, first = degree * degree - 1, width = 2 * degree + 1;
@@ -141,7 +141,6 @@ static void every_level_and_degree(void)
         }
 }
 
-/* Row sizes as the format states them. */
 static void sizes(void)
 {
     static const size_t row_sizes[3][3] = {{44, 80, 140}, {24, 42, 72}, {24, 33, 48}};
@@ -153,7 +152,7 @@ static void sizes(void)
         }
 }
 
-/* A compression range of 0 is 32767, SH bounds of 0 are +-1.5. */
+/* A compression range of 0 means 32767, SH bounds of 0 mean +-1.5. */
 static void defaults(void)
 {
     make_file(2, 1);
@@ -170,7 +169,7 @@ static void defaults(void)
         CHECK(is_near((double)gaussians[0].sh[place_of(i)], code_of(0, 16 + i) % 256 / 85.0 - 1.5, 1e-6));
 }
 
-/* Bounds of the SH need not lie to both sides of 0. */
+/* SH bounds may lie on one side of 0. */
 static void bounds_to_one_side(void)
 {
     static const float bounds[][2] = {{0.5f, 2.5f}, {-3, -1}};
@@ -197,7 +196,7 @@ static void halves(void)
     const size_t rows = HEADER + SECTIONS * SECTION + 4 + 3 * 16;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         make_file(1, 0);
-        for (size_t at = 6; at <= 12; at += 6) {   /* the first of the scales, of the rotation */
+        for (size_t at = 6; at <= 12; at += 6) {   /* first scale, first rotation component */
             bytes[rows + at] = (uint8_t)cases[i].bits;
             bytes[rows + at + 1] = (uint8_t)(cases[i].bits >> 8);
         }
@@ -213,7 +212,7 @@ static void halves(void)
     CHECK(read_file(gaussians, ROOM) == 0 && isnan(gaussians[0].rotation[0]));
 }
 
-/* Room for more Gaussians than there are need not be in the file. */
+/* Capacity beyond the Gaussians may be missing in the file. */
 static void room_at_the_end(void)
 {
     make_file(1, 0);

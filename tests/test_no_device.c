@@ -1,4 +1,4 @@
-/* What the CUDA back end answers where no device is to be seen, whether there is a driver or not, or none was built. */
+/* The CUDA back end's errors without a visible device: with a driver, without one, and in builds without CUDA. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,7 +31,7 @@ static void no_device(void)
 }
 #endif
 
-/* The table is there either way, and says why it cannot be used. */
+/* The back end is always listed, with the reason why it is unusable. */
 static void table(void)
 {
 #ifdef FXS_WITH_CUDA

@@ -1,5 +1,5 @@
-/* Two eyes at once: the bytes and tile lists of two frames, on any number of threads, by every version of the stages, and
- * in any memory. */
+/* Stereo: the bytes and tile lists of two mono frames, on any number of threads, with every version of the stages, and in
+ * any memory. */
 #include <inttypes.h>
 
 #include <fixsplat/pool.h>
@@ -18,7 +18,7 @@ typedef struct pair {
     fxs_options options;
     enum fxs_format format;
     ptrdiff_t stride;              /* of the two pictures side by side */
-    size_t bytes;                  /* of both */
+    size_t bytes;                  /* of both pictures */
     fxs_stats stats;
 } pair;
 
@@ -38,7 +38,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Both pictures, in exactly `memory_bytes` bytes. */
 static int render(pair *p, const fxs_context *context, size_t memory_bytes, unsigned char *pixels)
 {
     unsigned char *memory = check_aligned(memory_bytes + GUARD_BYTES);
@@ -57,7 +56,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memo
     return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Two frames, by fxs_render. Returns their list entries. */
+/* Two mono frames. Returns their list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = bytes_of(p, context, 0);
@@ -72,7 +71,7 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
 
 /* ---- Random scenes ----------------------------------------------------------------------------------------------- */
 
-/* Eyes by the case: that look elsewhere, at one place, side by side (twice), apart in any direction. */
+/* Case by case: eyes with unrelated directions, at one place, side by side (twice), apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
 /* Returns the format. */
@@ -102,7 +101,7 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* In memory for all splats and in just enough; one byte less is refused with nothing written. */
+/* Renders in memory for all splats and in just enough; one byte less is refused and nothing is written. */
 static void check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries)
 {
     unsigned char *pixels = malloc(p->bytes);
@@ -191,7 +190,6 @@ static void test_eye_turned_to_any_side(void)
     }
 }
 
-/* Eyes with fields of view of their own: principal points and focal lengths apart. */
 static void test_eyes_with_other_principal_points(void)
 {
     fxs_scene scene;
@@ -216,7 +214,6 @@ static void test_eyes_with_other_principal_points(void)
     }
 }
 
-/* Each eye has the near plane of its own camera. */
 static void test_near_planes(void)
 {
     fxs_scene scene;
@@ -273,7 +270,7 @@ static void test_arguments(void)
     free(packed.data);
 }
 
-/* A clock that runs on, faster each time, as it is looked at. */
+/* A clock that advances faster with each call. */
 typedef struct looked {
     uint64_t calls, first, last;
 } looked;
@@ -287,7 +284,7 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* The time of both eyes is that from the first look at the clock to the last one, and has that of all stages in it. */
+/* From the first clock call to the last, including all stages. */
 static void test_time(void)
 {
     fxs_scene scene;

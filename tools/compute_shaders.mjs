@@ -1,5 +1,5 @@
 // node tools/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in
-// GLSL ES 3.10 (stored in kernels/compute); and STAGE.wgsl, complete for WebGPU, if FOLDER is another one. Sources:
+// GLSL ES 3.10 without unneeded white space (stored in kernels/compute/generated); and STAGE.wgsl, complete for WebGPU, if FOLDER is another one. Sources:
 // kernels/compute/*.wgsl and src/include/fixsplat/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
 import { writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
@@ -69,10 +69,19 @@ function glslText(wgsl, entry)
                  "    return uvec2(low, high);\n}");
 }
 
+// Removes white space that GLSL does not need, and breaks the text into lines of at most 120 columns.
+function minified(glsl)
+{
+    const short = (part) => part.trim().replace(/\s+/g, " ").replace(/ ?([{}()[\],;=*/<>!&|?:^%]) ?/g, "$1")
+                                .replace(/(.{1,119}[;{}, ])/g, "$1\n").replace(/ \n/g, "\n").trim();
+    return glsl.split(/^(#.*)\n/m).map((part) => part.startsWith("#") ? part : short(part))
+               .filter((part) => part).join("\n") + "\n";
+}
+
 for (const stage of stages) {
     const wgsl = stageText(stage);
-    if (resolve(folder) !== resolve(room))
+    if (resolve(folder) !== resolve(`${room}/generated`))
         writeFileSync(`${folder}/${stage}.wgsl`, wgsl);
     for (const [, entry] of wgsl.matchAll(/@compute[^]*?fn (\w+)\(/g))
-        writeFileSync(`${folder}/${entry}.comp`, glslText(wgsl, entry).replace(/^ *\n/gm, ""));
+        writeFileSync(`${folder}/${entry}.comp`, minified(glslText(wgsl, entry)));
 }

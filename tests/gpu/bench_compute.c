@@ -1,9 +1,9 @@
-/* Times frames by the compute back end on the GPU of this machine and prints one table. Each argument: FILE.fxs, for an
- * overview of the scene as in bench_cuda.c; FILE.fxs:CAMERAS:N,N,... for views of a camera file; WIDTHxHEIGHT, of the
- * frames of the arguments after it (at first 1920x1080).
- * Medians, milliseconds, by the device's timer: of each program of a frame by itself, then of whole frames; then of
- * frames with the pixels in the caller's memory, by the clock. `same`: the picture is the processor's. `MB`: of the
- * device, without the buffer that the host reads the picture from, which drivers place in the host's memory. */
+/* Times the compute back end on this machine's GPU and prints a table. Arguments: FILE.fxs, an overview of the scene as
+ * in bench_cuda.c; FILE.fxs:CAMERAS:N,N,..., views of a camera file; WIDTHxHEIGHT, the size for later arguments
+ * (default 1920x1080).
+ * Medians in milliseconds: each program alone and whole frames by the device's timer, frames into the caller's memory
+ * by the clock. `same`: the picture equals the processor's. `MB`: device memory without the read-back buffer, which
+ * drivers keep in host memory. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,7 +28,7 @@ static fxs_message why;
 static unsigned char *pixels[2];
 static int width = 1920, height = 1080;
 
-/* ---- A query for each program, from its glUseProgram on ---------------------------------------------------------- */
+/* ---- A timer query for each program, started by its glUseProgram ------------------------------------------------- */
 
 static PFNGLUSEPROGRAMPROC use_program;
 static GLuint queries[FXS_COMPUTE_PROGRAMS];
@@ -140,7 +140,7 @@ static fxs_file_view overview(const fxs_packed_header *header)
     return view;
 }
 
-/* Whether an argument is a size: that of the frames from now on. */
+/* Takes a size argument, for later frames. Returns 0 for other arguments. */
 static int takes_size(const char *argument)
 {
     int w = 0, h = 0, length = 0;
@@ -197,7 +197,8 @@ int main(int argc, char **argv)
     compute->gl.UseProgram = use_and_time;
     compute->more.CopyBufferSubData = copy_untimed;
     compute->gl.GenQueries(FXS_COMPUTE_PROGRAMS, queries);
-    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute), (double)compute->rooms.most / 1048576);
+    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute),
+           (double)compute->rooms.most / 1048576);
     printf("| scene | visible | entries" FXS_COMPUTE_PROGRAMS_OF(HEAD) " | frame | to the host | same | MB |\n");
     for (int i = 1; i < argc; i++) {
         if (takes_size(argv[i]))

@@ -1,9 +1,10 @@
-/* Times frames of 1920x1080 on the GPU by CUDA events and prints one table: single ones by stages and whole, then of a
- * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene;
- * FILE.fxs:CAMERAS:N,N,... for views of a camera file; FILE.fxs@N for N objects of it on a square; or FILE.fxs%N for
- * a budget of N Gaussians. Medians, milliseconds; one row of every scene is for the square cut-off, one for a smaller
- * picture, one with median depth and id, one with mean depth too, and three are for an eye of 2064x2208, for two that
- * share nothing and for two that share: their stages are under way at once, so the frame is less than their sum. */
+/* Times CUDA frames of 1920x1080 and prints a table of medians in milliseconds: single frames by stage and whole, then
+ * a batch into device memory and into pinned host memory. Arguments: FILE.fxs, an overview of the scene;
+ * FILE.fxs:CAMERAS:N,N,..., views of a camera file; FILE.fxs@N, N objects on a square; FILE.fxs%N, a budget of N
+ * Gaussians.
+ * Extra rows of each scene: square cut-off, a smaller picture, median depth and id, mean depth too; an eye of
+ * 2064x2208, two independent eyes, two that share. Stages of two eyes overlap, so their frame takes less than the
+ * sum. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,18 +16,18 @@
 #include "peek.h"
 
 enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };
-enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* bytes a pixel */
+enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes a pixel */
 
 static fxs_message failure;
 static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
 static fxs_object objects[OBJECTS];
 static uint32_t object_count, budget;
 
-/* What a row is of, beside the camera. */
+/* The settings of a row. */
 typedef struct kind {
     enum fxs_cutoff cutoff;
-    int ids, means;                /* median depth and id; and mean depth */
-    int eyes;                      /* two: the frames of a pair; else 0 */
+    int ids, means;                /* targets: median depth and id; mean depth too */
+    int eyes;                      /* 2: a stereo pair; 0: one frame */
 } kind;
 
 static int compare_floats(const void *a, const void *b)
@@ -50,11 +51,10 @@ static fxs_options options_of(const kind *k)
     return options;
 }
 
-/* Frame i of a batch, whose pictures are in the arrays. */
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
-    for (int a = 0; a < 3 && k->eyes; a++)     /* 0.0625 apart */
+    for (int a = 0; a < 3 && k->eyes; a++)     /* eyes 0.0625 apart */
         frame.camera.position_q32[a] += (int64_t)camera->rotation_q30[a] * (i ? 1 : -1) >> 3;
     const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
     if (k->ids) {
@@ -83,7 +83,6 @@ static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const kind *k
     return median(times, REPEATS) / (float)(k->eyes ? 1 : count);
 }
 
-/* Medians of the stages, with events between them. */
 static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, const kind *k)
 {
     const fxs_options options = options_of(k);
@@ -160,7 +159,7 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     rows_of_eyes(single, batch, name, view);
 }
 
-/* The scene's box; with `aside`, of as many side by side along x and z. */
+/* A view of the scene's box, widened for `aside` objects along x and z. */
 static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
 {
     const double up[3] = {0, -1, 0};
@@ -176,7 +175,7 @@ static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
     return view;
 }
 
-/* `count` objects of the scene on a square. Returns its side. */
+/* Places `count` objects of the scene on a square. Returns its side. */
 static uint32_t place(const fxs_scene *scene, const fxs_packed_header *header, uint32_t count)
 {
     uint32_t side = 1;

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Builds and tests the compute shaders by OpenGL ES 3.1 on a machine with a GPU, then prints tables of times beside those
-# by CUDA, in turns, and those of a million of the profile small in a phone's and a headset's sizes: some 3 minutes.
+# Builds and tests the compute shaders on a machine with a GPU, then prints times of compute and CUDA, measured in
+# turns, and times of a million Gaussians of the profile small at a phone's and a headset's sizes. About 3 minutes.
 #   sh tests/gpu/compute.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# A procedural landscape of 1 million Gaussians (SIZES="1 10": of 10 too) is made in a temporary folder. B: the build
-# folder (default build); with PREBUILT=1 nothing is built.
+# Makes a procedural landscape of 1 million Gaussians (SIZES="1 10": of 10 million too). B: the build folder (default
+# build). PREBUILT=1: no build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1}
@@ -21,7 +21,7 @@ done
 
 hash_of() { "$B/fixsplat" render "$work/scene.fxs" --hash --quiet "$@"; }
 
-# same WHAT OPTION...: by compute shaders as by the processor.
+# same WHAT OPTION...: compute shaders and processor must give the same picture.
 same() {
     what=$1
     shift

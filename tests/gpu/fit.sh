@@ -1,8 +1,8 @@
 #!/bin/sh
-# Fits on a machine with GPUs: the same bytes as the processor's, times by part, memory and quality.
+# Fits on a machine with GPUs: same bytes as the processor, time of each part, memory, quality.
 #   sh tests/gpu/fit.sh PHOTOS...
-# PHOTOS: folders as fixsplat fit reads them; of a white background where their name has lego in it. B: the build folder
-# (default build); with PREBUILT=1 nothing is built. STEPS: of the long fits (default 30000).
+# PHOTOS: folders for fixsplat fit; names with lego get a white background. B: the build folder (default build).
+# PREBUILT=1: no build. STEPS: steps of the long fits (default 30000).
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 STEPS=${STEPS:-30000}
@@ -25,7 +25,7 @@ fit() {
     failed="$failed $out"
 }
 
-# same A B: their bytes.
+# same A B: the files must have the same bytes.
 same() {
     if cmp "$work/$1" "$work/$2"; then
         sha256sum <"$work/$1" | cut -c1-16

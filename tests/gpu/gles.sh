@@ -1,12 +1,11 @@
 #!/bin/sh
-# tests/gpu/gles.sh [FOLDER [SIZE]]: builds, then holds the GLES back end of this machine against its processor and times
-# both, for every .fxs scene in FOLDER (without one: procedural scenes) at SIZE (default 1280x720), from view 8 of
-# NAME.json where that is beside NAME.fxs. Needs a device with
-# OpenGL ES 3.0 through EGL, no display. Prints one table, in milliseconds:
+# tests/gpu/gles.sh [FOLDER [SIZE]]: compares the GLES back end with the processor and times both, for each .fxs scene
+# in FOLDER (default: procedural scenes) at SIZE (default 1280x720), from view 8 of NAME.json if it exists. Needs OpenGL
+# ES 3.0 through EGL; no display. Prints a table in milliseconds:
 #   frame         a whole frame: the processor's stages, upload, draw, reading back
-#   blend         of that, what takes the place of blend and resolve, as the processor waits for it
-#   device        of that, what the device says (EXT_disjoint_timer_query); 0 where it does not
-# Exit status 1 where a picture of the exact mode differs from the processor's.
+#   blend         the part that replaces blend and resolve, by the processor's clock
+#   device        the same by the device (EXT_disjoint_timer_query); 0 without the extension
+# Exit status 1 if a picture of the exact mode differs from the processor's.
 cd "$(dirname "$0")/../.." || exit 1
 folder=$1 size=${2:-1280x720} B=${B:-build}
 fixsplat=$B/fixsplat
@@ -24,7 +23,7 @@ fi
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# hash_of SCENE SIZE BACKEND OPTION...: of the picture.
+# hash_of SCENE SIZE BACKEND OPTION...: the picture's hash.
 hash_of() {
     shown=$1 at=$2 backend=$3
     shift 3
@@ -33,8 +32,8 @@ hash_of() {
 
 differing=0
 exact=$("$fixsplat" info --backends | sed -n 's/^\(gles\|gles-fetch\)  *here.*/\1/p')
-# compare SCENE: every size, and at one every cut-off and format; counts the pictures that differ. (The first frame of
-# gles is by lists.)
+# compare SCENE: counts pictures that differ, over all sizes and, at one size, cut-offs and formats. (The first frame of
+# gles uses lists.)
 compare() {
     pictures=0 same=0
     for case in "$size --bg 336699" "$size --alpha" "$size --cutoff square" 1x1 15x17 1279x719 4096x64; do

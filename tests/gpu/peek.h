@@ -1,4 +1,4 @@
-/* What the tests see of the CUDA back end's insides. */
+/* Access to internals of the CUDA back end, for tests. */
 #ifndef PEEK_H
 #define PEEK_H
 
@@ -8,40 +8,41 @@
 extern "C" {
 #endif
 
-/* The buffers of the last frame of slot 0, on the host, for free. */
+/* Host copies of the buffers after the last frame of slot 0; release with peek_free. */
 typedef struct peeked {
     void *splats;                  /* fxs_splat, by index */
     uint32_t *counts, *ends;
-    uint64_t *entries;             /* of a tile: up to its end */
+    uint64_t *entries;             /* for each tile: `counts` entries, up to its end */
 } peeked;
 
-/* Returns 0 where they could be copied. */
+/* Returns 0 on success. */
 int peek(fxs_cuda *cuda, peeked *out);
 void peek_free(peeked *p);
 
-/* The cut of that frame, fxs_drawns, for free; and whether the device found it. Returns 0 where it could be copied. */
+/* Copies the cut of that frame (fxs_drawn; release with free). *by_device: 1 if the device computed it. Returns 0 on
+   success. */
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
 
-/* Whether a list of so many entries is sorted in its place: entries alone, from where it began. */
+/* True if a list of this length is sorted in place. It then begins with 32-bit entries without depths. */
 int peek_is_sorted(uint32_t count);
 
-/* How many of the levels computed in float registers differ from pixel.h's; -1 where the device failed. */
+/* Returns how many levels and alphas computed with floats differ from pixel.h; -1 on a device failure. */
 long peek_levels(void);
 
-/* As if a block could have only so much shared memory. Returns 0 where that is enough. */
+/* Fits the kernels' blocks to an artificial limit of shared memory. Returns 0 if it suffices. */
 int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why);
 
-/* As if there were room for so many entries, no more than there is, and for `split` in bins; entries 0: all again. */
+/* Sets artificial capacities: `entries`, up to the real one (0: the real one), and `split` entries in bins. */
 void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split);
 
 void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);
 void peek_pinned_free(void *memory);
-/* From and to any memory. Returns 0 where that worked. */
+/* Copies between host and device memory. Returns 0 on success. */
 int peek_copy(void *to, const void *from, size_t bytes);
 
-/* Milliseconds of frames on the device, by its own clock; below 0 where they failed. */
+/* Returns the milliseconds of the frames by the device's clock; negative on failure. */
 float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                 fxs_message *why);
 

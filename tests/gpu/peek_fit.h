@@ -1,4 +1,4 @@
-/* What the tests see of the insides of fits on CUDA. */
+/* Access to internals of fits on CUDA, for tests. */
 #ifndef PEEK_FIT_H
 #define PEEK_FIT_H
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* The buffers of the last photograph of the first device, on the host, for free. */
+/* Host copies of the buffers after the first device's last photograph; release with peek_fit_free. */
 typedef struct peeked_fit {
     fxs_fit_splat *splats;         /* by Gaussian */
     uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
@@ -17,21 +17,21 @@ typedef struct peeked_fit {
     float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes */
 } peeked_fit;
 
-/* Returns 0 where they could be copied. */
+/* Returns 0 on success. */
 int peek_fit(void *engine, const fxs_fit_camera *camera, peeked_fit *out);
 void peek_fit_free(peeked_fit *p);
 
-/* Lists from now on have room for so few entries. Returns 0 where that worked. */
+/* Shrinks the capacity of the lists. Returns 0 on success. */
 int peek_fit_narrow(void *engine, uint32_t capacity);
 
-/* Bytes of device memory that the first device's budget has taken. */
+/* Bytes of device memory used from the first device's budget. */
 uint64_t peek_fit_bytes(const void *engine);
 
-/* For how many alpha from 2^-9 to 0.99 odds_of is not the quotient; -1: could not be run. */
+/* Returns for how many alpha from 2^-9 to 0.99 odds_of differs from the quotient; -1 on failure. */
 long peek_fit_odds(void);
 
-/* A kernel of the first device ends in a trap: from then on CUDA fails, as where the device is lost, in all of the
-   process. */
+/* Runs a kernel that traps on the first device. From then on all CUDA calls of the process fail, as after a lost
+   device. */
 void peek_fit_lose(void *engine);
 
 #ifdef __cplusplus

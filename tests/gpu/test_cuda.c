@@ -1,5 +1,5 @@
-/* The CUDA back end against the processor: splats by index, the lists of the tiles (with depths), every target.
- * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random frames, for the sanitizers. */
+/* The CUDA back end against the processor: splats, tile lists and every target. `test_cuda [--quick] [FILE.fxs...]`;
+ * --quick: few random frames, for the sanitizers. */
 #include <inttypes.h>
 
 #include <fixsplat/backends.h>
@@ -19,7 +19,6 @@ static int quick;
 static char **files;
 static int file_count;
 
-/* So many cases, or a few. */
 static int cases(int count)
 {
     return quick ? 3 : count;
@@ -33,7 +32,7 @@ static void *room(size_t bytes)
     return memory;
 }
 
-/* ---- What is drawn ----------------------------------------------------------------------------------------------- */
+/* ---- Random objects ---------------------------------------------------------------------------------------------- */
 
 enum { SCENES = 3, OBJECTS = 100, CROPS = 3 };
 
@@ -81,7 +80,7 @@ static void random_object(fxs_object *object, fxs_crop crops[CROPS])
         random_crop(&crops[i]);
 }
 
-/* Scenes of all profiles, `most` Gaussians each, and objects of them. */
+/* Scenes of all profiles with up to `most` Gaussians each, and `count` random objects. */
 static void random_world(world *w, uint32_t count, int32_t most)
 {
     for (int i = 0; i < SCENES; i++) {
@@ -104,7 +103,7 @@ static void random_options(fxs_options *options)
         options->background[c] = (uint8_t)between(0, 255);
 }
 
-/* The same view in a larger picture: splats over more than 8x8 tiles. */
+/* Enlarges the picture, so that splats cover more than 8x8 tiles. */
 static void enlarge(fxs_camera *camera, int32_t times)
 {
     camera->width *= times;
@@ -133,7 +132,7 @@ static void varied_view(fxs_camera *camera, int i)
 
 enum { COLOUR = 1, COVERAGE = 2, MEAN = 4, MEDIAN = 8, ID = 16, OCCLUDER = 32, BACKDROP = 64, PLANES = 7 };
 
-/* Targets one behind the other in memory of their own, and what lies between their rows. */
+/* Targets in one block of memory, with padding between rows. */
 typedef struct pictures {
     fxs_targets targets;
     size_t bytes;
@@ -147,7 +146,7 @@ static void images_of(fxs_targets *t, fxs_image *images[PLANES])
     memcpy(images, all, sizeof all);
 }
 
-/* Of the images in `which`; strides are wider than rows, or bottom up. */
+/* Sets up the images in `which`, with strides wider than rows or negative. */
 static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
 {
     const size_t pixel_bytes[PLANES] = {(size_t)fxs_pixel_bytes(format), 1, 4, 4, 8, 4, 4};
@@ -176,7 +175,7 @@ static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum 
     }
 }
 
-/* A backdrop of any pixels; depths around those of random scenes, some of them none or 0. */
+/* Random backdrop; occluder depths near random scenes', some FXS_NOTHING or 0. */
 static void fill_in(pictures *p, const fxs_camera *camera)
 {
     for (size_t i = 0; i < p->bytes; i++)
@@ -192,7 +191,6 @@ static void fill_in(pictures *p, const fxs_camera *camera)
     }
 }
 
-/* The same pictures, in other memory. */
 static void move_to(pictures *to, const pictures *from, uint8_t *memory)
 {
     fxs_image *images[PLANES];
@@ -204,7 +202,6 @@ static void move_to(pictures *to, const pictures *from, uint8_t *memory)
             images[i]->pixels = memory + ((uint8_t *)images[i]->pixels - from->memory);
 }
 
-/* Two of the same. */
 static void twice(pictures p[2], const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
 {
     lay_out(&p[0], camera, which, format, depth_bits);
@@ -213,7 +210,7 @@ static void twice(pictures p[2], const fxs_camera *camera, unsigned which, enum 
     memcpy(p[1].memory, p[0].memory, p[0].bytes);
 }
 
-/* ---- The C stages' answers for a frame --------------------------------------------------------------------------- */
+/* ---- A frame by the C stages ------------------------------------------------------------------------------------- */
 
 typedef struct expected {
     fxs_view view;
@@ -283,7 +280,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* A tile's list as the back end should have it: sorted, index and FAR; or in any order, with depths above. */
+/* Compares the list of a tile: sorted entries, or entries with depths above, in any order. */
 static int list_equal(const expected *e, uint32_t tile, uint64_t *list)
 {
     const uint32_t count = e->lists.counts[tile], *entries = e->lists.entries + e->lists.ends[tile] - count;
@@ -323,7 +320,7 @@ static int buffers_equal(const expected *e, const peeked *p)
     return 1;
 }
 
-/* The buffers of the last frame, which was in slot 0. */
+/* Compares the buffers of the last frame, in slot 0. */
 static int stages_equal(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_cuda_stats *stats)
 {
     expected e;
@@ -355,7 +352,6 @@ static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, co
     free(memory);
 }
 
-/* Names the images that differ. */
 static int pictures_equal(pictures p[2], const fxs_camera *camera)
 {
     static const char *const names[PLANES] = {"colour", "coverage", "mean", "median", "id", "occluder", "backdrop"};
@@ -377,7 +373,7 @@ static int pictures_equal(pictures p[2], const fxs_camera *camera)
     return 0;
 }
 
-/* One frame both ways, with these targets, and its buffers. */
+/* Pictures and buffers must equal the processor's. */
 static int frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
                        unsigned which, enum fxs_format format, int depth_bits)
 {
@@ -438,7 +434,7 @@ static void test_small(void)
     check_random(FXS_PROFILE_SMALL, cases(100));
 }
 
-/* Random objects, with random targets in every second case. */
+/* Random objects; in every second case with random targets. */
 static void check_objects(int count, uint32_t most_objects, int32_t most_gaussians)
 {
     for (int i = 0; i < count; i++) {
@@ -471,7 +467,7 @@ static void test_hundred_objects(void)
     check_objects(quick ? 1 : 12, OBJECTS, quick ? 600 : 3000);
 }
 
-/* Every target alone, then any of them together, with occluders, backdrops and long lists. */
+/* Each target alone, then random sets with occluders, backdrops and long lists. */
 static void test_targets(void)
 {
     for (int i = 0; i < cases(250); i++) {
@@ -555,7 +551,7 @@ static void test_files(void)
 enum { TREES = 2, TREE_OBJECTS = 4 };
 
 typedef struct forest {
-    packed_scene packed[TREES + 1];        /* the last has no tree */
+    packed_scene packed[TREES + 1];        /* the last without a tree */
     fxs_object objects[TREE_OBJECTS];
     uint32_t count, chunks;
 } forest;
@@ -587,7 +583,7 @@ static void forest_free(forest *w)
     }
 }
 
-/* The device's list of the last frame and the processor's. */
+/* Compares the device's cut of the last frame with the processor's. */
 static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, int *by_device)
 {
     uint32_t wanted_count, count;
@@ -622,7 +618,7 @@ static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_
     return equal;
 }
 
-/* Trees of any shape, with any keys or equal ones, from any camera, with any limits: the processor's list and picture.
+/* Random trees, some with equal keys, from any camera and with any limits must give the processor's cut and picture.
    Every tenth tree is too deep for the device. */
 static void test_cut(void)
 {
@@ -648,7 +644,7 @@ static void test_cut(void)
     CHECK(of_device > of_host || quick);
 }
 
-/* More nodes with one key than are sorted in shared memory; and a damaged tree, whose error is the processor's. */
+/* More nodes with equal keys than shared memory sorts; a damaged tree with the processor's error. */
 static void test_equal_keys(void)
 {
     fxs_camera camera;
@@ -678,7 +674,7 @@ static void test_equal_keys(void)
 
 enum { POOL_FRAMES = 3 };
 
-/* Frames of a batch against the processor's. Returns an error of the renderer. */
+/* Compares a batch with the processor. Returns the renderer's error. */
 static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget, fxs_cuda_stats *stats)
 {
     pictures p[POOL_FRAMES][2];
@@ -703,7 +699,7 @@ static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget
     return error;
 }
 
-/* Frame after frame in so much memory. Returns an error of the renderer. */
+/* Renders batches within a memory limit. Returns the renderer's error. */
 static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats *stats)
 {
     fxs_cuda *small;
@@ -715,8 +711,8 @@ static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats
     return error;
 }
 
-/* Scenes larger than the memory that is allowed: from no place in the pool on; with a budget and without, of two
-   objects with one scene and one without a tree. */
+/* Scenes larger than the memory limit, from an empty pool on: with a budget and without, two objects of one scene, one
+   without a tree. */
 static void test_pool(void)
 {
     state = 57;
@@ -747,8 +743,8 @@ static void test_pool(void)
 
 enum { BATCH_FRAMES = 7, BATCH_BYTES = 1 << 25 };
 
-/* Frames of different objects and targets in several slots, straight to device or pinned host memory; some of their
-   lists do not fit at first. */
+/* Frames of different objects and targets in several slots, to device or pinned memory; some lists overflow at
+   first. */
 static void check_batch(uint8_t *memory)
 {
     enum { SLOTS = 3 };
@@ -804,7 +800,6 @@ static void test_batch(void)
 
 /* ---- Scenes, memory and errors ----------------------------------------------------------------------------------- */
 
-/* One frame of a scene, to be thrown away. */
 static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, fxs_cuda_stats *stats)
 {
     fxs_object object;
@@ -818,8 +813,7 @@ static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, 
     return error;
 }
 
-/* Pictures of a few tiles, whose lists are so long that several blocks share one; with depths, they are put into bins
-   before they are blended. */
+/* Small pictures with long lists that several blocks share; with depth targets they are split into bins first. */
 static void check_long_lists(int count)
 {
     uint64_t most = 0;
@@ -843,7 +837,7 @@ static void check_long_lists(int count)
         CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
         CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
                           FXS_FORMAT_RGBA8, 0));
-        /* With little room or none for bins they are in fewer parts, and blended in rounds. */
+        /* With little or no capacity for bins, lists have fewer parts and blend in rounds. */
         for (uint64_t split = 0; split < stats.entries; split = 3 * split + stats.entries / 20) {
             peek_limit_room(cuda, stats.entries, split);
             CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));
@@ -863,7 +857,7 @@ static void test_long_lists(void)
     check_long_lists(cases(12));
 }
 
-/* As on GPUs with 99 KiB of shared memory a block: fewer tiles at a time, and no blend_dense. */
+/* GPUs with 99 KiB of shared memory a block: fewer tiles at a time, no blend_dense. */
 static void test_small_blocks(void)
 {
     fxs_cuda *const whole = cuda;
@@ -877,7 +871,7 @@ static void test_small_blocks(void)
     cuda = whole;
 }
 
-/* A scene is copied once, until it is forgotten or its fxs_scene is another. */
+/* A scene is uploaded once, until it is forgotten or its fxs_scene changes. */
 static void test_scenes(void)
 {
     fxs_cuda *other;
@@ -903,7 +897,7 @@ static void test_scenes(void)
     CHECK(!draw(other, &w.scenes[1], &camera, &stats) && stats.memory.scenes < bytes);
     fxs_cuda_destroy(other);
 
-    /* Bytes that change are seen once they were forgotten, another fxs_scene at once. */
+    /* Changed bytes are uploaded after fxs_cuda_forget, another fxs_scene at once. */
     CHECK(scene_equal(&w.scenes[0], &camera, &options));
     for (uint32_t c = 0; c < w.scenes[0].chunk_count; c++)
         w.packed[0].chunks[c].colour_q16[0] ^= 0x3fff;
@@ -914,7 +908,7 @@ static void test_scenes(void)
     world_free(&w);
 }
 
-/* Too little device memory is refused by name of what is needed, and what fits then still renders. */
+/* Too little device memory is refused with the bytes needed; with them the frame renders. */
 static void test_memory(void)
 {
     fxs_cuda *small;
@@ -939,7 +933,7 @@ static void test_memory(void)
     }
     CHECK(needed > 1000 && needed < 8000000 && stats.memory.total && stats.memory.total <= needed);
 
-    /* In no more memory than one frame takes: again, and after forgetting. */
+    /* With one frame's memory: repeated, and after forgetting. */
     CHECK(!fxs_cuda_create(&small, 0, stats.memory.total, 1, &why));
     for (int i = 0; i < 3; i++) {
         CHECK(!draw(small, &scene, &camera, &stats));
@@ -959,7 +953,7 @@ static int render_error(const fxs_cuda_frame *frames, uint32_t count)
     return error;
 }
 
-/* What fxs_render refuses is refused, and leaves no frame under way. */
+/* CUDA refuses the frames that fxs_render refuses, and leaves none pending. */
 static void test_errors(void)
 {
     fxs_cuda *none;
@@ -980,7 +974,7 @@ static void test_errors(void)
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0].targets.colour.pixels = device + 1;
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
-    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};   /* less than a row */
+    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};   /* shorter than a row */
     CHECK(camera.height == 1 || render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0] = good;
     frames[0].targets.id = good.targets.colour;                             /* overlap */
@@ -996,7 +990,7 @@ static void test_errors(void)
     CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
     fxs_object_init(&object, &scene);
     object.scale_q32 = 1 << 16;
-    object.translation_q32[0] = (int64_t)1 << 50;                           /* too far in the object's units */
+    object.translation_q32[0] = (int64_t)1 << 50;                           /* too far, in the object's units */
     CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
     object.scene = 0;
     CHECK(render_error(&good, 1) == FXS_ERR_ARGUMENT);
@@ -1006,7 +1000,7 @@ static void test_errors(void)
     CHECK(fxs_cuda_create(&none, 0, 0, 17, &why) == FXS_ERR_ARGUMENT && !none);
     CHECK(scene_equal(&scene, &camera, &options));
 
-    /* A header that changed after the scene was opened: of an object that is drawn. */
+    /* A chunk header damaged after opening fails a visible object only. */
     packed.chunks[scene.chunk_count / 2].step_shift = 63;
     fxs_cuda_forget(cuda, &scene);
     CHECK(draw(cuda, &scene, &camera, 0) == FXS_ERR_SCENE);
@@ -1016,7 +1010,7 @@ static void test_errors(void)
     fxs_cuda_forget(cuda, &scene);
     CHECK(scene_equal(&scene, &camera, &options));
 
-    /* Nothing to draw is background. */
+    /* Without Gaussians the picture is the background. */
     CHECK(frame_equal(0, 0, &camera, &options, COLOUR | COVERAGE | MEAN | MEDIAN | ID, FXS_FORMAT_RGBA8, 0));
     scene.chunk_count = scene.count = 0;
     scene.rows = scene.chunks;
@@ -1025,13 +1019,12 @@ static void test_errors(void)
     free(packed.data);
 }
 
-/* Says yes the third time that it is asked. */
 static int stop_third(void *times)
 {
     return ++*(int *)times == 3;
 }
 
-/* A batch that is stopped before its third frame; then the same without. */
+/* A batch stopped before its third frame; the next one renders. */
 static void test_stopped(void)
 {
     world w;
@@ -1051,7 +1044,7 @@ static void test_stopped(void)
     options.stop_argument = &times;
     CHECK(fxs_cuda_render(cuda, frames, 4, &options, 0, &why) == FXS_ERR_STOPPED && times == 3);
     CHECK(!strcmp(why.text, fxs_strerror(FXS_ERR_STOPPED)) &&
-          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);                  /* none is under way */
+          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);                  /* no frame to finish */
     CHECK(!fxs_cuda_render(cuda, frames, 4, &options, 0, &why) && !fxs_cuda_finish(cuda, 0, &why) && times >= 7);
     options.stop = 0;
     CHECK(frame_equal(w.objects, 4, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
@@ -1104,7 +1097,7 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
     return error;
 }
 
-/* By the table of src/include/fixsplat/backend.h: two eyes, and one. */
+/* Through the table of src/include/fixsplat/backend.h: two eyes, and one. */
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;

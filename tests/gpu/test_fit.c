@@ -1,5 +1,5 @@
-/* Steps of a fit on CUDA against the processor's: every buffer of a step, bit by bit, on random models and pictures.
- * `test_fit [--quick]`; --quick: few and small ones, for the sanitizers. Whole fits: test_fit_steps --cuda. */
+/* Fit steps on CUDA against the processor: every buffer, bit by bit, for random models and pictures. `test_fit
+ * [--quick]`; --quick: few small ones, for the sanitizers. test_fit_steps --cuda tests whole fits. */
 #include "src/fit/stepper.c"
 
 #include <fixsplat/pool.h>
@@ -9,19 +9,19 @@
 static int quick;
 static fxs_pool *pool;
 
-/* ---- What is fitted ---------------------------------------------------------------------------------------------- */
+/* ---- Models and photographs -------------------------------------------------------------------------------------- */
 
 typedef struct what {
     int32_t width, height, is_square;
     size_t count;
     int degree, batch;
-    float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
-    uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
-    int is_affine;                 /* the exposures */
-    int is_antialiased;            /* and the cameras of the batch bound scales, as divisors of 1, 2, none */
-    int has_far;                   /* sizes of about half of them are as they look */
-    int is_in_one_place;           /* so all depths are alike */
-    int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
+    float by_opacity, noise, near_size;    /* near_size: ln of a typical width */
+    uint32_t gains, poses;         /* with an exposure, with a pose; 0: none; equal if both */
+    int is_affine;                 /* affine exposures */
+    int is_antialiased;            /* and scales bounded by the batch's cameras with divisors of 1, 2, none */
+    int has_far;                   /* angular sizes for about half of the Gaussians */
+    int is_in_one_place;           /* equal depths */
+    int has_masks;                 /* for all photographs except the second; these have at most MASK_PIXELS */
 } what;
 
 enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200, MASK_PIXELS = 160 * 120 };
@@ -42,7 +42,7 @@ static void fill_model(fxs_fit_model *m, const what *w)
     }
 }
 
-/* What no fit should meet: no rotation, beyond the camera, enormous, nothing at all. */
+/* Values that no fit should meet: zero rotations, NaN, infinity, huge and tiny numbers. */
 static void spoil_model(fxs_fit_model *m)
 {
     static const float bad[] = {0, NAN, INFINITY, 1e30f, -1e30f, 1e-30f};
@@ -62,7 +62,7 @@ static int copy_model(fxs_fit_model *to, const fxs_fit_model *from)
     return 0;
 }
 
-/* Exposures as after some steps, twice. */
+/* Exposures with the moments of a running fit, in two copies. */
 static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -76,7 +76,7 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }
 
-/* Poses likewise. */
+/* Likewise for poses. */
 static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -91,7 +91,7 @@ static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
     memcpy(poses[1], poses[0], sizeof poses[1]);
 }
 
-/* Discs and single pixels are ignored. */
+/* Ignores discs and single pixels. */
 static void fill_mask(uint8_t *out, int32_t width, int32_t height)
 {
     for (int32_t i = 0; i < width * height; i++) {
@@ -105,7 +105,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
     static uint8_t masks[MOST_BATCH][MASK_PIXELS];
     const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
     for (size_t i = 0; i < bytes * MOST_BATCH; i++)
-        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* with white that was cut */
+        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* with saturated white */
     for (int i = 0; i < MOST_BATCH; i++) {
         fxs_fit_photograph *p = &photographs[i];
         memset(p, 0, sizeof *p);
@@ -146,7 +146,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
 
 /* ---- Comparing --------------------------------------------------------------------------------------------------- */
 
-/* Bits, where a NaN is like any other. */
+/* Compares bits; all NaNs are equal. */
 static int same(const float *a, const float *b, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -233,7 +233,8 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Some steps of one model by both; the last one's buffers too. narrow: lists have too little room at first. */
+/* Runs some steps of one model on both, and compares the last step's buffers. narrow: initial capacity of the lists; 0:
+   as usual. */
 static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t steps)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
@@ -315,7 +316,7 @@ static void test_steps(void)
     }
 }
 
-/* More of one depth in a list than are sorted at once: they stay in their order. */
+/* More entries with one depth in a list than one sort takes keep their order. */
 static void test_one_depth(void)
 {
     const what w = {.width = 37, .height = 27, .count = quick ? 2500 : 20000, .degree = 1, .batch = 1,
@@ -323,7 +324,7 @@ static void test_one_depth(void)
     compare(&w, 0, 0, 1);
 }
 
-/* As many tiles and Gaussians as a fit has; some of them as large as the picture. */
+/* Full sizes of pictures and models, with some Gaussians as large as the picture. */
 static void test_large(void)
 {
     for (int i = 0; i < (quick ? 0 : 2); i++) {
@@ -342,7 +343,7 @@ static void test_batches(void)
     }
 }
 
-/* Exposures of more photographs than a sum has parts, of some and of one, which is in a batch more than once. */
+/* Exposures of more photographs than a sum has parts, of five and of one; a photograph may be in a batch twice. */
 static void test_exposures(void)
 {
     static const uint32_t gains[] = {MOST_GAINS, 5, 1};
@@ -364,7 +365,7 @@ static void test_masks(void)
     }
 }
 
-/* Poses of some photographs and of one, with exposures and without; Gaussians of few and of many parts. */
+/* Poses of five photographs or one, with exposures and without; Gaussians with few and with many parts. */
 static void test_poses(void)
 {
     static const size_t counts[] = {200, 3000, 20000};
@@ -377,7 +378,7 @@ static void test_poses(void)
     }
 }
 
-/* Of Gaussians smaller than a pixel and larger ones, by either cut-off, with poses and without. */
+/* Gaussians smaller and larger than a pixel, both cut-offs, with poses and without. */
 static void test_antialiased(void)
 {
     static const size_t counts[] = {200, 3000, 20000};
@@ -390,7 +391,7 @@ static void test_antialiased(void)
     }
 }
 
-/* Steps whose lists have no room are made again. */
+/* A step repeats if its lists overflow. */
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
@@ -400,17 +401,17 @@ static void test_no_room(void)
     compare(&batch, 0, 64, MOST_STEPS);
 }
 
-/* The division that kernels have of their own. */
+/* The kernels' own division equals the rounded quotient. */
 static void test_odds(void)
 {
     CHECK(peek_fit_odds() == 0);
 }
 
-/* ---- What goes wrong --------------------------------------------------------------------------------------------- */
+/* ---- Failures ---------------------------------------------------------------------------------------------------- */
 
 static const what ordinary = {.width = 160, .height = 120, .count = 5000, .degree = 3, .batch = 2, .near_size = -2.5f};
 
-/* FNV-1a, a number at a time. */
+/* FNV-1a over words. */
 static uint64_t hash_of(const fxs_fit_model *m)
 {
     uint64_t hash = 14695981039346656037u;
@@ -423,7 +424,7 @@ static uint64_t hash_of(const fxs_fit_model *m)
     return hash;
 }
 
-/* Some steps within so much memory. Returns 0, or an error and a message. */
+/* Runs some steps within a memory limit. Returns 0, or an error with a message. */
 static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];
@@ -456,7 +457,7 @@ static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
     return error;
 }
 
-/* With as much as the message says, there is an end. */
+/* The memory that the message asks for suffices in the end. */
 static void test_too_little_memory(void)
 {
     uint64_t wanted, hash, most = 1000;
@@ -472,7 +473,7 @@ static void test_too_little_memory(void)
     CHECK(!error && hash == wanted);
 }
 
-/* The last, as CUDA is of no use to the process after it. */
+/* Runs last: CUDA is unusable in this process afterwards. */
 static void test_lost_device(void)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The compute shaders: the GLSL of kernels/compute is what tools/compute_shaders.mjs makes of the WGSL beside it and of
+# The compute shaders: kernels/compute/generated is what tools/compute_shaders.mjs makes of the WGSL above it and of
 # pixel.h; and the WGSL compiles as it is in Chromium, for WebGPU by SwiftShader.
 . tests/scripts/lib/check.sh
 B=${B:-build}
@@ -8,9 +8,9 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
 same_text() {
-    for file in "$work"/*.comp kernels/compute/*.comp; do
-        cmp -s "$work/${file##*/}" "kernels/compute/${file##*/}" ||
-            { echo "${file##*/} is old: node tools/compute_shaders.mjs $B/page kernels/compute"; return 1; }
+    for file in "$work"/*.comp kernels/compute/generated/*.comp; do
+        cmp -s "$work/${file##*/}" "kernels/compute/generated/${file##*/}" ||
+            { echo "${file##*/} is old: node tools/compute_shaders.mjs $B/page kernels/compute/generated"; return 1; }
     done
 }
 
@@ -20,7 +20,7 @@ if ! have node || [ ! -d "$modules/naga-wasm" ]; then
     exit
 fi
 check "the shaders are made" node tools/compute_shaders.mjs "${modules%/node_modules}" "$work"
-check "kernels/compute has them" same_text
+check "kernels/compute/generated has them" same_text
 if have chromium && [ -d "$modules/puppeteer-core" ]; then
     check "WebGPU compiles their WGSL" node tests/web/wgsl.mjs "$work" "$modules"
 else

@@ -1,4 +1,5 @@
-// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: what tests/scripts/webgl.sh asks of a Screen; 1: and its speed.
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: the checks of a Screen for tests/scripts/webgl.sh; 1: also its
+// speed.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'
@@ -207,7 +208,7 @@ const tests = {
     assert.equal(lost, true)
     assert.match(draws, /context was lost: open another Screen/)
     assert.match(opens, /context is lost: take another canvas/)
-    assert.equal(still, true) // a context that is restored is empty
+    assert.equal(still, true) // a restored context is empty
     assert.match(stays, /context was lost: open another Screen/)
     assert.equal(again, hashOf(FRAMES.framed))
   },
@@ -286,7 +287,7 @@ const tests = {
   },
 }
 
-/** Milliseconds of 1280x720, the median of 5 frames. */
+/** Milliseconds of 1280x720, median of 5 frames. */
 async function measure() {
   const [camera] = JSON.parse(readFileSync(`${work}/cameras.json`))
   for (const [scene, view] of [['shared-snowmiku', camera], ['shared-guitar', {}]])

@@ -1,4 +1,4 @@
-/* Copies that are awaited later: here they are made at once. */
+/* Asynchronous copies; here they happen at once. */
 #ifndef EMULATED_PIPELINE_H
 #define EMULATED_PIPELINE_H
 

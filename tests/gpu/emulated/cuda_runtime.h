@@ -1,7 +1,7 @@
-/* As much of CUDA as kernels/cuda needs, on a processor: what C++ with this header does not have is in ptx.h. Threads of
- * a block are coroutines that take turns, warps stop where their lanes meet, and blocks run one after the other. Streams
- * are queues, of which any that may go on does, so that what does not wait for an event comes too early. Memory of the
- * device holds rubbish at first. */
+/* The part of CUDA that kernels/cuda needs, emulated on a processor; ptx.h has what C++ lacks. Threads of a block are
+ * coroutines that take turns, the lanes of a warp meet at collective operations, and blocks run one after another.
+ * Streams are queues that advance in random order, so work that misses a wait for an event comes too early. Device
+ * memory starts with garbage. */
 #ifndef EMULATED_CUDA_RUNTIME_H
 #define EMULATED_CUDA_RUNTIME_H
 
@@ -57,13 +57,13 @@ inline uint4 make_uint4(uint32_t x, uint32_t y, uint32_t z, uint32_t w)
 namespace emulated {
 
 enum { SHARED_BYTES = 256 << 10 };
-extern unsigned char shared[SHARED_BYTES];             /* of the block; rubbish at first */
+extern unsigned char shared[SHARED_BYTES];             /* of the block; garbage at first */
 
-/* Waits for the lanes of the mask. Returns what each of them came with. */
+/* Waits for the lanes of the mask. Returns the value of each. */
 const uint64_t *meet(uint32_t lanes, uint64_t own);
 
-/* Waits for so many threads of the block (0: for all that have not ended) at a barrier. Returns the sum of what they
-   came with. */
+/* Waits for this many threads of the block at a barrier (0: for all that still run). Returns the sum of their
+   values. */
 uint32_t meet_block(uint32_t barrier, uint32_t threads, uint32_t own);
 
 inline uint32_t lane()

@@ -1,4 +1,4 @@
-/* In the place of kernels/cuda/ptx.cuh, in C++. */
+/* Replaces kernels/cuda/ptx.cuh with C++. */
 #ifndef FXS_CUDA_PTX_CUH
 #define FXS_CUDA_PTX_CUH
 

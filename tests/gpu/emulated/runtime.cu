@@ -1,4 +1,4 @@
-/* The runtime of cuda_runtime.h. */
+/* The implementation of cuda_runtime.h. */
 #include <fenv.h>
 #include <setjmp.h>
 #include <ucontext.h>
@@ -36,7 +36,7 @@ struct coroutine {
     bool has_begun, has_ended;
 };
 
-/* The lanes of a mask that have come, and what they and the ones before them came with. */
+/* The lanes of a mask that have arrived, their values, and the values of the last complete meeting. */
 struct lanes_meeting {
     uint32_t here;
     uint64_t times, coming[32], all[32];
@@ -50,8 +50,8 @@ struct block_meeting {
 coroutine threads[THREADS_MOST];
 jmp_buf scheduler;
 uint32_t now, alive;
-bool has_moved;                            /* since all threads last had their turn */
-lanes_meeting warps[THREADS_MOST / 32];     /* of all lanes */
+bool has_moved;                            /* since every thread last had a turn */
+lanes_meeting warps[THREADS_MOST / 32];     /* meetings of all lanes */
 std::map<uint32_t, lanes_meeting> parts_of_warps[THREADS_MOST / 32];
 block_meeting barriers[BARRIERS];
 const std::function<void()> *body;
@@ -69,7 +69,7 @@ void end_meeting(block_meeting *m)
     m->times++;
 }
 
-/* A thread of one block after the other. */
+/* A coroutine: runs one thread of each block in turn. */
 void run_threads()
 {
     for (;;) {
@@ -184,10 +184,10 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 struct event {
-    uint64_t recorded, done, time;         /* how often; the last time */
+    uint64_t recorded, done, time;         /* records queued, records done, time of the last */
 };
 
-/* Work, or an event's n-th record that is waited for. */
+/* Work, or a wait for the n-th record of an event. */
 struct operation {
     std::function<void()> work;
     event *awaited;
@@ -204,7 +204,7 @@ stream default_stream;
 std::vector<stream *> streams = {&default_stream};
 uint64_t chance = 1, steps;
 
-/* Does the next operation of a stream that may go on, whichever; false: none may. */
+/* Runs the next operation of a random stream that may go on. Returns false if none may. */
 bool take_step()
 {
     std::vector<stream *> ready;
@@ -328,7 +328,7 @@ cudaError_t cudaPointerGetAttributes(cudaPointerAttributes *attributes, const vo
     return cudaSuccess;
 }
 
-/* Memory that is not pinned is read at once. */
+/* Pageable memory is read at once. */
 cudaError_t cudaMemcpy2DAsync(void *to, size_t to_pitch, const void *from, size_t from_pitch, size_t width,
                               size_t height, cudaMemcpyKind, cudaStream_t stream)
 {
@@ -481,7 +481,7 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp *properties, int)
     return cudaSuccess;
 }
 
-/* EMULATED_PROCESSORS, EMULATED_SHARED: what the GPU has of multiprocessors, and a block of KiB of shared memory. */
+/* Limits of the GPU: EMULATED_PROCESSORS, its multiprocessors; EMULATED_SHARED, KiB of shared memory a block. */
 cudaError_t cudaDeviceGetAttribute(int *value, int attribute, int)
 {
     *value = attribute == cudaDevAttrMultiProcessorCount ? setting("EMULATED_PROCESSORS", 3)
@@ -505,7 +505,7 @@ const char *cudaGetErrorString(cudaError_t)
     return "emulated error";
 }
 
-/* The rounding is that of the moment, so nothing is to be computed before it is set. */
+/* `volatile` keeps the compiler from computing before the rounding mode is set. */
 template <class Operation>
 static float rounded_down(Operation operation)
 {
