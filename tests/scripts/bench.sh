@@ -82,15 +82,21 @@ check "a part: nothing else changes" cmp rest.md rest-before.md
 sed -n '/^<!-- stereo: begin/,/^<!-- stereo: end/p' document.md >part.md
 check "a part: day, commit and machine" grep -Eq \
     '^Measured [0-9]{4}-[0-9]{2}-[0-9]{2}, commit [0-9a-z ]+, on .* \([0-9]+ processors\), ' part.md
-check "a part: its rows" equal "$(grep -Ec '^\| landscape .*( \| [0-9.]+){4} \|$' part.md)" 2
+check "a part: its rows" equal "$(grep -Ec '^\| landscape .*( \| [0-9.]+){3} \|$' part.md)" 2
 check "no copy is left" [ ! -e document.md.new ]
 
-for order in make-scene bench render compare; do
-    ORDER=$order
-    measure sh tools/bench.sh stereo
-    check "$order fails: so does bench.sh" [ $status != 0 ]
-    check "$order fails: the document stays" unchanged
-done
+part_fails() {
+    ORDER=$1
+    measure sh tools/bench.sh $2
+    check "$1 fails: so does bench.sh" [ $status != 0 ]
+    check "$1 fails: the document stays" unchanged
+}
+for order in make-scene bench; do part_fails $order stereo; done
+if "$fixsplat" info --backends | grep -q '^gles  *here'; then
+    for order in render compare; do part_fails $order gles; done
+else
+    skip "render and compare fail" "no gles here"
+fi
 # Levels, with two made scenes for the captured ones, and cameras for view 8.
 mkdir -p captured/snowmiku captured/statue-st-peter
 cp knot.ply captured/snowmiku/snowmiku.ply
