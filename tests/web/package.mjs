@@ -238,7 +238,7 @@ const words = {
     await rejected(TypeError, /^options: expected an object$/, load(file, null))
     for (const source of [undefined, 5, {}]) await refused(source, /^load: expected an address/)
     assert.throws(() => scene.renderStereo({}, { fov: 200 }, size), /field of view of 200/)
-    assert.throws(() => scene.renderStereo({}, {}, { ...size, maxMemory: 50000 }), /memory/)
+    assert.throws(() => scene.renderStereo({}, {}, { ...size, maxMemory: 1000 }), /memory/)
     assert.throws(() => scene.renderStereo({}, {}, { ...size, targets: [{ colour: true }] }), /those of two eyes/)
     assert.deepEqual(scene.render({}, { ...size, maxMemory: 2 ** 32 + 1000 }), scene.render({}, size))
     wrong(/other `simd`/, [{ scene }, { scene: await load(file, { simd: false }) }], {}, size)
