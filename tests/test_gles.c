@@ -206,7 +206,7 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
     const fxs_object object = one_object(&s->scene);
-    const fxs_request request = request_for(&object, 1, &s->options, 1, &s->camera, 0, 0);
+    const fxs_request request = request_for(&object, 1, &s->options, 1, &s->camera, 0);
     int error = target ? render_target(&c, gles, &request, target, memory, bytes, stats)
                        : one_render(&c, &s->scene, &s->camera, &s->options, s->format, memory, bytes, pixels, stride,
                                     stats);
@@ -551,13 +551,13 @@ static void fetch_eyes(void)
                                        .draw_unlisted = drawn && way};
             fxs_targets targets[2];
             fxs_init(&c, &config);
-            const size_t bytes = fxs_stereo_bytes(&c, &object, 1, s.camera.width, s.camera.height);
+            const size_t bytes = fxs_frame_bytes(&c, &object, 1, s.camera.width, s.camera.height, 0);
             void *memory = check_aligned(bytes);
             for (int eye = 0; eye < 2; eye++) {
                 pictures[drawn][eye] = new_picture(&s);
                 targets[eye] = one_target(FXS_FORMAT_RGBA8, pictures[drawn][eye], 60 * 4);
             }
-            CHECK(!render_eyes(&c, &object, 1, cameras, &s.options, targets, 0, memory, bytes, 0));
+            CHECK(!render_eyes(&c, &object, 1, cameras, &s.options, targets, memory, bytes, 0));
             free(memory);
         }
         for (int eye = 0; eye < 2; eye++) {
@@ -1104,7 +1104,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     objects[1].translation_q32[0] = INT64_C(3) << 31;
     objects[1].translation_q32[2] = -(INT64_C(1) << 32);
     fxs_init(&c, &config);
-    const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets, 0);
+    const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets);
     const size_t bytes = fxs_frame_bytes(&c, objects, 2, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
     const int error = t ? render_target(&c, gles, &request, t, memory, bytes, 0)

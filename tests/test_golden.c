@@ -67,7 +67,7 @@ static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *
 {
     const fxs_object object = one_object(scene);
     const fxs_targets targets = one_target(g->format, pixels, (ptrdiff_t)camera->width * 4);
-    const fxs_request request = request_for(&object, 1, &g->options, 1, camera, &targets, 0);
+    const fxs_request request = request_for(&object, 1, &g->options, 1, camera, &targets);
     return backend->render(self, &request, 0, m);
 }
 

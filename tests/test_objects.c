@@ -540,22 +540,19 @@ static void test_threads_and_versions(void)
     }
 }
 
-static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_camera cameras[2], int exact,
-                       picture eyes[2])
+static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_camera cameras[2], picture eyes[2])
 {
-    const size_t bytes = fxs_stereo_bytes(context, s->objects, s->count, cameras[0].width, cameras[0].height);
+    const size_t bytes = fxs_frame_bytes(context, s->objects, s->count, cameras[0].width, cameras[0].height, 0);
     void *memory = check_aligned(bytes);
     const fxs_targets targets[2] = {eyes[0].targets, eyes[1].targets};
     picture_clear(&eyes[0]);
     picture_clear(&eyes[1]);
-    const int error = render_eyes(context, s->objects, s->count, cameras, &s->options, targets, exact, memory,
-                                        bytes, 0);
+    const int error = render_eyes(context, s->objects, s->count, cameras, &s->options, targets, memory, bytes, 0);
     free(memory);
     return error;
 }
 
-/* Exact: each eye has the bytes of its mono frame. Shared with equal cameras: both have. Shared: every version and
-   number of threads gives the same bytes. */
+/* Each eye has the bytes of its mono frame, by every version and number of threads. */
 static void test_stereo(void)
 {
     fxs_kernels versions[WORLD_VERSIONS];
@@ -568,32 +565,25 @@ static void test_stereo(void)
         const enum fxs_format format = s.expected.targets.format;
         picture eyes[2] = {picture_new(s.camera.width, s.camera.height, format),
                            picture_new(s.camera.width, s.camera.height, format)};
-        picture shared[2] = {picture_new(s.camera.width, s.camera.height, format),
-                             picture_new(s.camera.width, s.camera.height, format)};
-        for (int exact = 0; exact < 2; exact++) {
-            CHECK(!draw_stereo(&plain, &s, cameras, exact, eyes));
-            CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.expected, &eyes[1]));
-        }
+        CHECK(!draw_stereo(&plain, &s, cameras, eyes));
+        CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.expected, &eyes[1]));
         for (int k = 0; k < 3; k++)
             cameras[1].position_q32[k] += (int64_t)s.camera.rotation_q30[k] * between(1, 3);
-        CHECK(!draw_stereo(&plain, &s, cameras, 1, eyes) && same_pictures(&s.expected, &eyes[0]));
+        CHECK(!draw_stereo(&plain, &s, cameras, eyes) && same_pictures(&s.expected, &eyes[0]));
         CHECK(!draw(&plain, s.objects, s.count, &cameras[1], &s.options, 0, &s.actual, 0));
         CHECK(same_pictures(&s.actual, &eyes[1]));
-        CHECK(!draw_stereo(&plain, &s, cameras, 0, shared));
         for (int k = 0; k < count; k++) {
             const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create((uint32_t)k + 1),
                                        .threads = (uint32_t)k + 1};
             fxs_context context;
             fxs_init(&context, &config);
             context.kernels = versions[k];
-            CHECK(!draw_stereo(&context, &s, cameras, 0, eyes));
-            CHECK(same_pictures(&shared[0], &eyes[0]) && same_pictures(&shared[1], &eyes[1]));
+            CHECK(!draw_stereo(&context, &s, cameras, eyes));
+            CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.actual, &eyes[1]));
             fxs_pool_destroy(config.pool);
         }
-        for (int eye = 0; eye < 2; eye++) {
+        for (int eye = 0; eye < 2; eye++)
             picture_free(&eyes[eye]);
-            picture_free(&shared[eye]);
-        }
         free_scenario(&s);
     }
 }

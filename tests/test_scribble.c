@@ -125,9 +125,9 @@ static int free_room(bytes room)
 
 /* ---- Frames ----------------------------------------------------------------------------------------------------- */
 
-enum call { SLICES, HALF, WHOLE, STEREO, EXACT, PAIRS, CALLS };
+enum call { SLICES, HALF, WHOLE, STEREO, PAIRS, CALLS };
 static const char *const call_names[CALLS] = {"least memory", "half the memory", "whole memory", "stereo",
-                                              "exact stereo", "count_pairs"};
+                                              "count_pairs"};
 
 static size_t to_multiple_of_64(size_t size)
 {
@@ -140,10 +140,8 @@ static size_t memory_for(const fxs_context *context, enum call call)
     fxs_frame_memory memory;
     fxs_stats stats;
     const size_t all = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
-    if (call == WHOLE)
+    if (call == WHOLE || call == STEREO)
         return to_multiple_of_64(all);
-    if (call == STEREO || call == EXACT)
-        return to_multiple_of_64(one_stereo_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height));
     bytes room = make_room(to_multiple_of_64(memory.least)), pixels = make_room(1 << 16);
     memcpy(drawn.data, drawn.faint, drawn.size);
     const int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data,
@@ -169,8 +167,8 @@ static uint64_t render(const fxs_context *context, enum call call, size_t size)
     start_watch(drawn.faint);
     if (call == PAIRS)
         error = one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, room.data, size, &pairs[0], &pairs[1]);
-    else if (call == STEREO || call == EXACT)
-        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8, call == EXACT,
+    else if (call == STEREO)
+        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8,
                                   room.data, size, (void *const[2]){left.data, right.data}, stride, NULL);
     else
         error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data, size,
@@ -311,7 +309,6 @@ static void test_whole(void)
 static void test_stereo(void)
 {
     check_versions(STEREO);
-    check_versions(EXACT);
 }
 
 static void test_count_pairs(void)

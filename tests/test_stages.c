@@ -1348,7 +1348,7 @@ static void test_render_refuses_arguments(void)
     const fxs_object object = one_object(s);
     const fxs_targets targets = one_target(rgba, pixels, 80);
     for (uint32_t eyes = 0; eyes <= 3; eyes += 3) {
-        fxs_request request = request_for(&object, 1, options, 1, camera, &targets, 0);
+        fxs_request request = request_for(&object, 1, options, 1, camera, &targets);
         request.eyes = eyes;
         CHECK(fxs_render(context, &request, memory, good.bytes, 0) == FXS_ERR_ARGUMENT);
     }

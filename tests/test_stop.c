@@ -54,7 +54,7 @@ static int draw_depth(bench *b)
 static int draw_eyes(bench *b)
 {
     const fxs_targets targets[2] = {targets_of(b, 0), targets_of(b, 1)};
-    return render_eyes(&b->context, &b->object, 1, b->cameras, &b->options, targets, 0, b->memory, b->bytes, 0);
+    return render_eyes(&b->context, &b->object, 1, b->cameras, &b->options, targets, b->memory, b->bytes, 0);
 }
 
 static int pick_middle(bench *b)
@@ -99,8 +99,7 @@ static void bench_init(bench *b, uint64_t seed, int room)
     b->cameras[1] = b->cameras[0];
     b->cameras[1].position_q32[0] += 1 << 20;
     const size_t whole = fxs_frame_bytes(&b->context, &b->object, 1, SIDE, SIDE, &sizes);
-    b->bytes = room < 16 ? sizes.least + (whole - sizes.least) / 16 * (size_t)room
-                         : fxs_stereo_bytes(&b->context, &b->object, 1, SIDE, SIDE);
+    b->bytes = room < 16 ? sizes.least + (whole - sizes.least) / 16 * (size_t)room : whole;
     b->memory = check_aligned(b->bytes);
 }
 

@@ -143,10 +143,8 @@ const option_row camera_rows[] = {
      "pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024); a view of a file is scaled by the "
      "widths, its principal point too"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
-     "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera; order and colours are "
-     "found once for both"},
-    {"stereo-exact", 0, FLAG(stereo_exact), .help =
-     "each eye as its camera alone would be rendered; with --backend gles-compute always"},
+     "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera, each as its camera alone "
+     "would be rendered"},
     {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
      "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
      "full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks the same way), half "
@@ -256,8 +254,6 @@ int frame_options_check(const frame_options *options)
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
     if (options->auto_up && options->up.given)
         return fail(EXIT_USAGE, "--auto-up and --up: give one");
-    if (options->stereo_exact && options->stereo <= 0)
-        return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
     if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents ||
                               options->foveate.on))
         return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, --ortho, --tangents, --foveate");

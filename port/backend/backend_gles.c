@@ -369,15 +369,15 @@ static int open_osmesa(void **self, const fxs_backend_options *options, fxs_mess
 
 const fxs_backend fxs_backend_gles = {
     .name = "gles", .does = "OpenGL ES 3.0 by EGL",
-    .can = FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_faster, .open = open_faster, SHARED
+    .can = FXS_CAN_PART, .device = device_faster, .open = open_faster, SHARED
 };
 
 const fxs_backend fxs_backend_gles_fetch = {
     .name = "gles-fetch", .does = "the same device by framebuffer fetch, without lists",
-    .can = FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_fetch, .open = open_fetch, SHARED
+    .can = FXS_CAN_PART, .device = device_fetch, .open = open_fetch, SHARED
 };
 
 const fxs_backend fxs_backend_osmesa = {
     .name = "osmesa", .does = "OpenGL by OSMesa",
-    .can = FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_osmesa, .open = open_osmesa, SHARED
+    .can = FXS_CAN_PART, .device = device_osmesa, .open = open_osmesa, SHARED
 };

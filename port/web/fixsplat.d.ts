@@ -246,15 +246,8 @@ export interface TargetOptions extends FrameOptions {
   depthBits?: number
 }
 
-/** Options of a stereo picture. */
-export interface StereoOptions extends FrameOptions {
-  /** True: each eye is byte for byte the picture that `render` draws with its camera, and both take the time of two
-      frames. False, the default: the colours of the Gaussians are computed once for both eyes, which is faster. */
-  exact?: boolean
-}
-
 /** Options of a stereo picture with named targets. */
-export interface StereoTargetOptions extends StereoOptions {
+export interface StereoTargetOptions extends FrameOptions {
   /** One value for both eyes, or one for each eye. The colours of both eyes must have the same format. */
   targets: Targets | readonly [Targets, Targets]
   /** The number of fraction bits of depths, 1 to 28; 16 by default. */
@@ -348,7 +341,7 @@ export class Scene {
   render(camera?: Camera, options?: FrameOptions): Pixels
   /** Draws this scene alone for two eyes; see the function `renderStereo`. */
   renderStereo(left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
-  renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Pixels, Pixels]
+  renderStereo(left: Camera, right: Camera, options?: FrameOptions): [Pixels, Pixels]
   /** Finds the Gaussian of this scene at a pixel; see the function `pick`. */
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
   /** Prefetches the parts of this scene for a camera; see the function `foresee`. */
@@ -370,12 +363,12 @@ export function end(): Promise<void>
 export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
 export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Pixels
 
-/** Draws objects for two eyes, in less time than two calls of `render`. Both pictures have the same size. `maxMemory`
-    must suffice for both whole frames at once. Returns the left and the right picture. */
+/** Draws objects for two eyes. Each picture is byte for byte what `render` draws with its camera; both have the same
+    size. Returns the left and the right picture. */
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
 export function renderStereo(
-  objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
+  objects: readonly Placed[], left: Camera, right: Camera, options?: FrameOptions,
 ): [Pixels, Pixels]
 
 /** Chooses a view of the objects, in the form of `Scene.first`. Takes about 0.2 seconds, once for the same objects. */

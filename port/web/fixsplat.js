@@ -754,7 +754,7 @@ function memoryFor(plans, width, height) {
 
 /** Draws for the one or two cameras that were set. Returns the pixels, or the Frame with `targets`, of each eye. */
 function draw(core, width, height, eyes, options) {
-  const { depthBits = 16, exact = false, targets } = options
+  const { depthBits = 16, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
   const copies = memoryFor(plans, width, height)
   const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
@@ -769,7 +769,7 @@ function draw(core, width, height, eyes, options) {
     const places = Array(7 * eyes).fill(0)
     plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
     core.put(...places)
-    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(core, options))
+    core.draw('render', code, depthBits, ...valuesOf(core, options))
     const facts = { width, height, ...drawnBy(core) }
     const all = plans.map(taken)
     return all.map((parts) => (targets ? { ...facts, ...Object.fromEntries(parts) } : parts[0][1]))

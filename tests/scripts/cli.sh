@@ -91,7 +91,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
     'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
-    'stereo-exact' 'stereo 0.1 --stats' 'tangents 1,2,3' 'tangents x' \
+    'stereo 0.1 --stats' 'tangents 1,2,3' 'tangents x' \
     'tangents -1,1,1,-1 --ortho 3' 'foveate --stats' 'foveate --depth x.pfm' 'foveate --ids x.raw'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
@@ -149,7 +149,7 @@ check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend c
 if [ -e /dev/nvidia0 ]; then
     check "one hash with --backend cuda" equal "$(hash_of knot.ply $small --backend cuda)" "$hash"
     check "one hash with every device" equal "$(hash_of knot.ply $small --backend cuda --device all)" "$hash"
-    for more in '' --foveate --stereo-exact; do
+    for more in '' --foveate; do
         run render knot.ply $small --stereo 0.1 $more --backend cuda --hash
         check "one hash with --stereo $more --backend cuda" equal "$status $(cat logs/out logs/err)" \
             "0 $(hash_of knot.ply $small --stereo 0.1 $more)"
@@ -189,24 +189,24 @@ check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
 check "--alpha: coverage from 0 to 255" equal "$(od -An -v -tu1 coverage.raw |
     awk '{ for (i = 4; i <= NF; i += 4) { low += $i == 0; high += $i > 250; middle += $i > 9 && $i < 246 } }
          END { print (low > 0) + (high > 0) + (middle > 0) }')" 3
-# Side by side: with --stereo-exact each half has the bytes of its own camera.
+# Side by side: each half has the bytes of its own camera.
 eyes='--eye 0,-2,-9 --look 0,-2,0'
 succeeds "--stereo" render knot.ply $small $eyes --stereo 0.5 -o eyes.ppm
 check "--stereo: twice as wide" equal "$(sed -n 2p eyes.ppm)" "128 48"
-"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --stereo-exact -o exact.raw
+"$fixsplat" render knot.ply $small $eyes --stereo 0.5 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 -o left.raw
 "$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 -o right.raw
 halves() { od -An -v -tx1 -w256 "$1" | awk "NR % 2 == $2"; }
-check "--stereo-exact: the left half" equal "$(halves exact.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
-check "--stereo-exact: the right half" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
+check "--stereo: the left half" equal "$(halves eyes.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
+check "--stereo: the right half" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
 fails "--stereo: too little memory" 1 "it needs at least [0-9]* bytes$" render knot.ply $small --stereo 0.5 \
     --max-memory 300K --hash
 # The right eye's tangents mirror the left eye's.
-"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --stereo-exact --tangents -1.38,1.19,1.0,-1.2 -o exact.raw
+"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --tangents -1.38,1.19,1.0,-1.2 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 --tangents -1.38,1.19,1.0,-1.2 -o left.raw
 "$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 --tangents -1.19,1.38,1.0,-1.2 -o right.raw
-check "--tangents: the left eye" equal "$(halves exact.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
-check "--tangents: the right eye" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
+check "--tangents: the left eye" equal "$(halves eyes.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
+check "--tangents: the right eye" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
 fails "--tangents: the wrong way round" 1 "expected left < right and down < up" render knot.ply $small \
     --tangents 1,-1,1,-1 --hash
 
@@ -494,13 +494,9 @@ for backend in gles gles-fetch gles-compute osmesa; do
     fi
     [ "$backend$reason" = gles-compute ] || continue
     for more in '' '--tangents -1.38,1.19,1.0,-1.2' --foveate '--foveate=20,30,10,20,4 --alpha'; do
-        run render knot.ply $small --stereo 0.1 $more --backend gles-compute --hash
-        check "--stereo $more --backend gles-compute: each eye by itself, and said" equal \
-            "$status $(cat logs/out logs/err)" "0 $(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)
-fixsplat: --backend gles-compute: each eye is rendered by itself, as by --stereo-exact"
-        check "one hash with --stereo-exact $more --backend gles-compute" equal \
-            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more --backend gles-compute)" \
-            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)"
+        check "one hash with --stereo $more --backend gles-compute" equal \
+            "$(hash_of knot.ply $small --stereo 0.1 $more --backend gles-compute)" \
+            "$(hash_of knot.ply $small --stereo 0.1 $more)"
     done
     for more in --foveate '--foveate=20,30,10,20,4 --alpha' '--foveate --ortho 4'; do
         check "one hash with $more --backend gles-compute" equal \

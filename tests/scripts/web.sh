@@ -228,12 +228,9 @@ eyes='--size 128x96 --eye 0,-2,-9 --look 0,-2,0 --near 0.5'
 check "two eyes" same_pair '{"eye":[-0.25,-2,-9],"look":[-0.25,-2,0],"near":0.5}' \
     '{"eye":[0.25,-2,-9],"look":[0.25,-2,0],"near":0.5}' '{"width":128,"height":96}' $eyes --stereo 0.5
 seen='"fx":64,"fy":48,"cy":60,"rotation":[[1,0,0],[0,1,0],[0,0,1]],"near":0.5'
-for exact in '' --stereo-exact; do
-    check "two eyes of a headset $exact" same_pair "{\"cx\":72,\"position\":[-0.25,-2,-9],$seen}" \
-        "{\"cx\":56,\"position\":[0.25,-2,-9],$seen}" \
-        "{\"width\":128,\"height\":96,\"exact\":$([ "$exact" ] && echo true || echo false)}" \
-        $eyes --stereo 0.5 --tangents -1.125,0.875,1.25,-0.75 $exact
-done
+check "two eyes of a headset" same_pair "{\"cx\":72,\"position\":[-0.25,-2,-9],$seen}" \
+    "{\"cx\":56,\"position\":[0.25,-2,-9],$seen}" '{"width":128,"height":96}' \
+    $eyes --stereo 0.5 --tangents -1.125,0.875,1.25,-0.75
 check "pick" pick_is_the_same
 check "png" web png "$knot"
 check "the example of the README" example

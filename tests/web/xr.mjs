@@ -207,13 +207,13 @@ function hash(bytes) {
 }
 
 const BETWEEN = ['--eye', '0,-2,-9', '--look', '0,-2,-7', '--near', '0.1', '--size', `${width / 2}x${height}`]
-const APART = ['--stereo', '0.0625', '--stereo-exact', '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030']
+const APART = ['--stereo', '0.0625', '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030']
 
 const native = () => rendered('scene.ply', ...BETWEEN, ...APART)
 
 const scene = await load(`${scenes}/scene.ply`)
 function packaged(pair, how) {
-  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, exact: true, ...how })
+  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, ...how })
   const row = (pixels, y) => Buffer.from(pixels.buffer, 2 * width * y, 2 * width)
   return Buffer.concat(Array.from({ length: height }, (_, y) => eyes.map((eye) => row(eye, y))).flat())
 }

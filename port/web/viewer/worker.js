@@ -216,7 +216,7 @@ const words = {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
     if (!cameras[1]) return { pictures: [render(objects(), cameras[0], options)] }
-    return { pictures: renderStereo(objects(), ...cameras, { ...options, exact: true }) }
+    return { pictures: renderStereo(objects(), ...cameras, options) }
   },
 
   packed: (key) => scenes.get(key).packed,

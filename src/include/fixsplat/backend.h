@@ -16,10 +16,8 @@ extern "C" {
 enum fxs_backend_can {
     FXS_CAN_TRACE = 1,             /* depth and id targets */
     FXS_CAN_COMPOSE = 2,           /* occluder, backdrop, coverage target, RGBA16 */
-    FXS_CAN_SHARE_EYES = 4,        /* two eyes that share the depth order and the colours; without it, each eye is a
-                                      frame */
-    FXS_CAN_DEVICES = 8,           /* several devices; each may render on its own thread */
-    FXS_CAN_PART = 16              /* scenes with only a part in memory (fxs_scene.places) */
+    FXS_CAN_DEVICES = 4,           /* several devices; each may render on its own thread */
+    FXS_CAN_PART = 8              /* scenes with only a part in memory (fxs_scene.places) */
 };
 
 /* All fields 0: the defaults. */
