@@ -2,7 +2,7 @@
 // numbers, as in OpenGL; #objects maps these to WebGL objects. All buffers are for uploads to textures, and in the
 // memory of the module, which saves a copy.
 
-const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
+const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // RGBA_INTEGER, RG_INTEGER: all layouts that are uploaded, in words
 const NUM_EXTENSIONS = 0x821d // not a parameter of WebGL
 
 /** Functions that take the same numbers in WebGL. */
