@@ -7,6 +7,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/map.h>
 #include "src/core/frame.h"
+#include "src/core/targets.h"
 #include "tests/one_scene.h"
 #include "tests/random_scene.h"
 #include "tests/random_tree.h"

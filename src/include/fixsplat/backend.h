@@ -17,7 +17,7 @@ enum fxs_backend_can {
     FXS_CAN_TRACE = 1,             /* depth and id targets */
     FXS_CAN_COMPOSE = 2,           /* occluder, backdrop, coverage target, RGBA16 */
     FXS_CAN_DEVICES = 4,           /* several devices; each may render on its own thread */
-    FXS_CAN_PART = 8              /* scenes with only a part in memory (fxs_scene.places) */
+    FXS_CAN_PART = 8               /* scenes with only a part in memory (fxs_scene.places) */
 };
 
 /* All fields 0: the defaults. */
