@@ -199,8 +199,9 @@ check "--stereo: twice as wide" equal "$(sed -n 2p eyes.ppm)" "128 48"
 halves() { od -An -v -tx1 -w256 "$1" | awk "NR % 2 == $2"; }
 check "--stereo: the left half" equal "$(halves eyes.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
 check "--stereo: the right half" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
-fails "--stereo: too little memory" 1 "it needs at least [0-9]* bytes$" render knot.ply $small --stereo 0.5 \
-    --max-memory 300K --hash
+check "--stereo: in bands" equal "$(hash_of knot.ply $small --stereo 0.5 --threads 1 --max-memory 100K)" \
+    "$(hash_of knot.ply $small --stereo 0.5)"
+fails "--stereo: too little memory" 1 "$words" render knot.ply $small --stereo 0.5 --max-memory 1 --hash
 # The right eye's tangents mirror the left eye's.
 "$fixsplat" render knot.ply $small $eyes --stereo 0.5 --tangents -1.38,1.19,1.0,-1.2 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 --tangents -1.38,1.19,1.0,-1.2 -o left.raw
