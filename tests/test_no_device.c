@@ -44,7 +44,7 @@ static void table(void)
     fxs_message why = {"", 1};
     char name[32];
     void *self = &why;
-    CHECK(!strcmp(b->name, "cuda") && b->can & FXS_CAN_EXACT);
+    CHECK(!strcmp(b->name, "cuda") && b->can & FXS_CAN_TRACE);
     CHECK(b->open(&self, &options, &why) == expected && !self && why.text[0] && !why.bytes_needed);
     why.text[0] = 0;
     CHECK(b->device(0, name, sizeof name, &why) == expected && why.text[0]);

@@ -154,7 +154,7 @@ cutoffs() {
 gles_rows() {
     name=$1 file=$2
     shift 2
-    for backend in cpu gles gles-fetch gles-quads; do
+    for backend in cpu gles gles-fetch; do
         json=$("$B/fixsplat" bench --json "$file" --threads $two --size 1280x720 --backend $backend "$@")
         "$B/fixsplat" render "$file" --size 1280x720 --backend $backend -o "$work/$backend.ppm" "$@"
         printf '| %s, %s | %s | %s | %s | %s |\n' "$name" $backend "$(echo "$json" | field frame_ms)" \

@@ -353,7 +353,7 @@ static void print_backends(void)
 
 static void print_can_json(unsigned can)
 {
-    static const char *const names[] = {"exact", "trace", "compose", "devices", "part"};   /* FXS_CAN_* */
+    static const char *const names[] = {"trace", "compose", "devices", "part"};   /* FXS_CAN_* */
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++)
         printf("%s\"%s\": %s", i ? ", " : "\"can\": {", names[i], can >> i & 1 ? "true" : "false");
     printf("}");
@@ -438,8 +438,8 @@ static const option_row own_rows[] = {
      "worst_view (a PSNR is null where the pictures are equal), and nudged_psnr of each view"},
     {"backends", 0, FLAG(backends), .help =
      "what can blend here, and why something cannot; with --json an array of objects: name, does, devices, here, "
-     "why_not (null where it is here), and can: exact (the same bytes), trace (depths and ids), compose (meshes, "
-     "coverage), devices (several), part (scenes of which a part is in memory)"},
+     "why_not (null where it is here), and can: trace (depths and ids), compose (meshes, coverage), "
+     "devices (several), part (scenes of which a part is in memory)"},
     {0}
 };
 

@@ -168,8 +168,8 @@ const option_row frame_rows[] = {
      "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon"},
     {"backend", "NAME", TEXT(backend), .help =
      "what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; gles-fetch (gles "
-     "without lists); gles-compute (every stage in compute shaders of OpenGL ES 3.1); cuda: the same bytes. "
-     "gles-quads: inexact, blended by the device. auto (default): cpu. See fixsplat info --backends"},
+     "without lists); gles-compute (every stage in compute shaders of OpenGL ES 3.1); cuda. All give the same "
+     "bytes. auto (default): cpu. See fixsplat info --backends"},
     {"device", "LIST", take_devices, 0, .help =
      "GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view all shares the views "
      "out among them, other commands take the first"},

@@ -16,7 +16,7 @@ static const command *const commands[] = {
 enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
 static const char backends_help[] =
-    "A back end renders, and --backend names it; auto takes cpu. All but gles-quads give the same bytes.\n"
+    "A back end renders, and --backend names it; auto takes cpu. All give the same bytes.\n"
     "fixsplat info --backends tells which are here, and why not; --json tells it to a program. With:\n\n";
 
 static void help_backends(void)

@@ -238,8 +238,8 @@ static const char *version(const void *self, enum fxs_stage stage)
 }
 
 const fxs_backend fxs_backend_gles_compute = {
-    .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE, .device = device_name, .open = open_device,
+    .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1",
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE, .device = device_name, .open = open_device,
     .render = render, .forget = forget,
     .version = version, .nanoseconds = nanoseconds, .close = close_device
 };

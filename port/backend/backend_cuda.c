@@ -127,8 +127,8 @@ static const char *version(const void *self, enum fxs_stage stage)
 }
 
 const fxs_backend fxs_backend_cuda = {
-    .name = "cuda", .does = "whole frames on a GPU, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
+    .name = "cuda", .does = "whole frames on a GPU",
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
     .device = device_name, .open = open_device, .render = render, .forget = forget, .version = version,
     .nanoseconds = nanoseconds, .close = close_device
 };

@@ -421,11 +421,11 @@ export interface ScreenOptions extends FrameOptions {
   targets?: IntoBuffers
   /** The number of fraction bits of depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
-  /** Draws into another target instead of the whole canvas. 'webgpu': see IntoTexture. The back ends of WebGL 2:
-      `framebuffer` is a framebuffer of the Screen's context; null, the default, is the canvas, which keeps its size.
-      `x` and `y` are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default.
-      `depth`, for 'webgl2' only, is the depth buffer of a perspective camera: a texture with the filter NEAREST,
-      aligned with the picture at the lower left corner, and its `planes` as in IntoTexture. */
+  /** Draws into another target instead of the whole canvas. 'webgpu': see IntoTexture. 'webgl2': `framebuffer` is a
+      framebuffer of the Screen's context; null, the default, is the canvas, which keeps its size. `x` and `y` are the
+      pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. `depth` is the depth buffer
+      of a perspective camera: a texture with the filter NEAREST, aligned with the picture at the lower left corner, and
+      its `planes` as in IntoTexture. */
   into?:
     | {
         framebuffer?: WebGLFramebuffer | null
@@ -434,23 +434,21 @@ export interface ScreenOptions extends FrameOptions {
         depth?: { texture: WebGLTexture; planes: readonly [number, number] }
       }
     | IntoTexture
-  /** A picture to draw instead of the background colour, as `Targets.backdrop`. Not possible with `alpha` or with
-      'webgl2-quads'. The other three back ends draw the same bytes. */
+  /** A picture to draw instead of the background colour, as `Targets.backdrop`. Not possible with `alpha`. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
-type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
+type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
 /** Draws any number of pictures on a canvas, in the page or in a Worker. A canvas keeps the kind of its context, so a
     Screen with another kind of context needs another canvas. After `free`, using the Screen throws an Error. */
 export class Screen {
   private constructor()
   /**
-   * Opens a Screen with a back end:
+   * Opens a Screen with a back end. All draw the same bytes:
    * - 'wasm' copies the picture of `render` to the canvas.
    * - 'webgpu' renders on the GPU. A scene is copied to the GPU once. It cannot draw streamed scenes.
    * - 'webgl2' prepares the picture on the processor and draws it on the GPU.
-   * - 'webgl2-quads' also draws on the GPU, but its picture is not exact. The other three draw the same bytes.
    *
    * The promise is rejected if the canvas already has a context of another kind. For all back ends except 'wasm', it is
    * also rejected without simd128 or without WebGPU or WebGL 2. The scenes to be drawn must be loaded with the same

@@ -1122,7 +1122,7 @@ done
 for bad in 'depth x.jpg' 'depth x' 'ids x.ppm' 'ids x' 'depth-kind both' 'depth-kind mean' 'depth-range 0' \
     'depth-range -1' 'depth-range x' 'depth-range 3' 'pick 1' 'pick 1,' 'pick ,1' 'pick -1,1' 'pick 1,1,1' 'pick x,y' \
     'pick 99999,1' 'ortho 0' 'ortho -1' 'ortho x' 'json' 'depth x.pfm --backend gles' \
-    'ids x.png --backend gles-quads' 'pick 1,1 --stereo 0.1'; do
+    'ids x.png --backend gles-fetch' 'pick 1,1 --stereo 0.1'; do
     fails "--$bad" 2 "" render knot.ply $small --hash --$bad
 done
 fails "--depth into no folder" 1 "none/x.pfm: cannot be written" render knot.ply $small --depth none/x.pfm

@@ -100,7 +100,7 @@ if have python3; then
     check "info --backends --json" python3 - logs/backends <<'END'
 import json, sys
 all = {b["name"]: b for b in json.load(open(sys.argv[1]))}
-assert all["cpu"]["here"] and all["cpu"]["why_not"] is None and all["cpu"]["can"]["exact"], all["cpu"]
+assert all["cpu"]["here"] and all["cpu"]["why_not"] is None and all["cpu"]["can"]["trace"], all["cpu"]
 assert all["cuda"]["here"] or all["cuda"]["why_not"], all["cuda"]
 END
     check "info --json" python3 - logs/info <<'END'

@@ -24,11 +24,6 @@ const COMMON = `import { load, Screen } from '/fixsplat.js'
   export const sceneOf = (name, options) =>
     (scenes[name + JSON.stringify(options)] ??= load('/work/' + name + '.fxs', options))
   export ${hash}
-  export function psnr(a, b) {
-    let sum = 0
-    for (let i = 0; i < a.length; i++) sum += i % 4 < 3 ? (a[i] - b[i]) ** 2 : 0
-    return 10 * Math.log10((255 ** 2 * a.length * 0.75) / sum)
-  }
   export async function drawn(screen, { objects, camera, options }) {
     const placed = await Promise.all(objects.map(async (o) => ({ ...o, scene: await sceneOf(o.scene) })))
     screen.draw(placed, camera, options)
@@ -102,7 +97,7 @@ export async function open(browser, address) {
   await page.goto(base + address)
   const run = (body, ...values) =>
     page.evaluate(`(async (...args) => {
-      const { Screen, canvas, sceneOf, hash, psnr, drawn } = await import('/common.js')
+      const { Screen, canvas, sceneOf, hash, drawn } = await import('/common.js')
       const wordsOf = (made) => made.then(() => 'nothing', (error) => error.message)
       ${body} })(...${JSON.stringify(values)})`)
   return { run, page, close: () => page.close() }

@@ -205,8 +205,7 @@ const words = {
   /** Draws on a screen; for an unknown id, the answer has the pixels. */
   async draw(id, camera, options) {
     const start = performance.now()
-    const isRough = screens[id]?.backend === 'webgl2-quads'
-    const facts = await draw(id, camera, await withSky(isRough ? { ...options, sky: null } : options, camera))
+    const facts = await draw(id, camera, await withSky(options, camera))
     lookAhead(camera, options)
     onScreen(drawn)
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
