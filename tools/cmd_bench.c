@@ -61,7 +61,7 @@ static int read_options(bench_options *o, int argc, char **argv)
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
     if (o->draws && o->frame.foveate.on)
-        return fail(EXIT_USAGE, "--foveate is of colours: no --draw");
+        return fail(EXIT_USAGE, "--foveate has colours only: no --draw");
     if (o->compare && o->json)
         return fail(EXIT_USAGE, "--compare prints a table: no --json");
     o->frames = o->path ? o->path : o->frames ? o->frames : 10;

@@ -347,8 +347,7 @@ static void check_views(const world *packed, const convert_options *o, const loa
     frame_options options;
     quality q;
     if (packed->scenes[0].opened->scene->count > MOST) {
-        note("%s: not compared with the floats, which is done up to %d Gaussians; info --compare does it for any "
-             "number", o->out, MOST);
+        note("%s: not compared with the floats: more than %d Gaussians; info --compare has no limit", o->out, MOST);
         return;
     }
     again.again = 1;
@@ -495,7 +494,7 @@ static int check_options_of_parts(const convert_options *o)
         for (const option_row *r = t->rows; r->help; r++)
             if (r->name && is_given(r->name) && strcmp(r->name, "levels") && strcmp(r->name, "start-view") &&
                 strcmp(r->name, "quiet"))
-                return fail(EXIT_USAGE, "--%s: %s is a part of a scene, which convert merges as it is", r->name,
+                return fail(EXIT_USAGE, "--%s: %s is a part of a scene; parts are merged unchanged", r->name,
                             o->world.scenes[0]);
     return ends_with(o->out, ".fxs") ? 0 : fail(EXIT_USAGE, "%s: parts of an .fxs are merged to an .fxs", o->out);
 }

@@ -165,7 +165,7 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     if (count < 1)
         return EXIT_FAILED;
     if (count > 8 || (o->batch && o->batch % o->device_count))
-        return fail(EXIT_USAGE, "fit: a batch of %u photographs is not to be shared out among %d devices",
+        return fail(EXIT_USAGE, "fit: --batch %u is not a multiple of the %d devices",
                     (unsigned)(o->batch ? o->batch : 8), count);
     return 0;
 }
@@ -207,7 +207,7 @@ static int check_options(const fit_command *c)
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (is_given("quality") && is_given("recipe"))
-        return fail(EXIT_USAGE, "--quality stands for a recipe: leave out --recipe");
+        return fail(EXIT_USAGE, "--quality includes a recipe: leave out --recipe");
     if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name || c->crops))
         return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras, --log "
                     "and --crop-to-subject");
@@ -217,24 +217,23 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "--block 0: nothing is fitted: leave out --write-cameras, --log, --compare and "
                     "--metrics-every");
     if (c->options.exposure && c->blocks && !c->coarse)
-        return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
+        return fail(EXIT_USAGE, "--exposure with --block needs --coarse, whose exposures it uses");
     if (c->options.refine_poses && c->blocks && !c->coarse)
-        return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
+        return fail(EXIT_USAGE, "--refine-poses with --block needs --coarse, whose poses it uses");
     if (c->options.sky && c->blocks && !c->coarse)
-        return fail(EXIT_USAGE, "--sky: of --block only with --coarse, whose sky it has");
+        return fail(EXIT_USAGE, "--sky with --block needs --coarse, whose sky it uses");
     if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
-        return fail(EXIT_USAGE, "--crop-to-subject: of a whole fit that ends in .fxs or .ply");
+        return fail(EXIT_USAGE, "--crop-to-subject needs a whole fit, to .fxs or .ply");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
         return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
     if (c->preview && (c->measure || c->cameras_only || (c->blocks && !c->block)))
-        return fail(EXIT_USAGE, "--preview: there is no step to look at: leave out --measure, --cameras-only and "
-                    "--block 0");
+        return fail(EXIT_USAGE, "--preview: nothing is fitted: leave out --measure, --cameras-only and --block 0");
     if (is_given("port") && !c->preview)
         return fail(EXIT_USAGE, "--port needs --preview");
     if (c->blocks && !ends_with(c->out, ".ply"))
-        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
+        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, for convert to merge", c->out);
     return 0;
 }
 

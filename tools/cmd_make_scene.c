@@ -75,7 +75,7 @@ static int run(int argc, char **argv)
     if (optind != argc - 1 || !o.output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");
     if (is_of_another_format(o.output))
-        return fail(EXIT_USAGE, "%s: a .ply is written; convert makes others of it", o.output);
+        return fail(EXIT_USAGE, "%s: expected a name ending in .ply; convert writes other formats", o.output);
     const fxs_procedural_scene *scene = fxs_procedural_find(argv[optind]);
     if (!scene)
         return fail(EXIT_USAGE, "no scene '%s'; see: fixsplat make-scene --help", argv[optind]);

@@ -264,7 +264,7 @@ static int read_options(publish_options *o, int argc, char **argv)
 static int publish_folder(publish_options *o, const char *package)
 {
     int status = o->settings && o->list.count > 1
-                     ? fail(EXIT_USAGE, "publish: --settings is of one scene, and there are %zu", o->list.count)
+                     ? fail(EXIT_USAGE, "publish: --settings is for one scene, not %zu", o->list.count)
                      : take_site(o);
     status = status ? status : copy_settings(o);
     status = status ? status : copy_page(o, package);
@@ -284,7 +284,7 @@ static int publish_file(publish_options *o, const char *package)
     if (o->list.count != 1)
         return fail(EXIT_USAGE, "publish: --single takes one scene, not %zu", o->list.count);
     if (o->settings)
-        return fail(EXIT_USAGE, "publish: --settings is of a folder, not of --single");
+        return fail(EXIT_USAGE, "publish: --settings does not go with --single");
     const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
                               .name = s->name, .words = o->words, .has_profile = is_given("profile")};
     return write_single(&page, &o->frame, o->site, &o->bytes);

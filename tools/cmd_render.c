@@ -142,13 +142,13 @@ static int check_picture(render_options *o)
                         "-o - | ffmpeg -i - %s for a film", o->output, o->output);
     } else if (o->output) {
         if (o->hash || o->stats || o->has_pick || (o->depth && !(o->depth_range > 0)))
-            return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and so does what --%s prints",
+            return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and --%s prints there too",
                         o->hash ? "hash" : o->stats ? "stats" : o->has_pick ? "pick" : "depth without --depth-range");
         if (fxs_is_terminal(stdout))
             return fail(EXIT_USAGE, "-o -: standard output is a terminal");
     }
     if (o->quality && o->encoding != FXS_IMAGE_JPG && o->encoding != FXS_IMAGE_WEBP)
-        return fail(EXIT_USAGE, "--quality is of .jpg and .webp");
+        return fail(EXIT_USAGE, "--quality is for .jpg and .webp");
     if (o->diff && !o->expect)
         return fail(EXIT_USAGE, "--diff needs --expect with a picture");
     if (o->diff && !fxs_image_file_known(o->diff))
@@ -180,21 +180,22 @@ static int check_drawing(const render_options *o)
     const frame_options *f = &o->frame;
     const fxs_backend *backend = fxs_backend_find(f->backend);
     if (f->panorama && (o->draws || o->has_pick || o->stats))
-        return fail(EXIT_USAGE, "--panorama is a picture of colours: no --depth, --ids, --pick, --stats");
+        return fail(EXIT_USAGE, "--panorama has colours only: no --depth, --ids, --pick, --stats");
     if (f->stereo > 0 && (o->stats || o->has_pick))
-        return fail(EXIT_USAGE, "%s is of one picture, not of --stereo%s", o->stats ? "--stats" : "--pick",
+        return fail(EXIT_USAGE, "%s does not go with --stereo%s", o->stats ? "--stats" : "--pick",
                     o->stats ? "; see: fixsplat bench --stereo" : "");
     if (f->foveate.on && (o->draws || o->stats))
-        return fail(EXIT_USAGE, "--foveate is of colours: no --depth, --ids, --stats; see: fixsplat bench --foveate");
+        return fail(EXIT_USAGE, "--foveate has colours only: no --depth, --ids, --stats; see: fixsplat bench "
+                    "--foveate");
     if (o->has_scissor && (f->panorama || f->stereo > 0 || f->foveate.on || o->has_pick))
-        return fail(EXIT_USAGE, "--scissor is of one picture: no --panorama, --stereo, --foveate, --pick");
+        return fail(EXIT_USAGE, "--scissor does not go with --panorama, --stereo, --foveate, --pick");
     if (o->has_scissor && f->render.cutoff == FXS_CUTOFF_SQUARE)
-        return fail(EXIT_USAGE, "--scissor: a part has other tiles than the whole, on which --cutoff square depends");
+        return fail(EXIT_USAGE, "--scissor does not go with --cutoff square, which depends on the picture's tiles");
     if (f->lens && !f->cameras)
         return fail(EXIT_USAGE, "--lens needs --cameras");
     if (f->lens && (o->draws || o->has_pick || o->stats || o->has_scissor || f->panorama || f->stereo > 0 ||
                     f->foveate.on || f->ortho > 0 || f->has_tangents || f->orbit || f->frames))
-        return fail(EXIT_USAGE, "--lens is of pictures of colours from the views of a file: no --depth, --ids, --pick, "
+        return fail(EXIT_USAGE, "--lens draws the colours of views of a camera file only: no --depth, --ids, --pick, "
                     "--stats, --scissor, --panorama, --stereo, --foveate, --ortho, --tangents, --orbit, --frames");
     if (o->json && !o->has_pick)
         return fail(EXIT_USAGE, "--json is for --pick");

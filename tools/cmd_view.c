@@ -96,7 +96,7 @@ static int check_web(const view_options *o)
         return fail(EXIT_USAGE, "view: --%s needs --web", name);
     for (size_t i = 0; o->web && i < sizeof of_window / sizeof *of_window; i++)
         if ((name = given_of(of_window[i])) != 0)
-            return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", name);
+            return fail(EXIT_USAGE, "view: --%s is for the window, not for --web", name);
     if (!o->certificate != !o->key)
         return fail(EXIT_USAGE, "view: --cert and --key: give both");
     return 0;
