@@ -73,7 +73,7 @@ for command in render view bench info convert compare make-scene fit demo doctor
     check "$command: no option twice" equal "$(cut -d ' ' -f 1 options | sort | uniq -d)" ""
     while read -r option value; do
         case $option$value in
-        help | version) ;;
+        help'[=all]' | version) ;;
         *[A-Z]*) fails "$command --$option is taken" 2 "(--$option[ =]: expected|: --no-such)" \
                      $command --$option= --no-such-option ;;
         *) fails "$command --$option is taken" 2 ": --no-such" $command --$option --no-such-option ;;
