@@ -81,7 +81,7 @@ clean: ## remove what was built
 	rm -rf $(B) dist demo.ply demo.png
 
 .PHONY: all demo firmware windows web web-package install wheel uninstall headers core-headers check test test-all \
-        test-programs cuda-tests golden-update fuzz mutants bench plot size clean peers FORCE
+        test-programs cuda-tests golden-update seconds fuzz mutants bench plot size clean peers FORCE
 endif
 
 help: ## this list

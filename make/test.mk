@@ -8,10 +8,9 @@ TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TE
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# Long tests: they start first, longest first. `make check` leaves them and the other scripts to `make test`.
-LONG := dist.sh windows.sh web.sh python.sh test_quality page.sh fit_same.sh fuzz.sh boards.sh processors.sh webgl.sh \
-        webgpu.sh convert.sh threads_and_cpus.sh cli.sh build.sh bundlers.sh test_gles test_pack bench.sh xr.sh \
-        test_fit_steps matrix.sh instructions.sh test_bands
+# Processor seconds of each test when it was measured last, the longest first; `make seconds` writes them. Long tests
+# start first, and `make check` omits those of 10 seconds or more and the other scripts.
+LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
 # These need a window or measure time, so they run one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
@@ -43,6 +42,11 @@ test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=n
 
 check: all $(addprefix $(B)/tests/,$(filter $(TESTS),$(CHECKED))) ## run the test programs and gates that take a moment
 	$(call run,$(CHECKED))
+
+seconds: ## write tests/seconds, by which tests are long, from the last `make test`
+	@awk 'NR == FNR { seconds[$$1] = $$2; next } $$1 > 0 { seconds[$$6] = $$5 } \
+	    END { for (name in seconds) printf "%s %.0f\n", name, seconds[name] }' tests/seconds $(B)/tests/results/all | \
+	    sort -k 2,2rn -k 1,1 >tests/seconds.new && mv tests/seconds.new tests/seconds
 
 test-all: ## the same, with every compiler, processor, board and sanitizer at hand
 	FXS_PROCESSORS=all $(MAKE) test

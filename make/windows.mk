@@ -1,4 +1,4 @@
-# Builds the command and the libraries for Windows with Debian's mingw-w64 (docs/windows.md), by the same rules.
+# Builds the command and the libraries for Windows with Debian's mingw-w64 (docs/install.md), by the same rules.
 
 WINDOWS_CC ?= x86_64-w64-mingw32-gcc
 WINDOWS_GOALS ?= all

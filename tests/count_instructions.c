@@ -1,13 +1,13 @@
-/* A plugin of qemu (its API for TCG plugins, version 1) that counts the instructions that a program runs of some of its
- * functions: qemu-aarch64 -plugin file=count_instructions.so,NAME=START-END,... Prints "NAME COUNT" for each, at the
- * end; a NAME may be given for several ranges. Addresses in hexadecimal, as nm has them. */
+/* A qemu plugin (TCG plugin API, version 1) that counts the instructions executed in given functions: qemu-aarch64
+ * -plugin file=count_instructions.so,NAME=START-END,... prints "NAME COUNT" for each at the end. A NAME may have
+ * several ranges. Addresses are hexadecimal, as nm prints them. */
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* qemu-plugin.h, which Debian's packages do not have. */
+/* From qemu-plugin.h, which Debian does not package. */
 typedef uint64_t qemu_plugin_id_t;
 struct qemu_plugin_tb;
 struct qemu_plugin_insn;

@@ -80,7 +80,8 @@ static inline void other_codes(uint32_t codes[FIELDS], const unsigned char *rows
     codes[10] = words[2] >> 24;
 }
 
-static inline void decode_palette(double sh[45], const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *record)
+static inline void decode_palette(double sh[45], const fxs_scene *s, const fxs_chunk *chunk,
+                                  const unsigned char *record)
 {
     const int stages = s->profile == FXS_PROFILE_COMPACT ? 3 : s->sh_degree == 1 ? 4 : 6;
     const int count = FXS_SH_COUNT(s->sh_degree);

@@ -321,8 +321,8 @@ static inline void make_rad_chunks(void)
         memcpy(bytes, rad_body, size = rad_body_size);
         rad_body_size = 0;
         snprintf(name, sizeof name, "a-%d.radc", i);
-        const int length = snprintf(line, sizeof line, "%s{\"offset\":0,\"bytes\":%zu,\"filename\":\"%s\"}", i ? "," : "",
-                                    size, name);
+        const int length = snprintf(line, sizeof line, "%s{\"offset\":0,\"bytes\":%zu,\"filename\":\"%s\"}",
+                                    i ? "," : "", size, name);
         memcpy(files[0].data + begin + 64 * (size_t)i, line, (size_t)length);
         add_file(name);
     }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/fuzz.sh SECONDS: fuzzes each target (or the ones in TARGETS) for this time, JOBS at once (default: one for each
-# processor). Failing inputs are kept in the folder fuzz of the build.
+# tests/fuzz.sh SECONDS: fuzzes each target (or those in TARGETS) for this time, JOBS at once (default: one per
+# processor). Failing inputs are kept in the build's folder fuzz.
 . tests/scripts/lib/check.sh
 seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
@@ -11,7 +11,7 @@ work=$(mktemp -d) || exit 1
 root=$PWD
 trap 'rm -rf "$work"' EXIT
 
-# ---- Small files to start from, of each kind -------------------------------------------------------------------------
+# ---- Small seed files of each kind -----------------------------------------------------------------------------------
 
 # rad MAGIC JSON: the head of a .rad or of a chunk.
 rad() {
@@ -393,7 +393,7 @@ seeds_of_checkpoint() {
 sanitizers=address,undefined,float-cast-overflow
 # For runs of a second: -O0 compiles four times faster.
 [ "$seconds" -gt 1 ] && optimised=-O1 || optimised=-O0
-# The pattern leaves an unwritten string without an end in its array.
+# The pattern leaves unwritten strings unterminated.
 compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -Isrc/include -I. \
     -ftrivial-auto-var-init=pattern -gline-tables-only $optimised -fsanitize=fuzzer-no-link,$sanitizers \
     -fno-sanitize-recover=all"

@@ -36,7 +36,6 @@ typedef struct fuzz_frame {
     uint32_t count;                /* of objects */
     unsigned images;               /* bit i: image i is a target */
     int depth_bits, occluded, upside_down, wrong_stride;
-    int exact;
     fxs_context levels[FUZZ_LEVELS];   /* plain C first, then each instruction set of this processor */
     int level_count;
     uint32_t scribble;             /* for fuzz_scribble.c */
@@ -143,7 +142,6 @@ static void fuzz_options(fuzz_frame *f, const uint8_t *control)
     f->options.cutoff = (enum fxs_cutoff)(control[0] & 1);
     f->format = (enum fxs_format)(control[0] / 2 % 4);
     f->options.sh_degree = control[0] / 8 % 4;
-    f->exact = control[0] >> 5 & 1;
     memcpy(f->options.background, control + 1, sizeof f->options.background);
 }
 
@@ -290,25 +288,20 @@ static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
 static int fuzz_render(const fuzz_frame *f, const fxs_context *context, size_t bytes, fxs_stats *stats)
 {
     const fxs_targets targets = fuzz_targets(f, 0);
-    return render_frame(context, f->objects, f->count, &f->cameras[0], &f->options, &targets, fuzz_room(0, bytes), bytes,
-                      stats);
+    return render_frame(context, f->objects, f->count, &f->cameras[0], &f->options, &targets, fuzz_room(0, bytes),
+                        bytes, stats);
 }
 
 static int fuzz_render_stereo(const fuzz_frame *f, const fxs_context *context, size_t bytes)
 {
     const fxs_targets targets[2] = {fuzz_targets(f, 0), fuzz_targets(f, 1)};
-    return render_eyes(context, f->objects, f->count, f->cameras, &f->options, targets, f->exact,
-                             fuzz_room(0, bytes), bytes, NULL);
+    return render_eyes(context, f->objects, f->count, f->cameras, &f->options, targets, fuzz_room(0, bytes), bytes,
+                       NULL);
 }
 
 static size_t fuzz_frame_bytes(const fuzz_frame *f, fxs_frame_memory *memory)
 {
     return fxs_frame_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height, memory);
-}
-
-static size_t fuzz_stereo_bytes(const fuzz_frame *f)
-{
-    return fxs_stereo_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height);
 }
 
 /* The least memory that fxs_render states for this view; after another error, the least for any view. */

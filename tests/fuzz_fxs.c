@@ -75,19 +75,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         free(f.data);
         return 0;
     }
-    const size_t all = fuzz_frame_bytes(&f, &memory), both = fuzz_stereo_bytes(&f);
+    const size_t all = fuzz_frame_bytes(&f, &memory);
     if (!all && fuzz_render(&f, &f.levels[0], FUZZ_ROOM, NULL) >= 0)
         abort();
-    if (all && both <= FUZZ_ROOM && f.picture <= sizeof first.pixels[0]) {
+    if (all && all <= FUZZ_ROOM && f.picture <= sizeof first.pixels[0]) {
         const size_t least = fuzz_least(&f, &f.levels[0], &memory);
         render(&f, &f.levels[0], all, &first);
-        render_stereo(&f, &f.levels[0], both, &first_pair);
+        render_stereo(&f, &f.levels[0], all, &first_pair);
         for (int level = 0; level < f.level_count; level++) {
             render(&f, &f.levels[level], all, &other);
             compare(&f, &first, &other, 1);
             render(&f, &f.levels[level], least, &other);
             compare(&f, &first, &other, 1);
-            render_stereo(&f, &f.levels[level], both, &other_pair);
+            render_stereo(&f, &f.levels[level], all, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
         if (first.error != FXS_ERR_TARGET) {       /* counting has no targets */

@@ -97,16 +97,15 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
 {
     const fxs_camera *camera = &f->cameras[0];
     const size_t sizes[] = {least, least + (all - least) / 4, least + (all - least) / 2, all};
-    const size_t both = fuzz_stereo_bytes(f);
     fxs_pick_result picked;
     uint64_t pairs[2];
     for (int i = 0; i < 4; i++)
         check(fuzz_render(f, context, sizes[i], NULL));
+    for (int i = 0; i < 4; i++)
+        check(fuzz_render_stereo(f, context, sizes[i]));
     check(count_pairs(f->objects, f->count, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
     check(pick_pixel(context, f->objects, f->count, camera, &f->options, NULL, camera->width / 2, camera->height / 2,
                    fuzz_room(0, least), least, &picked));
-    if (both <= FUZZ_ROOM)
-        check(fuzz_render_stereo(f, context, both));
 }
 
 /* A scene of the same layout: chunk headers may be reversed, and in some chunks all but the first few Gaussians have

@@ -54,8 +54,10 @@ static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
         g.position[i] = (float)(ldexp((double)chunk->origin_q32[i], -32) + position[(uint32_t)i * FXS_CHUNK + at] *
                                 ldexp(chunk->step_q32[i], (int)chunk->step_shift - 32));
         g.scale[i] = (float)(log(2) * (ldexp(chunk->scale_q16, -16) - code * code * ldexp(chunk->scale_step_q24, -24)));
-        g.dc[i] = (float)((ldexp(chunk->colour_q16[i], -16) - 0.5 +
-                           ((colour >> 8 * i & 255) * 2 + (scale >> (29 + i) & 1)) * ldexp(chunk->colour_step_q20[i], -20)) / 0.28209479177387814);
+        g.dc[i] =
+            (float)((ldexp(chunk->colour_q16[i], -16) - 0.5 +
+                     ((colour >> 8 * i & 255) * 2 + (scale >> (29 + i) & 1)) * ldexp(chunk->colour_step_q20[i], -20)) /
+                    0.28209479177387814);
     }
     double q[4];
     word_quaternion(q, rotation, axis_bits_of_word(0, scale, chunk->scale_step_q24));

@@ -1,30 +1,32 @@
 #!/bin/sh
-# Makes small changes of the code, drawn by a seed (tests/mutants.awk), one at a time in a copy of the tree, builds each
-# and runs tests until one is red. A change that none notices survives: it wants a test, unless it changes nothing that
-# can be seen, which a person judges.
+# Mutation testing. Makes small random changes of the code (tests/mutants.awk), one at a time in a copy of the tree,
+# builds each and runs tests until one fails. A surviving change needs a test, unless its effect is invisible, which a
+# person must judge.
 #
 #     sh tests/mutants.sh [SEED] [COUNT] [FILES]              FILES: a pattern of grep -E for their paths
 #     sh tests/mutants.sh --show SEED N [FILES]               the diff of change N of a seed
 #
-# The tests of a change are the programs of `make check` that its code is linked into, and those of `make test` whose
-# name shares a word with the file's path: most words first, then the least time. Of tools/, scripts too, cli.sh and
-# films.sh last; of port/http/, serve.sh; of port/posix/, the scripts of files, of other programs and of servers.
-# JOBS: changes at a time, each in a tree of its own (the number of processors). FOLDER: where the trees are, and stay,
-# so that a later run builds less (a new one in /tmp, removed at the end).
+# The tests of a change are the programs of `make check` that link its code, and those of `make test` that share a word
+# with the file's path: most words first, then the least time. Changes of tools/ also run the scripts, cli.sh and
+# films.sh last; of port/http/, serve.sh; of port/posix/, the scripts of files, of other programs and of servers. JOBS:
+# parallel changes, each in its own tree (default: the number of processors). FOLDER: of the trees, which it keeps, so
+# that a later run builds less (default: a new one in /tmp, removed at the end).
 show=
 [ "$1" != --show ] || { show=1; shift; }
 seed=${1:-1} count=${2:-30} pattern=${3:-.}
 JOBS=${JOBS:-$(nproc)}
 case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 
-# draw: the changes, one a line.
+# -
+#
 draw() {
     find src kernels/*.[ch] kernels/gl kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
         port/gl port/http port/posix port/window port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }
 
-# changed FILE LINE TEXT: the file with this text for a line.
+# -
+#
 changed() {
     TEXT=$3 awk -v line="$2" '{ print FNR == line ? ENVIRON["TEXT"] : $0 }' "$1"
 }
@@ -44,7 +46,7 @@ if [ -z "$FOLDER" ]; then
 else
     mkdir -p "$FOLDER" && folder=$(cd "$FOLDER" && pwd) || exit 1
 fi
-export FXS_SCENES=$folder/none     # captured scenes: too slow here
+export FXS_SCENES=$folder/none     # captured scenes are too slow here
 ulimit -c 0
 ulimit -v 8388608
 
@@ -52,10 +54,11 @@ build() {
     make -s -f Makefile -f "$folder/keep.mk" CFLAGS=-O1 NVCC=none "$@"
 }
 
-# names GOAL: the tests that it runs.
+# -
+#
 names() { make -n NVCC=none "$1" | sed -n 's/.* tests\/run\.sh *//p' | tr ' ' '\n'; }
 
-# What make builds for a test: a program of its own, or the command for a script.
+# make's target for a test: its program, or the command for a script.
 built_for() {
     case $1 in
     *.sh) echo build/fixsplat ;;
@@ -63,7 +66,7 @@ built_for() {
     esac
 }
 
-# by_words FILE NAME...: "WORDS NAME" of each, WORDS: how many words of the name stand in the path.
+# by_words FILE NAME...: "WORDS NAME" for each, WORDS: the number of the name's words in the path.
 by_words() {
     file=$1
     shift
@@ -85,7 +88,7 @@ candidates() {
     esac
 }
 
-# ordered FILE: those that are green without a change, as they are run.
+# ordered FILE: candidates that pass without a change, in running order.
 ordered() {
     candidates "$1" | awk -v times="$folder/times" 'BEGIN { while ((getline <times) > 0) time[$2] = $1 }
         $2 in time { print $1, time[$2], $2 }' | sort -k 1,1rn -k 2,2n | awk '!seen[$3]++ { print $3 }'
@@ -93,10 +96,10 @@ ordered() {
 
 sums() { find build/src build/kernels build/port build/tools -name '*.o' -exec cksum {} + | LC_ALL=C sort; }
 
-# symbols [-g] FILE...: functions and data; -g: those of other files' use, which a program may have as local.
+# symbols [-g] FILE...: functions and data; -g: global ones only, which a program may have as local.
 symbols() { nm --defined-only -f posix "$@" | awk 'NF > 2 { print $1 }' | sort -u; }
 
-# Runs a test of the tree that this is in. Its time without a change four times, and ten seconds, are its limit.
+# Runs a test in this tree. Limit: four times its time without a change, plus ten seconds.
 run_test() {
     limit=$(awk -v name="$1" '$2 == name { print int($1 * 4 + 10) }' "$folder/times")
     case $1 in
@@ -105,7 +108,7 @@ run_test() {
     esac
 }
 
-# What becomes of the change of a file that is in the tree: a word, and the test that noticed.
+# Judges the change in the tree: prints a word, and the test that failed.
 judge() {
     build all >build.log 2>&1 || { echo "does not compile"; return; }
     objects=$(sums | comm -23 - "$folder/sums" | cut -d ' ' -f 3)
@@ -119,14 +122,15 @@ judge() {
     echo SURVIVED
 }
 
-# Puts back what a change made new.
+# -
+#
 restore() {
     find build "$1" -newer "$folder/stamp.$2" -type f | while read -r file; do
         cp -p "$folder/tree/$file" "$file"
     done
 }
 
-# work JOB: in a tree of its own, it takes changes that no other has taken.
+# work JOB: takes changes from the shared list, in its own tree.
 work() {
     cd "$folder/tree.$1" || exit 1
     number=0
@@ -156,7 +160,7 @@ rm -rf "$folder"/tree.* "$folder/taken"
 mkdir -p "$folder/tree" "$folder/taken"
 tar cf - Makefile make src kernels port tools tests | tar xf - -C "$folder/tree" || exit 1
 
-# Once without a change: what is green, and how long it takes.
+# Once without a change: which tests pass, and their times.
 cd "$folder/tree" || exit 1
 build -j"$JOBS" all $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||
     { cat build.log; exit 1; }

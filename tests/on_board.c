@@ -1,5 +1,5 @@
-/* A test as a program of a board: what newlib asks for, with port/cortexm's start and console. It is built with
- * -Dmain=test_main, and runs as without arguments. */
+/* Runs a test as a board's program: the functions that newlib needs, with port/cortexm's start and console. Built with
+ * -Dmain=test_main; the test gets no arguments. */
 #include <errno.h>
 #include <malloc.h>
 #include <stddef.h>

@@ -22,13 +22,12 @@ static inline fxs_targets one_target(enum fxs_format format, void *pixels, ptrdi
 
 /* Collects the arguments in a request. */
 static inline fxs_request request_for(const fxs_object *objects, uint32_t count, const fxs_options *options,
-                                      uint32_t eyes, const fxs_camera *cameras, const fxs_targets *targets, int exact)
+                                      uint32_t eyes, const fxs_camera *cameras, const fxs_targets *targets)
 {
     fxs_request request;
     fxs_request_init(&request, objects, count);
     request.options = *options;
     request.eyes = eyes;
-    request.exact = exact;
     for (uint32_t eye = 0; eye < eyes; eye++) {
         request.cameras[eye] = cameras[eye];
         if (targets)
@@ -41,15 +40,15 @@ static inline int render_frame(const fxs_context *context, const fxs_object *obj
                                const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets,
                                void *memory, size_t memory_bytes, fxs_stats *stats)
 {
-    const fxs_request request = request_for(objects, count, options, 1, camera, targets, 0);
+    const fxs_request request = request_for(objects, count, options, 1, camera, targets);
     return fxs_render(context, &request, memory, memory_bytes, stats);
 }
 
 static inline int render_eyes(const fxs_context *context, const fxs_object *objects, uint32_t count,
                               const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2],
-                              int exact, void *memory, size_t memory_bytes, fxs_stats *stats)
+                              void *memory, size_t memory_bytes, fxs_stats *stats)
 {
-    const fxs_request request = request_for(objects, count, options, 2, cameras, targets, exact);
+    const fxs_request request = request_for(objects, count, options, 2, cameras, targets);
     return fxs_render(context, &request, memory, memory_bytes, stats);
 }
 
@@ -57,15 +56,15 @@ static inline int count_pairs(const fxs_object *objects, uint32_t count, const f
                               const fxs_options *options, void *memory, size_t memory_bytes, uint64_t *evaluated,
                               uint64_t *blended)
 {
-    const fxs_request request = request_for(objects, count, options, 1, camera, 0, 0);
+    const fxs_request request = request_for(objects, count, options, 1, camera, 0);
     return fxs_count_pairs(&request, memory, memory_bytes, evaluated, blended);
 }
 
 static inline int pick_pixel(const fxs_context *context, const fxs_object *objects, uint32_t count,
-                             const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, int32_t x,
-                             int32_t y, void *memory, size_t memory_bytes, fxs_pick_result *result)
+                             const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets,
+                             int32_t x, int32_t y, void *memory, size_t memory_bytes, fxs_pick_result *result)
 {
-    const fxs_request request = request_for(objects, count, options, 1, camera, targets, 0);
+    const fxs_request request = request_for(objects, count, options, 1, camera, targets);
     return fxs_pick(context, &request, x, y, memory, memory_bytes, result);
 }
 
@@ -74,12 +73,6 @@ static inline size_t one_frame_bytes(const fxs_context *context, const fxs_scene
 {
     const fxs_object object = one_object(scene);
     return fxs_frame_bytes(context, &object, 1, width, height, memory);
-}
-
-static inline size_t one_stereo_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height)
-{
-    const fxs_object object = one_object(scene);
-    return fxs_stereo_bytes(context, &object, 1, width, height);
 }
 
 static inline int one_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
@@ -100,12 +93,12 @@ static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *came
 
 /* Both pictures have the same stride. */
 static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
-                                    const fxs_options *options, enum fxs_format format, int exact, void *memory,
+                                    const fxs_options *options, enum fxs_format format, void *memory,
                                     size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)
 {
     const fxs_object object = one_object(scene);
     const fxs_targets targets[2] = {one_target(format, pixels[0], stride), one_target(format, pixels[1], stride)};
-    return render_eyes(context, &object, 1, cameras, options, targets, exact, memory, memory_bytes, stats);
+    return render_eyes(context, &object, 1, cameras, options, targets, memory, memory_bytes, stats);
 }
 
 /* The view that stages receive for the scene's chunks. */

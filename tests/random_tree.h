@@ -101,8 +101,7 @@ static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, con
 {
     fxs_object_view *views = (fxs_object_view *)calloc(count + 1, sizeof *views);
     fxs_view world;
-    fxs_cut cut = {objects, count, options, 1, {camera, 0}, {views, 0}, fxs_cut_room(objects, count, options), 0, 0, 0,
-                   0};
+    fxs_cut cut = {objects, count, options, camera, views, fxs_cut_room(objects, count, options), 0, 0, 0, 0};
     uint32_t chunks = 0;
     fxs_drawn *list = 0;
     *drawn = 0;

@@ -1,3 +1,5 @@
+/* The reference renderer in doubles (reference.h): EWA projection with the original's clamp and dilation. Splats are
+   sorted by depth, and each is blended front to back over its whole pixel box, without tile lists. */
 #include "reference.h"
 
 #include <math.h>
@@ -14,7 +16,7 @@ static double dot(const double *u, const double *v)
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* Not a number becomes low. */
+/* NaN becomes low. */
 static double clamp(double value, double low, double high)
 {
     return value >= high ? high : value > low ? value : low;
@@ -52,15 +54,16 @@ static void rotation_matrix(const float *rotation, double m[3][3])
     m[2][0] = 2 * (x * z - w * y), m[2][1] = 2 * (y * z + w * x), m[2][2] = 1 - 2 * (x * x + y * y);
 }
 
-/* Of an orthographic camera: focal axis. */
+/* The row of an orthographic camera: focal * axis. */
 static void parallel_row(double focal, const double *axis, double row[3])
 {
     for (int i = 0; i < 3; i++)
         row[i] = focal * axis[i];
 }
 
-/* One row of J W, with J the derivative of focal * x / z + centre: focal/z (axis - slope * forward). The slope x/z is
-   clamped to the image widened by 30 % of half its size on each side, as the linear approximation blows up beyond. */
+/* One row of J W, with J the derivative of focal * x / z + centre: focal/z (axis - slope * forward). The slope x/z
+   is clamped to the image widened by 30 % of half its size on each side, since the linear approximation diverges
+   beyond. */
 static void jacobian_row(double focal, double centre, int size, double slope, double z, const double *axis,
                          const double *forward, double row[3])
 {
@@ -70,7 +73,6 @@ static void jacobian_row(double focal, double centre, int size, double slope, do
         row[i] = focal / z * (axis[i] - clamped * forward[i]);
 }
 
-/* v turned by a matrix of rows, or back by its transpose. */
 static void turn(const double m[9], const double v[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
@@ -128,7 +130,7 @@ static void sh_basis(const double *d, double basis[15])
     basis[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* max(0, 0.5 + SH) tint in the direction from the camera to the Gaussian, as its object sees it. */
+/* max(0, 0.5 + SH) tint, in the direction from the camera in the object's frame. */
 static void shade(const fxs_gaussian *g, const struct reference_object *object, const double *from_camera, int degree,
                   double colour[3])
 {
@@ -146,7 +148,7 @@ static void shade(const fxs_gaussian *g, const struct reference_object *object, 
     }
 }
 
-/* ceil(3 sqrt(lambda_max)), the eigenvalue as the original computes it. */
+/* ceil(3 sqrt(lambda_max)), with the eigenvalue computed as in the original. */
 static int square_radius(const struct reference_splat *s)
 {
     double mid = (s->a + s->c) / 2, det = determinant(s);
@@ -154,14 +156,13 @@ static int square_radius(const struct reference_splat *s)
     return (int)fmin(ceil(3 * sqrt(lambda)), 1 << 30);
 }
 
-/* The largest distance squared that counts: opacity exp(-d2 / 2) >= 1/255 is d2 <= 2 ln(255 opacity). */
+/* The largest squared distance that counts: opacity exp(-d2 / 2) >= 1/255 is d2 <= 2 ln(255 opacity). */
 static double distance_limit(const struct reference_splat *s, enum reference_cutoff cutoff)
 {
     double limit = 2 * log(255 * s->opacity);
     return cutoff == REFERENCE_MAHALANOBIS && limit > 9 ? 9 : limit;
 }
 
-/* Indices from first up to but not including end. */
 struct span { int first, end; };
 
 static int clamp_index(double value, int size)
@@ -169,7 +170,7 @@ static int clamp_index(double value, int size)
     return (int)clamp(value, 0, size);
 }
 
-/* The pixels of one image axis that the Gaussian may reach: none where a negative limit makes reach not a number. */
+/* The pixels of one axis that the Gaussian may reach; none if a negative limit makes reach NaN. */
 static struct span pixel_span(double centre, double variance, int radius, int size, double limit,
                               enum reference_cutoff cutoff)
 {
@@ -192,7 +193,7 @@ static void pixel_box(const struct reference_splat *s, int width, int height, en
     *rows = pixel_span(s->y, s->c, s->radius, height, limit, cutoff);
 }
 
-/* Centre and Jacobian. Returns 0 where the centre is not beyond the near plane. */
+/* Centre and Jacobian. Returns 0 unless the centre is beyond the near plane. */
 static int project_centre(const double offset[3], const fxs_file_view *view, double jw[2][3],
                           struct reference_splat *out)
 {
@@ -257,7 +258,6 @@ static void add_colour(double *pixel, double weight, const double *colour)
         pixel[channel] += weight * colour[channel];
 }
 
-/* A picture while it is blended. */
 struct canvas {
     int width, height;
     const struct reference_options *options;
@@ -285,7 +285,7 @@ static void trace_pixel(const struct canvas *canvas, const struct reference_spla
     t->largest_margin[i] = 1 - second / t->most[i];
 }
 
-/* A pixel that stops takes its background at once; from then on its transmittance is 0. */
+/* A pixel that stops blends its background at once; its transmittance becomes 0. */
 static void blend_pixel(const struct canvas *canvas, const struct reference_splat *s, double alpha, size_t i)
 {
     double before = canvas->transmittance[i], after = before * (1 - alpha);
@@ -320,7 +320,7 @@ static void blend_splat(const struct canvas *canvas, const struct reference_spla
     }
 }
 
-/* Of pointers into one array, so that the lower address is the lower index. */
+/* Ties go to the lower address, which is the lower index. */
 static int compare_depth(const void *left, const void *right)
 {
     const struct reference_splat *l = *(const struct reference_splat *const *)left;

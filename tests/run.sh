@@ -1,13 +1,13 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once; the ones in $ALONE run one at a time
-# at the end. Adds up their results. A program or script ends with the line "N passed, N failed, N skipped"; a gate
-# prints "ok", "FAIL" or "skip" and its name. Each output is printed in one piece at its end, and stored in junit.xml.
-# B: build folder. Limit: $LIMIT seconds (600) each, six times that for names in $LONG.
+# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once; those in $ALONE run one at a time at
+# the end. Adds up their results. A program or script ends with the line "N passed, N failed, N skipped"; a gate prints
+# "ok", "FAIL" or "skip" and its name. Each output is printed whole when the test ends, and stored in junit.xml. B:
+# build folder. Limit: $LIMIT seconds (600) each, six times that for names in $LONG.
 B=${B:-build}
 results=$B/tests/results
 
-# run_one NAME: stores the output and "passed failed skipped seconds processor-seconds name" in the folder of results.
-# The test runs in its own process group, which is killed afterwards, and starts with default signals.
+# run_one NAME: stores the output and "passed failed skipped seconds processor-seconds name" in the results folder. The
+# test runs in its own process group, which is killed afterwards, and starts with default signals.
 run_one() {
     name=$1 log=$results/$1.log limit=${LIMIT:-600} fault=
     set -- "$B/tests/$name"

@@ -456,7 +456,8 @@ static void veils(void)
 
 static void captured_scenes(void)
 {
-    static const char *const names[] = {"snowmiku/snowmiku.ply", "skull/skull.sog", "kitchen-marble/kitchen-marble.spz"};
+    static const char *const names[] = {"snowmiku/snowmiku.ply", "skull/skull.sog",
+                                        "kitchen-marble/kitchen-marble.spz"};
     int there = 0;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         part p;

@@ -245,8 +245,8 @@ static double difference(scene *s, double *variable)
         draw(s);
         loss[side] = 0;
         for (int c = 0; c < 3; c++)
-            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, s->exposure != FXS_FIT_EXPOSURE_NONE, WIDTH,
-                                   HEIGHT);
+            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, s->exposure != FXS_FIT_EXPOSURE_NONE,
+                                   WIDTH, HEIGHT);
     }
     *variable = kept;
     return (loss[1] - loss[0]) / (2 * h);

@@ -491,7 +491,7 @@ static eyes eyes_of(const fxs_scene *scene, int32_t width, int32_t height)
 
 static fxs_request request_of(const eyes *e)
 {
-    return request_for(&e->object, 1, &e->options, 2, e->cameras, e->targets, 1);
+    return request_for(&e->object, 1, &e->options, 2, e->cameras, e->targets);
 }
 
 /* Renders into e->pixels. Returns 0 if the back end is unavailable. */

@@ -73,7 +73,8 @@ static void test_seal(void)
     fxs_message m;
     fxs_mapping file;
     void *copy;
-    if (!CHECK(!posix_memalign(&copy, 64, packed.bytes) && !fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
+    if (!CHECK(!posix_memalign(&copy, 64, packed.bytes) && !fxs_file_write(fxs_path, packed.data, packed.bytes, &m) &&
+               !fxs_map(&file, fxs_path, &m)))
         return;
     memcpy(copy, packed.data, packed.bytes);
     CHECK(fxs_file_seal(copy, packed.bytes - 1) == FXS_ERR_SCENE && !memcmp(copy, packed.data, packed.bytes));

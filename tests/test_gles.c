@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include "tools/metrics.h"
 #include "check.h"
 #include "one_scene.h"
 #include "packed_scene.h"
@@ -207,7 +206,7 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
     const fxs_object object = one_object(&s->scene);
-    const fxs_request request = request_for(&object, 1, &s->options, 1, &s->camera, 0, 0);
+    const fxs_request request = request_for(&object, 1, &s->options, 1, &s->camera, 0);
     int error = target ? render_target(&c, gles, &request, target, memory, bytes, stats)
                        : one_render(&c, &s->scene, &s->camera, &s->options, s->format, memory, bytes, pixels, stride,
                                     stats);
@@ -412,7 +411,7 @@ static void words_read(void)
     close_gles(gles);
 }
 
-/* ---- Real scenes, exact and by quads ----------------------------------------------------------------------------- */
+/* ---- Real scenes ------------------------------------------------------------------------------------------------- */
 
 static int load_subject(subject *s, const char *folder, const char *name, const double up[3])
 {
@@ -434,19 +433,6 @@ static int load_subject(subject *s, const char *folder, const char *name, const 
                  !fxs_camera_from_view(&s->camera, &view, &m));
 }
 
-static double psnr_of_quads(const subject *s, fxs_gles *gles)
-{
-    struct fxs_metrics metrics = {.psnr = 0};
-    uint8_t *reference = new_picture(s), *quads = new_picture(s);
-    const ptrdiff_t row = (ptrdiff_t)s->camera.width * 4;
-    CHECK(!render(s, 0, 0, 0, reference, row, 0));
-    CHECK(!render(s, fxs_gles_draw_quads, gles, 0, quads, row, 0));
-    CHECK(!fxs_metrics_compare(reference, quads, s->camera.width, s->camera.height, &metrics));
-    free(reference);
-    free(quads);
-    return metrics.psnr;
-}
-
 static void real_scenes(void)
 {
     static const struct {
@@ -466,34 +452,13 @@ static void real_scenes(void)
         subject s;
         if (!load_subject(&s, folder ? folder : "../shared/scenes", scenes[i].name, scenes[i].up))
             continue;
-        int is_same = same(&s, gles);
-        double psnr = psnr_of_quads(&s, gles);
-        printf("  %s: %s, quads at %.1f dB\n", scenes[i].name, is_same ? "the same bytes" : "differs", psnr);
-        CHECK(psnr >= 40);
+        printf("  %s: %s\n", scenes[i].name, same(&s, gles) ? "the same bytes" : "differs");
         fxs_packed_scene_free(&s.packed);
         seen++;
     }
     close_gles(gles);
     if (!seen)
         SKIP("no scenes at FXS_SCENES");
-}
-
-static void quads(void)
-{
-    static const char *const names[] = {"knot", "fog", "needles", "landscape", "cubes", "layers"};
-    OPEN_OR_SKIP(gles);
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        for (int format = FXS_FORMAT_RGBA8; format <= FXS_FORMAT_RGBA8_COVERAGE; format++) {
-            subject s;
-            if (!make_subject(&s, names[i], 4000, 201, 133))
-                return;
-            s.format = (enum fxs_format)format;
-            double psnr = psnr_of_quads(&s, gles);
-            printf("  %s: %.1f dB\n", names[i], psnr);
-            CHECK(psnr >= 40);
-            fxs_packed_scene_free(&s.packed);
-        }
-    close_gles(gles);
 }
 
 /* ---- Framebuffer fetch ------------------------------------------------------------------------------------------- */
@@ -586,13 +551,13 @@ static void fetch_eyes(void)
                                        .draw_unlisted = drawn && way};
             fxs_targets targets[2];
             fxs_init(&c, &config);
-            const size_t bytes = fxs_stereo_bytes(&c, &object, 1, s.camera.width, s.camera.height);
+            const size_t bytes = fxs_frame_bytes(&c, &object, 1, s.camera.width, s.camera.height, 0);
             void *memory = check_aligned(bytes);
             for (int eye = 0; eye < 2; eye++) {
                 pictures[drawn][eye] = new_picture(&s);
                 targets[eye] = one_target(FXS_FORMAT_RGBA8, pictures[drawn][eye], 60 * 4);
             }
-            CHECK(!render_eyes(&c, &object, 1, cameras, &s.options, targets, 0, memory, bytes, 0));
+            CHECK(!render_eyes(&c, &object, 1, cameras, &s.options, targets, memory, bytes, 0));
             free(memory);
         }
         for (int eye = 0; eye < 2; eye++) {
@@ -973,11 +938,8 @@ static void target_over_by(int small)
         if (!CHECK(most <= 1))
             printf("  off by %g, way %d\n", most, way);
     }
-    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .over = 1};
+    const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .over = 1};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
-    t.format = FXS_FORMAT_RGBA8_COVERAGE;
-    t.quads = 1;
-    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     free(expected);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
@@ -987,31 +949,6 @@ static void target_over(void)
 {
     target_over_by(0);
     target_over_by(16);
-}
-
-/* Quads give the same bytes as in the back end's own framebuffer. */
-static void target_quads(void)
-{
-    subject s;
-    OPEN_OR_SKIP(gles);
-    caller c = make_caller();
-    if (!make_subject(&s, "knot", 9000, 111, 83))
-        return;
-    uint8_t *expected = new_picture(&s);
-    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .quads = 1};
-    for (int i = 0; i < 4; i++) {
-        t.format = s.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
-        t.top_down = i % 2;
-        settle();
-        CHECK(!render(&s, fxs_gles_draw_quads, gles, 0, expected, 111 * 4, 0));
-        check_target(&s, gles, &c, &t, expected);
-    }
-    t.backdrop = 1;
-    t.format = FXS_FORMAT_RGBA8;
-    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
-    free(expected);
-    fxs_packed_scene_free(&s.packed);
-    close_gles(gles);
 }
 
 /* Short lists: their chunks run out before their records. */
@@ -1167,7 +1104,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     objects[1].translation_q32[0] = INT64_C(3) << 31;
     objects[1].translation_q32[2] = -(INT64_C(1) << 32);
     fxs_init(&c, &config);
-    const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets, 0);
+    const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets);
     const size_t bytes = fxs_frame_bytes(&c, objects, 2, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
     const int error = t ? render_target(&c, gles, &request, t, memory, bytes, 0)
@@ -1294,7 +1231,7 @@ static void depths_and_ids_without_shader(void)
     close_gles(gles);
 }
 
-/* Depths and ids are refused with quads, fetch and unsuitable framebuffers. */
+/* Depths and ids are refused with fetch and unsuitable framebuffers. */
 static void depths_and_ids_refused(void)
 {
     subject s;
@@ -1304,9 +1241,6 @@ static void depths_and_ids_refused(void)
     fxs_gles_target t = {.depths_and_ids = 1};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     t.framebuffer = 1;
-    t.quads = 1;
-    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
-    t.quads = 0;
     t.fetch = 1;
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     fxs_packed_scene_free(&s.packed);
@@ -1664,9 +1598,6 @@ static void loses(const subject *s, const char *name, fxs_gl_function function, 
         good_calls = n;
         int fetch_error = render(s, exact[exact_ways(gles) - 1], gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
         CHECK(!fetch_error || fetch_error == expected);
-        good_calls = n;
-        int quads_error = render(s, fxs_gles_draw_quads, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
-        CHECK(!quads_error || quads_error == expected);
         close_gles(gles);
         free(pixels);
     }
@@ -1706,11 +1637,9 @@ static void full_device(void)
     uint8_t *pixels = new_picture(&s);
     for (int way = 0; way < exact_ways(gles); way++)
         CHECK(!render(&s, exact[way], gles, 0, pixels, 64 * 4, 0));
-    CHECK(!render(&s, fxs_gles_draw_quads, gles, 0, pixels, 64 * 4, 0));
     good_calls = 0;
     for (int way = 0; way < exact_ways(gles); way++)
         CHECK(render(&s, exact[way], gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
-    CHECK(render(&s, fxs_gles_draw_quads, gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
     free(pixels);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
@@ -1804,14 +1733,12 @@ int main(void)
         RUN(long_list);
         RUN(words_read);
         RUN(real_scenes);
-        RUN(quads);
         RUN(products);
         RUN(fetch_hidden);
         RUN(fetch_eyes);
         RUN(meshes);
         RUN(target);
         RUN(target_in_windows);
-        RUN(target_quads);
         RUN(target_over);
         RUN(target_of_short_lists);
         RUN(target_meshes);

@@ -1,5 +1,5 @@
-/* Reads of .lcc made here, by an encoder of its own: with SH and without, levels, an environment; faulty ones.
-   `--write FOLDER SCENE [SKY]` makes FOLDER/scene.lcc of a scene, for tests/scripts/convert.sh. */
+/* Reads .lcc files made here by an own encoder: with SH and without, levels, an environment; and faulty ones.
+   `--write FOLDER SCENE [SKY]` writes a scene as FOLDER/scene.lcc, for tests/scripts/convert.sh. */
 #include <fixsplat/scene_file.h>
 
 #include <math.h>
@@ -20,7 +20,7 @@ typedef struct blob {
     size_t size;
 } blob;
 
-/* Of the numbers that a code stands for. */
+/* The range that the codes span. */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
@@ -28,7 +28,7 @@ typedef struct bounds {
 static blob index_bytes, data, sh, sky_bytes;
 static fxs_gaussian made[COUNT], made_sky[SKY], out[MOST + 1];
 static int level_counts[LEVELS];
-static bounds scale_bounds[2], sh_bounds[2];   /* of the cells, of the sky */
+static bounds scale_bounds[2], sh_bounds[2];   /* [0]: cells, [1]: sky */
 
 /* ---- The encoder ------------------------------------------------------------------------------------------------- */
 
@@ -61,7 +61,7 @@ static void find_bounds(const fxs_gaussian *g, size_t count, bounds *scale, boun
         }
 }
 
-/* x, y, z, w without the greatest, which is positive. */
+/* x, y, z, w without the largest, which is positive. */
 static uint32_t rotation_code(const float rotation[4])
 {
     uint32_t code = 0, greatest = 0;
@@ -94,7 +94,7 @@ static void put_row(blob *to, const fxs_gaussian *g, const bounds *scale)
     for (int i = 0; i < 3; i++)
         put(to, code_of(exp((double)g->scale[i]), scale->low[i], scale->high[i], 65535), 2);
     put(to, rotation_code(g->rotation), 4);
-    put(to, 0x112233445566, 6);   /* the normal, which nobody reads */
+    put(to, 0x112233445566, 6);   /* the normal, unused */
 }
 
 static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
@@ -106,10 +106,10 @@ static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
             word |= (uint32_t)code_of((double)g->sh[3 * k + i], b->low[i], b->high[i], most[i]) << shift[i];
         put(to, word, 4);
     }
-    put(to, 0xffffffff, 4);       /* the rest of 64 bytes */
+    put(to, 0xffffffff, 4);       /* fills 64 bytes */
 }
 
-/* A scene has x to the right, y down, z to the front; an .lcc z up, and y to the front. */
+/* Scene axes are x right, y down, z front. .lcc axes are x right, y front, z up. */
 static void to_lcc(const fxs_gaussian *from, fxs_gaussian *to)
 {
     static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}};
@@ -125,7 +125,7 @@ static void say_attribute(const char *name, const bounds *b)
         b->low[2], b->high[0], b->high[1], b->high[2]);
 }
 
-/* `type`: what goes before "attributes". */
+/* `type` goes before "attributes". */
 static void make_meta(const char *type, int has_sh)
 {
     length = 0;
@@ -141,7 +141,7 @@ static void make_meta(const char *type, int has_sh)
     say("]}");
 }
 
-/* Every Gaussian is in level 0, every fourth in level 1; but the last cell has nothing there. */
+/* Every Gaussian is in level 0 and every fourth in level 1, except in the last cell. */
 static int is_in(const fxs_gaussian *g, size_t i, int cell, int level)
 {
     const int own = (g[i].position[0] > 0) + 2 * (g[i].position[2] > 0);
@@ -187,7 +187,7 @@ static void make_sky(const fxs_gaussian *g, size_t count, int has_sh)
     }
 }
 
-/* The codes are of Gaussians that are turned, so the bounds are too. */
+/* Codes hold turned Gaussians, so the bounds are turned too. */
 static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
 {
     for (size_t i = 0; i < count; i++)
@@ -195,7 +195,7 @@ static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
     find_bounds(out, count, &scale_bounds[which], &sh_bounds[which]);
 }
 
-/* Writes a scene.lcc and what is beside it; without Gaussians of a sky, there is no environment.bin. */
+/* Without a sky, writes no environment.bin. */
 static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian *sky, size_t sky_count, int has_sh)
 {
     find_turned_bounds(g, count, 0);
@@ -216,7 +216,7 @@ static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian 
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
-/* Reads a few at a time, twice. Returns the number of Gaussians, or the error and the message. */
+/* Reads twice. Returns the number of Gaussians, or an error. */
 static long read_scene(const fxs_scene_file_options *options)
 {
     fxs_scene_file *file;
@@ -244,7 +244,6 @@ static void check_fails(const char *words)
         printf("  said: %s\n  not:  %s\n", result < 0 ? message.text : "nothing", words);
 }
 
-/* The difference of two rotations: the sine of half its angle. */
 static double angle_between(const float a[4], const float b[4])
 {
     double dot = 0, norm_a = 0, norm_b = 0;
@@ -256,8 +255,8 @@ static double angle_between(const float a[4], const float b[4])
     return sqrt(fmax(0, 1 - dot * dot / (norm_a * norm_b)));
 }
 
-/* As far apart as half a step of each code allows: in a rotation three of sqrt(2) / 2046, and what they make of the
-   fourth, at most three times that. A turn mixes at most 7 coefficients of SH. */
+/* Tolerances are half a code's step. A rotation has three codes of step sqrt(2) / 2046; the fourth component is off
+   by up to three times that. Turning mixes up to 7 SH coefficients. */
 static int is_as_made(const fxs_gaussian *g, const fxs_gaussian *from, int which, int has_sh)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity)), made_opacity = 1 / (1 + exp(-(double)from->opacity));
@@ -306,7 +305,6 @@ static void write_made(size_t sky_count, int has_sh)
     write_scene(made, COUNT, made_sky, sky_count, has_sh);
 }
 
-/* Those of a level, cell by cell, then the sky. */
 static void check_level(int level, size_t sky_count, int has_sh)
 {
     const fxs_scene_file_options options = {.level = level};
@@ -341,7 +339,7 @@ static void levels(void)
     }
 }
 
-/* Worked out by hand: right, front, up become right, down, front; of degree 1, -y, z, -x become -y', z', -x'. */
+/* Worked out by hand: right, front, up become right, down, front; for degree 1, -y, z, -x become -y', z', -x'. */
 static void axes(void)
 {
     const fxs_gaussian g = {.position = {1, -3, 2}, .scale = {-1, -2, -3}, .rotation = {1, 0, 0, 0}};
@@ -352,13 +350,13 @@ static void axes(void)
     for (int i = 0; i < 3; i++)
         CHECK(fabsf(out[0].position[i] - g.position[i]) < 1e-6f && fabsf(out[0].scale[i] - g.scale[i]) < 1e-4f);
     memset(sh.bytes, 0, sh.size);
-    memcpy(sh.bytes, "\377\7", 2);   /* the first coefficient of red at its greatest, all others at their least */
+    memcpy(sh.bytes, "\377\7", 2);   /* first coefficient of red at its maximum, the others at their minimum */
     sh_bounds[0] = (bounds){{0, 0, 0}, {0.5, 0, 0}};
     put_file("shcoef.bin", sh.bytes, sh.size);
     make_meta("", 1);
     put_file("scene.lcc", text, length);
     CHECK(read_scene(NULL) == 1);
-    for (int i = 0; i < 9; i++)   /* -y of the file is -z' */
+    for (int i = 0; i < 9; i++)   /* the file's -y is -z' */
         CHECK(fabsf(out[0].sh[i] - (i == 3 ? -0.5f : 0)) < 1e-6f);
 }
 
@@ -374,7 +372,7 @@ static void names_of_the_white_paper(void)
         remove(in_folder(names[i][1]));
 }
 
-/* Files from before "fileType" have SH where they have their bounds. */
+/* Files older than "fileType" have SH if they have SH bounds. */
 static void without_a_type(void)
 {
     static const char *const types[] = {"", "\"fileType\":\"other\",", "\"fileType\":7,"};
@@ -387,7 +385,7 @@ static void without_a_type(void)
         }
 }
 
-/* A sky without bounds of its own has those of the rest. */
+/* A sky without own bounds uses the scene's. */
 static void bounds_of_the_sky(void)
 {
     write_made(0, 1);
@@ -436,7 +434,7 @@ static void faulty_meta(void)
     }
 }
 
-/* Cell 0 is the last of the index; its level 0 begins at byte 4 of it. */
+/* Cell 0 is last in the index; its level 0 starts at its byte 4. */
 static void faulty_index(void)
 {
     static const struct { int at, size; uint64_t value; const char *words; } cases[] = {
@@ -453,11 +451,11 @@ static void faulty_index(void)
         put(&index_bytes, cases[i].value, cases[i].size);
         put_file("index.bin", index_bytes.bytes, CELLS * UNIT);
         check_fails(cases[i].words);
-        CHECK(read_scene(&(fxs_scene_file_options){.level = 1}) > 0);   /* which the fault is not in */
+        CHECK(read_scene(&(fxs_scene_file_options){.level = 1}) > 0);   /* a level without the fault */
     }
 }
 
-/* Many cells with the same Gaussians would be a small scene that asks for much. */
+/* Cells that share Gaussians would let a small file expand to a huge scene. */
 static void same_cell_again(void)
 {
     write_made(0, 1);
@@ -527,7 +525,6 @@ static long read_other(const char *path, fxs_gaussian *gaussians)
     return count;
 }
 
-/* The .lcc of another scene, and of a third as its sky, or NULL. */
 static int write_of(const char *to, const char *scene, const char *sky)
 {
     static fxs_gaussian others[2][MOST];
@@ -557,7 +554,7 @@ static void run_tests(void)
 static int write_of(const char *to, const char *scene, const char *sky)
 {
     (void)to, (void)scene, (void)sky;
-    return 1;   /* there is nothing to write */
+    return 1;
 }
 
 #endif

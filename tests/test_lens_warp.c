@@ -1,12 +1,12 @@
-/* Pictures through lenses: places against an independent inverse, patterns, round trips with what undoes a lens for a
-   fit, lenses that see more than a picture can hold. */
+/* Pictures through lenses: positions against an independent inverse, patterns, round trips with the undistortion of
+   a fit, and lenses that see more than a picture can hold. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include "src/fit/photo_pixels.h"
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* FNV-1a of the picture of noise through each lens, one after the other. */
+/* FNV-1a of a noise picture through each lens in turn. */
 #define GOLDEN 0x6dbc72eeu
 
 static const struct {
@@ -25,7 +25,7 @@ static const struct {
     {{.kind = FXS_LENS_FOV, .k = {.9}}, 140, 140, 80, 60},
     {{.kind = FXS_LENS_DIVISION, .k = {-.2}}, 140, 150, 80, 60},
     {{.kind = FXS_LENS_EUCM, .k = {.6, 1.1}}, 140, 150, 80, 60},
-    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},        /* 180 degrees across a circle within the picture */
+    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},        /* a circle of 180 degrees within the picture */
 };
 enum { LENSES = sizeof lenses / sizeof *lenses };
 
@@ -39,13 +39,13 @@ static void make(size_t number, fxs_lens_warp *warp)
     CHECK(warp->cover.width >= 1 && warp->cover.width <= 4 * WIDE + 4 && warp->cover.height <= 4 * HIGH + 4);
 }
 
-/* A smooth scene, by its direction: of wide views the slower. */
+/* A smooth scene by direction, with low frequencies for wide views. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(2 * x + c) + 50 * cos(1.5 * y - x + 2 * c);
 }
 
-static uint8_t *pictures[2];       /* of a cover, and through the lens */
+static uint8_t *pictures[2];       /* [0]: cover, [1]: through the lens */
 
 static void draw_cover(const fxs_file_view *v)
 {
@@ -55,7 +55,6 @@ static void draw_cover(const fxs_file_view *v)
                 scene((i % v->width + 0.5 - v->cx) / v->fx, (i / v->width + 0.5 - v->cy) / v->fy, c) + 0.5);
 }
 
-/* The place that is straightened is bent to where it was, and places that are bent come back. */
 static void inverse(void)
 {
     static fxs_lens_warp w;
@@ -88,7 +87,6 @@ static void inverse(void)
     }
 }
 
-/* What is drawn is the scene in the direction of each pixel. */
 static void patterns(void)
 {
     static const uint8_t outside[4] = {9, 8, 7, 6};
@@ -115,7 +113,6 @@ static void patterns(void)
     }
 }
 
-/* A fit undoes the lens, and finds the plane picture again. */
 static void round_trip(void)
 {
     static const uint8_t outside[4] = {0, 0, 0, 0}, black[3] = {0, 0, 0};
@@ -133,7 +130,8 @@ static void round_trip(void)
         for (int k = 0; k < WIDE * HIGH; k++)
             memcpy(rgb + 3 * k, pictures[1] + 4 * k, 3);
         put_ppm("a.ppm", WIDE, HIGH, rgb);
-        if (!CHECK(!fxs_photo_read(in_folder("a.ppm"), &listed, 1600, black, &(fxs_photo_masking){0}, &photo, &message))) {
+        if (!CHECK(
+                !fxs_photo_read(in_folder("a.ppm"), &listed, 1600, black, &(fxs_photo_masking){0}, &photo, &message))) {
             printf("  lens %zu: %s\n", i, message.text);
             continue;
         }
@@ -148,7 +146,7 @@ static void round_trip(void)
     }
 }
 
-/* Of noise, the same bytes everywhere, by any rows; a pinhole's picture is the cover's middle. */
+/* Noise gives the same bytes on every machine and for any split in rows. A pinhole shows the cover's middle. */
 static void same_bytes(void)
 {
     static const uint8_t outside[4] = {1, 2, 3, 4};
@@ -171,7 +169,7 @@ static void same_bytes(void)
         printf("  0x%08xu\n", (unsigned)hash);
 }
 
-/* Lenses that no maker made: nothing is drawn, or something, within the largest picture. */
+/* Lenses with extreme parameters: an empty picture or some picture, within the largest size. */
 static void strange_lenses(void)
 {
     static const double extremes[] = {0, 1e-300, 1e-9, 0.5, 3, 1e4, 1e150, 1e300};

@@ -1,10 +1,10 @@
-/* Masks of photographs: by which names they are found, what of them is left through a lens and in smaller pictures, and
-   what is refused. */
+/* Masks of photographs: the file names they are found under, masks through lenses and in smaller pictures, and
+   refused masks. */
 #include "photo_folder.h"
 
 enum { WIDTH = 24, HEIGHT = 20, PIXELS = WIDTH * HEIGHT, VIEWS = 3 };
 
-/* The same, for longer. */
+/* in_folder, in a buffer that stays. */
 static const char *kept_name(const char *name)
 {
     static char path[1024];
@@ -12,7 +12,6 @@ static const char *kept_name(const char *name)
     return path;
 }
 
-/* A grey picture, of 0 or 255. */
 static void put_grey(const char *name, int width, int height, const uint8_t *grey)
 {
     static uint8_t rgb[3 * 4 * PIXELS];
@@ -21,7 +20,6 @@ static void put_grey(const char *name, int width, int height, const uint8_t *gre
     put_ppm(name, width, height, rgb);
 }
 
-/* Black and white: a disc, and dots. */
 static void draw(uint8_t grey[PIXELS], int seed)
 {
     for (int i = 0; i < PIXELS; i++) {
@@ -63,7 +61,7 @@ static int are_masks(const uint8_t *const wanted[VIEWS])
 
 static uint8_t disc[2][PIXELS], inverse[2][PIXELS], white[PIXELS], black[PIXELS];
 
-/* Both names, in folders too; one photograph has no mask, and a mask that ignores nothing is none. */
+/* Both naming schemes, in folders too. A photograph may lack a mask, and an all-white mask counts as none. */
 static void names(void)
 {
     fxs_photos_options options = {0};
@@ -84,7 +82,7 @@ static void names(void)
     make_folder("other");
     make_folder("other/sub");
     put_grey("other/a.jpg.png", WIDTH, HEIGHT, disc[1]);
-    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* the other name comes first */
+    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* a.jpg.png takes precedence */
     put_grey("other/b.png", WIDTH, HEIGHT, disc[0]);
     put_grey("other/sub/c.png", WIDTH, HEIGHT, white);
     options = (fxs_photos_options){.masks = kept_name("other"), .hold_out = 2};
@@ -94,7 +92,7 @@ static void names(void)
     CHECK(!read_photos("m", &options) && are_masks(of_all) && photos.with_mask == 3 && !photos.without_mask);
 }
 
-/* A photograph outside of the folder of photographs, also in one whose name begins alike, has the mask of its name. */
+/* A photograph outside the photographs' folder, or in one with the same prefix, has the mask of its own name. */
 static void from_elsewhere(void)
 {
     const fxs_photos_options options = {0};
@@ -136,7 +134,7 @@ static void greys(void)
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, disc[0]);
 }
 
-/* A pixel of a smaller picture counts if all that reach into it do. */
+/* A pixel of a smaller picture counts if all source pixels that reach it count. */
 static void smaller(void)
 {
     for (int resolution = 1; resolution <= WIDTH; resolution++) {
@@ -157,7 +155,7 @@ static void smaller(void)
     }
 }
 
-/* A photograph that is its own mask: through the lens what counts is white, and all else has some black in it. */
+/* Each photograph is its own mask. Through the lens, counted pixels are white, and ignored ones contain some black. */
 static void lenses(void)
 {
     static const char *const cameras[] = {"PINHOLE 24 20 25 25 12 10", "SIMPLE_RADIAL 24 20 25 12 10 -0.2",
@@ -176,14 +174,14 @@ static void lenses(void)
                 const int is_white = photo->pixels[3 * i] == 255;
                 CHECK(is_white || !photo->mask[i]);
                 counts += photo->mask[i];
-                doubtful += is_white && !photo->mask[i];   /* black's part was rounded away */
+                doubtful += is_white && !photo->mask[i];   /* black rounded away */
             }
             if (!CHECK(counts > 0 && doubtful <= 5))
                 printf("  %s, %d: %d count, %d doubtful\n", cameras[k], resolution, counts, doubtful);
         }
 }
 
-/* A lens that leaves each pixel where it is leaves the mask as it is. */
+/* A lens that moves no pixel leaves the mask unchanged. */
 static void lens_of_almost_nothing(void)
 {
     const fxs_photos_options options = {0};
@@ -229,7 +227,8 @@ static void bad_masks(void)
 
 #define MATRIX "\"transform_matrix\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"
 
-/* mask_path is of transforms.json's folder; else the folder masks beside it, without images/ of the name. */
+/* mask_path is relative to transforms.json; otherwise the folder masks in its folder is used, with names without
+   images/. */
 static void transforms(void)
 {
     fxs_photos_options options = {0};
@@ -261,7 +260,8 @@ static void transforms(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image_file.h>
 
-/* Transparent pixels are ignored, others opaque; with a mask both have to let a pixel count. A mask's are black. */
+/* Transparent pixels are ignored, the rest is opaque. With a mask, both must count a pixel. A mask's transparent
+   pixels are black. */
 static void alpha(void)
 {
     fxs_photos_options options = {.background = {9, 9, 9}};

@@ -1,4 +1,4 @@
-/* The near plane: an object at any size is approached alike, against the double-precision renderer. */
+/* The near plane: approaching an object looks the same at any size, compared with the double-precision renderer. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,13 +15,12 @@
 
 enum { COUNT = 20000, WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
 
-#define FLOOR 54.0                   /* dB, of the packed scene against doubles */
+#define FLOOR 54.0                   /* dB, packed scene against doubles */
 
 static fxs_gaussian gaussians[COUNT];
 static fxs_packed_scene packed;
 static fxs_pack_report report;
 
-/* The knot, `size` times as large. */
 static int make_knot(double size)
 {
     char path[] = "/tmp/fixsplat-near-XXXXXX";
@@ -84,7 +83,7 @@ static double psnr_of(const uint8_t *a, const uint8_t *b)
     return metrics.psnr;
 }
 
-/* From half a unit of the full size before the knot's front; 0.02 units of it are the near plane. */
+/* Looks from half a unit (of the full size) before the knot's front, with the near plane at 0.02 units. */
 static void check_size(double size, const uint8_t full[PIXELS * 4], uint8_t out[PIXELS * 4])
 {
     static const double up[3] = {0, -1, 0}, place[3] = {0.5, -0.9, -3.6}, target[3] = {0.2, -0.2, 0};
@@ -121,7 +120,6 @@ static void test_sizes_are_approached_alike(void)
     check_size(0.0001, full, small);
 }
 
-/* The automatic camera sees the same picture of a scene at any size. */
 static void test_sizes_are_framed_alike(void)
 {
     static const double up[3] = {0, -1, 0}, sizes[] = {1, 0.1, 0.001};
@@ -139,10 +137,11 @@ static void test_sizes_are_framed_alike(void)
     }
 }
 
-/* Every corner of the box is in the picture, one of them close to its edge, whatever the box and the picture. */
+/* Every corner of the box is in the picture, and one is close to its edge, for every box and picture. */
 static void test_boxes_are_framed_whole(void)
 {
-    static const double boxes[][3] = {{1, 1, 1}, {0.1, 9, 0.1}, {9, 0.1, 9}, {0.01, 0.01, 7}, {1e-5, 2e-5, 1e-5}, {5, 0, 0}};
+    static const double boxes[][3] = {{1, 1, 1},       {0.1, 9, 0.1},      {9, 0.1, 9},
+                                      {0.01, 0.01, 7}, {1e-5, 2e-5, 1e-5}, {5, 0, 0}};
     static const double ups[][3] = {{0, -1, 0}, {0, 0, 1}, {1, 2, 3}}, middle[3] = {3, -2, 1};
     for (int i = 0; i < 6 * 3 * 4; i++) {
         const double *half = boxes[i % 6], *up = ups[i / 6 % 3];
@@ -160,7 +159,8 @@ static void test_boxes_are_framed_whole(void)
                 for (int row = 0; row < 3; row++)
                     seen[row] += view.rotation[3 * row + k] * ((corner >> k & 1 ? high[k] : low[k]) - view.position[k]);
             CHECK(seen[2] > 2 * view.near);
-            most = fmax(most, fmax(fabs(seen[0]) * view.fx / view.width, fabs(seen[1]) * view.fy / view.height) / seen[2]);
+            most = fmax(most,
+                        fmax(fabs(seen[0]) * view.fx / view.width, fabs(seen[1]) * view.fy / view.height) / seen[2]);
         }
         CHECK(most < 0.5 && (most > 0.46 || i / 18 % 2 == 0));
     }

@@ -1,5 +1,5 @@
-/* Frames of several objects: against the double-precision reference of the merged scene, and, where the integers are
- * the same, against frames of one scene, byte for byte. */
+/* Frames of several objects. They are compared with the double-precision reference of the merged scene and, if the
+ * integers agree, byte for byte with frames of one scene. */
 #include <fixsplat/pool.h>
 #include "one_scene.h"
 #include "random_scene.h"
@@ -22,7 +22,6 @@ static fxs_camera look(const double eye[3], const double target[3], double fov)
     return camera;
 }
 
-/* `least`: the share of the picture that is to be covered. */
 static void check_against_reference(const char *name, const world *w, const fxs_camera *camera, double least)
 {
     fxs_context context;
@@ -97,7 +96,7 @@ static void test_tint_and_opacity(void)
     w.objects[1].tint_q13[2] = 0;
     fxs_camera camera = look(front, middle, 45);
     check_against_reference("tint and opacity", &w, &camera, 0.1);
-    w.objects[0].opacity_q16 = 300;            /* at most 1 in 255 is left of it */
+    w.objects[0].opacity_q16 = 300;            /* alpha at most 1/255 */
     w.objects[1].opacity_q16 = 9000;
     check_against_reference("nearly clear", &w, &camera, 0);
     part_free(&knot);
@@ -120,7 +119,7 @@ static void test_crops(void)
     const fxs_crop out[2] = {crop_of(-0.7, 0.9, 0, 1), crop_of(-0.5, 0.5, 2, 1)};
     if (!part_make(&knot, "knot", 40000))
         return;
-    part_unpack(&knot);                        /* what lies at a face is on the same side of it */
+    part_unpack(&knot);                        /* so that a Gaussian at a face is on the same side in both */
     two_knots(&w, &knot);
     w.objects[0].crops = keep;
     w.objects[0].crop_count = 3;
@@ -151,7 +150,6 @@ static void test_hundred_objects(void)
     part_free(&cubes);
 }
 
-/* The camera goes with the object: turned, scaled and moved as it is. */
 static fxs_camera carried(const fxs_file_view *view, const fxs_object *object)
 {
     fxs_message m;
@@ -206,7 +204,6 @@ static fxs_context plain;          /* C, one thread */
 
 static packed_scene scenes[4];
 
-/* Random scenes of each profile. */
 static void make_scenes(void)
 {
     for (int i = 0; i < 4; i++)
@@ -219,7 +216,7 @@ static void free_scenes(void)
         free(scenes[i].data);
 }
 
-/* All targets of a frame in `bytes` of memory, or, where that is 0, all that it can take. */
+/* Draws all targets of a frame in `bytes` of memory; 0: in fxs_frame_bytes. */
 static int draw(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                 const fxs_options *options, size_t bytes, picture *p, fxs_stats *stats)
 {
@@ -239,12 +236,12 @@ static int same_pictures(const picture *a, const picture *b)
     return a->bytes == b->bytes && !memcmp(a->block, b->block, a->bytes);
 }
 
-/* Signed permutations that are rotations. */
+/* Signed permutation matrices that are rotations. */
 static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 1, 1, 0, 0, 0, 1, 0},
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
-/* The scene turned by a right angle, scaled by a power of two and moved, and the camera with it. */
+/* Turns the scene by right angles, scales it by a power of two, moves it, and carries the camera along. */
 static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn[9], int shift)
 {
     const fxs_camera before = *camera;
@@ -271,7 +268,7 @@ static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn
     }
 }
 
-/* Depths in the world grow with the object: the frame is drawn with as many bits fewer. */
+/* World depths grow with the object, so the frame is drawn with that many fewer depth bits. */
 static void test_carried_with_the_camera(void)
 {
     int drawn = 0;
@@ -305,7 +302,7 @@ static void test_carried_with_the_camera(void)
     CHECK(drawn > 60);
 }
 
-/* A box around all of it, the other way of the same code. */
+/* Crop boxes that keep everything change nothing, though they take the other branch of the code. */
 static void test_crop_around_all(void)
 {
     const fxs_crop all[2] = {{{INT64_MIN, INT64_MIN, INT64_MIN}, {INT64_MAX, INT64_MAX, INT64_MAX}, 0},
@@ -330,8 +327,8 @@ static void test_crop_around_all(void)
     }
 }
 
-/* One Gaussian, at the low end of its chunk, inside and at the high end, with its centre on a face of a crop box, or the
-   least step outside of it. */
+/* One Gaussian at both ends of its chunk and inside it, with its centre on a face of a crop box, or one step
+   outside. */
 static void test_centres_on_faces_of_crops(void)
 {
     static const uint16_t places[] = {0, 30001, 65535};
@@ -353,7 +350,7 @@ static void test_centres_on_faces_of_crops(void)
             centre_q32 = s.chunks->origin_q32[k] + 65537 * (int64_t)place;
         }
         packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opacity */
-        memset(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, 0, 4);     /* no turn */
+        memset(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, 0, 4);     /* identity */
         CHECK(!packed_scene_finish(&s));
         *(is_high ? &crop.high_q32[axis] : &crop.low_q32[axis]) = centre_q32 + (is_high ? -is_beside : is_beside);
         picture p = picture_new(camera.width, camera.height, FXS_FORMAT_RGBA8);
@@ -368,7 +365,6 @@ static void test_centres_on_faces_of_crops(void)
     }
 }
 
-/* Objects that show nothing change nothing, wherever they stand in the list. */
 static void test_hidden_objects(void)
 {
     const fxs_crop none = {{INT64_MAX, INT64_MAX, INT64_MAX}, {INT64_MAX, INT64_MAX, INT64_MAX}, 0};
@@ -403,7 +399,7 @@ static void test_hidden_objects(void)
     }
 }
 
-/* Of two at one place the first in the list is in front. */
+/* At equal depth, the first object of the list is in front. */
 static void test_ties(void)
 {
     int seen = 0;
@@ -428,7 +424,6 @@ static void test_ties(void)
     CHECK(seen > 10000);
 }
 
-/* Up to 20 objects, some hidden, cropped, tinted, faint. */
 static uint32_t random_objects(fxs_object objects[20], fxs_crop crops[20][2])
 {
     const uint32_t count = (uint32_t)between(1, 20);
@@ -480,7 +475,8 @@ static void free_scenario(scenario *s)
     free_scenes();
 }
 
-/* Less and less memory, down to the least; one byte less is refused with nothing written. Returns the most bands. */
+/* Down to the minimum of memory; one byte less is refused and nothing is written. Returns the largest number of
+   bands. */
 static uint32_t check_bands(scenario *s, const fxs_context *context)
 {
     fxs_stats stats;
@@ -544,22 +540,19 @@ static void test_threads_and_versions(void)
     }
 }
 
-static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_camera cameras[2], int exact,
-                       picture eyes[2])
+static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_camera cameras[2], picture eyes[2])
 {
-    const size_t bytes = fxs_stereo_bytes(context, s->objects, s->count, cameras[0].width, cameras[0].height);
+    const size_t bytes = fxs_frame_bytes(context, s->objects, s->count, cameras[0].width, cameras[0].height, 0);
     void *memory = check_aligned(bytes);
     const fxs_targets targets[2] = {eyes[0].targets, eyes[1].targets};
     picture_clear(&eyes[0]);
     picture_clear(&eyes[1]);
-    const int error = render_eyes(context, s->objects, s->count, cameras, &s->options, targets, exact, memory,
-                                        bytes, 0);
+    const int error = render_eyes(context, s->objects, s->count, cameras, &s->options, targets, memory, bytes, 0);
     free(memory);
     return error;
 }
 
-/* Exact, each eye has the bytes of its frame; with equal cameras both have, shared too; shared, every version and
-   number of threads has the same. */
+/* Each eye has the bytes of its mono frame, by every version and number of threads. */
 static void test_stereo(void)
 {
     fxs_kernels versions[WORLD_VERSIONS];
@@ -572,32 +565,25 @@ static void test_stereo(void)
         const enum fxs_format format = s.expected.targets.format;
         picture eyes[2] = {picture_new(s.camera.width, s.camera.height, format),
                            picture_new(s.camera.width, s.camera.height, format)};
-        picture shared[2] = {picture_new(s.camera.width, s.camera.height, format),
-                             picture_new(s.camera.width, s.camera.height, format)};
-        for (int exact = 0; exact < 2; exact++) {
-            CHECK(!draw_stereo(&plain, &s, cameras, exact, eyes));
-            CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.expected, &eyes[1]));
-        }
+        CHECK(!draw_stereo(&plain, &s, cameras, eyes));
+        CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.expected, &eyes[1]));
         for (int k = 0; k < 3; k++)
             cameras[1].position_q32[k] += (int64_t)s.camera.rotation_q30[k] * between(1, 3);
-        CHECK(!draw_stereo(&plain, &s, cameras, 1, eyes) && same_pictures(&s.expected, &eyes[0]));
+        CHECK(!draw_stereo(&plain, &s, cameras, eyes) && same_pictures(&s.expected, &eyes[0]));
         CHECK(!draw(&plain, s.objects, s.count, &cameras[1], &s.options, 0, &s.actual, 0));
         CHECK(same_pictures(&s.actual, &eyes[1]));
-        CHECK(!draw_stereo(&plain, &s, cameras, 0, shared));
         for (int k = 0; k < count; k++) {
             const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create((uint32_t)k + 1),
                                        .threads = (uint32_t)k + 1};
             fxs_context context;
             fxs_init(&context, &config);
             context.kernels = versions[k];
-            CHECK(!draw_stereo(&context, &s, cameras, 0, eyes));
-            CHECK(same_pictures(&shared[0], &eyes[0]) && same_pictures(&shared[1], &eyes[1]));
+            CHECK(!draw_stereo(&context, &s, cameras, eyes));
+            CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.actual, &eyes[1]));
             fxs_pool_destroy(config.pool);
         }
-        for (int eye = 0; eye < 2; eye++) {
+        for (int eye = 0; eye < 2; eye++)
             picture_free(&eyes[eye]);
-            picture_free(&shared[eye]);
-        }
         free_scenario(&s);
     }
 }
@@ -624,7 +610,6 @@ static void test_count_pairs(void)
     }
 }
 
-/* Colours times the tint, to the nearest, at most 32767. */
 static void test_tint_is_rounded(void)
 {
     fxs_object_view object;
@@ -644,7 +629,7 @@ static void test_tint_is_rounded(void)
     }
 }
 
-/* Depths by any scale: to two units of the last place, and cut where they leave the range of keys. */
+/* Scaled depths are right to two units of the last place, and clamp at the range of the keys. */
 static void test_depths_are_scaled(void)
 {
     static const uint16_t position[3];
@@ -692,7 +677,7 @@ static int render_good(uint32_t count)
                       good.bytes, 0);
 }
 
-/* Renders, expects the error and untouched pixels from all three calls, and puts the value back. */
+/* Sets a bad value, expects the error and untouched pixels from all three calls, and restores the value. */
 #define REFUSES(error, place, value) do { \
         memcpy(saved, &(place), sizeof (place)); \
         (place) = (value); \
@@ -733,7 +718,7 @@ static void test_bad_objects(void)
         REFUSES(FXS_ERR_OBJECT, o->rotation_q30[i], INT32_MIN);
         REFUSES(FXS_ERR_OBJECT, o->rotation_q30[i], INT32_MAX);
     }
-    REFUSES(FXS_ERR_OBJECT, o->rotation_q30[4], -(1 << 30));      /* a mirror */
+    REFUSES(FXS_ERR_OBJECT, o->rotation_q30[4], -(1 << 30));      /* a reflection */
     for (int i = 0; i < 3; i++) {
         REFUSES(FXS_ERR_OBJECT, o->translation_q32[i], (INT64_C(1) << 60) + 1);
         REFUSES(FXS_ERR_OBJECT, o->translation_q32[i], INT64_MIN);
@@ -747,12 +732,12 @@ static void test_bad_objects(void)
     for (uint32_t i = 0; i < FXS_MAX_CROPS; i++)
         for (int axis = 0; axis < 3; axis++) {
             o->crop_count = i + 1;
-            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* inside out */
+            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low above high */
         }
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);
     o->crop_count = 0;
-    o->scale_q32 = 1 << 16;                                               /* so that the camera is far away */
+    o->scale_q32 = 1 << 16;                                               /* puts the camera far away */
     REFUSES(FXS_ERR_OBJECT, good.camera.position_q32[0], INT64_C(1) << 45);
     o->scale_q32 = INT64_C(1) << 32;
     CHECK(render_frame(&plain, 0, 2, &good.camera, &good.options, &good.picture.targets, good.memory, good.bytes, 0) ==
@@ -762,7 +747,7 @@ static void test_bad_objects(void)
     CHECK(render_good(2) == 0 && !untouched(&good.picture));
 }
 
-/* 65,536 objects fit, one more does not; nor do more Gaussians than a frame may have. */
+/* 65,536 objects are accepted, one more is not. The limit of Gaussians per frame holds too. */
 static void test_too_many_objects(void)
 {
     fxs_object *objects = malloc((FXS_MAX_OBJECTS + 1) * sizeof *objects);
@@ -775,8 +760,9 @@ static void test_too_many_objects(void)
     const size_t bytes = fxs_frame_bytes(&plain, objects, FXS_MAX_OBJECTS, 16, 16, 0);
     void *memory = check_aligned(bytes);
     picture p = picture_new(16, 16, FXS_FORMAT_RGBA8);
-    CHECK(render_frame(&plain, objects, FXS_MAX_OBJECTS + 1, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
-          FXS_ERR_OBJECT && untouched(&p));
+    CHECK(render_frame(&plain, objects, FXS_MAX_OBJECTS + 1, &good.camera, &good.options, &p.targets, memory, bytes,
+                       0) == FXS_ERR_OBJECT &&
+          untouched(&p));
     CHECK(render_frame(&plain, objects, UINT32_MAX, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
           FXS_ERR_OBJECT && untouched(&p));
     fxs_stats stats;
@@ -787,7 +773,8 @@ static void test_too_many_objects(void)
     huge.chunk_count = huge.count / FXS_CHUNK;
     objects[0].scene = objects[1].scene = &huge;
     CHECK(fxs_frame_bytes(&plain, objects, 3, 16, 16, 0) == 0);
-    CHECK(render_frame(&plain, objects, 3, &good.camera, &good.options, &p.targets, memory, bytes, 0) == FXS_ERR_OBJECT);
+    CHECK(render_frame(&plain, objects, 3, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
+          FXS_ERR_OBJECT);
     free(memory);
     free(objects);
     free(small.data);

@@ -1,4 +1,4 @@
-/* Import: scene files written here -> packed scenes. */
+/* Packing: scene files written here become packed scenes, and each profile's losses, bytes and order are checked. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -71,7 +71,7 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
 static enum fxs_profile profile;
 static const fxs_allocator *allocator;
 static size_t bytes_said;
-static uint32_t held;                  /* chunks that wait for their SH codes at the same time; 0: as fxs_pack has it */
+static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: fxs_pack's own number */
 
 /* threads 0: no pool. */
 static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
@@ -97,7 +97,6 @@ static int pack_file(fxs_progress_fn *progress, void *argument)
     return pack_with(path, 0, progress, argument);
 }
 
-/* Packs the first `count` Gaussians and opens the result. */
 static fxs_scene pack(size_t count, int sh_degree)
 {
     fxs_scene scene;
@@ -110,7 +109,7 @@ static fxs_scene pack(size_t count, int sh_degree)
     return scene;
 }
 
-/* ---- What a packed scene says ----------------------------------------------------------------------------------- */
+/* ---- The packed scene's values ---------------------------------------------------------------------------------- */
 
 static uint32_t word_at(const fxs_scene *scene, uint32_t i, uint32_t row)
 {
@@ -127,7 +126,6 @@ static double position_of(const fxs_scene *scene, uint32_t i, uint32_t axis)
     return ldexp((double)chunk->origin_q32[axis], -32) + code * position_step(chunk, axis);
 }
 
-/* The Gaussian of the file that lies nearest. */
 static const fxs_gaussian *source_at(const double p[3], size_t count)
 {
     double nearest = INFINITY;
@@ -147,14 +145,14 @@ static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t 
     return source_at(p, count);
 }
 
-static double worst_rotation, worst_step;   /* degrees; differences of the other attributes, in their steps */
+static double worst_rotation, worst_step;   /* degrees; largest error of the other attributes, in quantisation steps */
 
 static void note(double difference, double step)
 {
     worst_step = fmax(worst_step, fabs(difference) / step);
 }
 
-/* The axes are packed in the order of their lengths. */
+/* Packing stores the longest axis first. */
 static void find_order(int order[3], const float scale[3])
 {
     for (int i = 0; i < 3; i++)
@@ -176,11 +174,15 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     int order[3];
     find_order(order, g->scale);
     for (uint32_t k = 0; k < 3; k++) {
-        double code = k < 2 ? scale >> 10 * k & 1023 : (scale >> 20 & 511) * 2, step = ldexp(chunk->scale_step_q24, -24);
+        double code = k < 2 ? scale >> 10 * k & 1023 : (scale >> 20 & 511) * 2,
+               step = ldexp(chunk->scale_step_q24, -24);
         double dc_step = ldexp(chunk->colour_step_q20[k], -20), base = 0.5 + 0.28209479177387814 * g->dc[k];
         note(position_of(scene, i, k) - g->position[k], position_step(chunk, k));
-        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[order[k]] / log(2), step * (k < 2 ? 2 * code + 1 : 4 * code + 4));
-        note(ldexp(chunk->colour_q16[k], -16) + ((colour >> 8 * k & 255) * 2 + (scale >> (29 + k) & 1)) * dc_step - base, dc_step);
+        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[order[k]] / log(2),
+             step * (k < 2 ? 2 * code + 1 : 4 * code + 4));
+        note(ldexp(chunk->colour_q16[k], -16) + ((colour >> 8 * k & 255) * 2 + (scale >> (29 + k) & 1)) * dc_step -
+                 base,
+             dc_step);
     }
     const uint32_t code = colour >> 24, law = chunk->opacity_law;
     const double opacity = 1 / (1 + exp(-g->opacity)), next = opacity_of(code < 255 ? code + 1 : 254, law);
@@ -193,7 +195,7 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     }
 }
 
-/* Every packed Gaussian is its source within half a step (and what float and double differ by). */
+/* Every packed Gaussian equals its source within half a step, plus the difference between float and double. */
 static void check_packed(size_t count, int sh_degree)
 {
     fxs_scene scene = pack(count, sh_degree);
@@ -201,7 +203,7 @@ static void check_packed(size_t count, int sh_degree)
     worst_rotation = worst_step = 0;
     for (uint32_t i = 0; i < scene.count; i++)
         compare_gaussian(&scene, i, source_of(&scene, i, count));
-    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* of a roll of 8 bits */
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* of the roll, 8 bits */
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
@@ -236,9 +238,9 @@ static void test_largest_errors(void)
             most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
             most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
         }
-        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* of the third axis: 1022 and 1020 */
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* codes 1022, 1020 */
     }
-    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the roll, and what the first axis is off */
+    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the roll, plus the error of the first axis */
         const uint32_t step = chunk_of(&scene, i)->scale_step_q24;
         most.rotation = fmax(most.rotation,
                              0.1 + ldexp(90, 2 * axis_bits_of_word(0, word_at(&scene, i, FXS_ROW_SCALE), step) - 32));
@@ -270,7 +272,6 @@ static void test_bounds(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* `count` Gaussians of one size in a box. */
 static void fill_box(uint32_t first, uint32_t count, const double low[3], const double high[3], double size,
                      double opacity)
 {
@@ -295,7 +296,8 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* A head of 3 % and a plain pedestal of 1 % belong to it, floaters and what cannot be seen do not; in either order. */
+/* The inner box holds a head of 3 % and a pedestal of 1 % of the Gaussians, but no floaters or invisible ones, in
+   any order. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -320,7 +322,7 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Surroundings that thin out over a hundred times the size do not make a dot of what is in their middle. */
+/* Surroundings that thin out to 100 times the object's size do not grow the inner box beyond 4 times the object. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -337,7 +339,7 @@ static void test_inner_bounds_in_surroundings(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Where nothing is seen, or all is in one place, there is still a box. */
+/* Invisible Gaussians, or a single one, still give an inner box. */
 static void test_inner_bounds_of_little(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, one[3] = {3, 4, 5};
@@ -366,7 +368,7 @@ static void test_all_equal(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Values at the ends of what is taken: the packed scene must be one that fxs_scene_open takes. */
+/* The largest accepted values pack to a valid scene. */
 static void test_extremes(void)
 {
     make_gaussians(512);
@@ -388,8 +390,7 @@ static void test_extremes(void)
 
 /* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
 
-/* The step of a degree is the smallest that reaches its largest coefficient with code 127, and at most what a packed
-   scene may have. */
+/* An SH step is the smallest that lets code 127 reach the largest coefficient, up to the format's limit. */
 static void test_sh_steps_up_to_the_limit(void)
 {
     static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
@@ -416,7 +417,7 @@ static void test_sh_steps_up_to_the_limit(void)
         }
 }
 
-/* What is left over from a palette is coded in odd numbers from -7 to 7, and each of them serves. */
+/* Residuals of a palette are coded as odd numbers from -7 to 7; packing uses each of the eight. */
 static void test_every_residual_code_serves(void)
 {
     uint32_t uses[8] = {0}, all = 0;
@@ -438,7 +439,7 @@ static void test_every_residual_code_serves(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* A skip up to the end of what is read in advance, to one byte beyond, and to the end of the file. */
+/* Skips within the read buffer, one byte beyond it, and to the end of the file. */
 static void test_bytes_skipped(void)
 {
     static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
@@ -459,7 +460,7 @@ static void test_bytes_skipped(void)
     CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == FXS_ERR_FILE);
 }
 
-/* As many Gaussians as the information says, though the file has more. */
+/* The reader returns the announced number, though the file holds more. */
 static void test_no_more_than_announced(void)
 {
     fxs_scene_file *file = NULL;
@@ -499,7 +500,7 @@ static void test_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Opacity times the area of the two largest axes, whatever else is wrong. */
+/* The share of dropped Gaussians weighs each by opacity times the area of its two largest axes. */
 static void test_share_of_what_is_dropped(void)
 {
     make_gaussians(100);
@@ -509,14 +510,15 @@ static void test_share_of_what_is_dropped(void)
         gaussians[i].scale[2] = -INFINITY;
     }
     gaussians[10].position[0] = NAN;
-    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* 121 of 99 + 121 */
-    gaussians[20].opacity = -INFINITY;                                  /* of no weight */
-    gaussians[30].dc[2] = NAN;                                          /* 1 */
+    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* weight 121 of 99 + 121 */
+    gaussians[20].opacity = -INFINITY;                                  /* weight 0 */
+    gaussians[30].dc[2] = NAN;                                          /* weight 1 */
     pack(100, 0);
     CHECK(report.packed == 97 && report.dropped.not_finite == 2 && report.dropped.transparent == 1);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
     fxs_packed_scene_free(&packed);
-    gaussians[10].scale[0] = INFINITY;                                  /* not known: by the others, 11 */
+    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: counted from the other
+                                                                           values, weight 11 */
     pack(100, 0);
     CHECK(report.packed == 97 && fabs(fxs_dropped_share(&report.dropped) - 12 / 109.0) < 1e-5);
     fxs_packed_scene_free(&packed);
@@ -529,7 +531,6 @@ static void test_share_of_what_is_dropped(void)
 
 /* ---- Gaussians that are hard to hold ---------------------------------------------------------------------------- */
 
-/* ln(sigma) of an axis as packed, of the Gaussian in the first slot. */
 static double packed_scale(const fxs_scene *scene, uint32_t axis)
 {
     const fxs_chunk *chunk = chunk_of(scene, 0);
@@ -538,7 +539,8 @@ static double packed_scale(const fxs_scene *scene, uint32_t axis)
     return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
 }
 
-/* Of one Gaussian: a thin axis is as thin as the codes of others allow, a large one as large as the format holds. */
+/* In a chunk of one Gaussian, a thin axis is clamped to the range of the codes, and a large axis to the format's
+   largest. */
 static void test_axes_are_held(void)
 {
     static const float cases[][2][3] = {
@@ -559,7 +561,7 @@ static void test_axes_are_held(void)
     }
 }
 
-/* Needles do not cost the others of their chunk their steps. */
+/* Needles hardly coarsen the scale steps of the other Gaussians of their chunk. */
 static void test_needles_in_a_chunk(void)
 {
     double rms[2];
@@ -577,7 +579,7 @@ static void test_needles_in_a_chunk(void)
     CHECK(rms[1] < 2.3 * rms[0]);
 }
 
-/* Seen from the origin, a Gaussian from beyond the range looks as it would there. */
+/* A Gaussian beyond the position range is moved in and shrunk, so that it looks the same from the origin. */
 static void test_far_ones_are_brought_in(void)
 {
     static const float axis[3] = {1, -0.5f, 0.25f};
@@ -680,7 +682,7 @@ static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degr
         note_loss(5, d->sh[k] - (double)g->sh[k]);
 }
 
-/* What the report says is lost is what is lost, decoded here as the format's description has it. */
+/* The report's losses equal losses computed here, decoded as in docs/format.md. */
 static void check_loss(size_t count, int sh_degree)
 {
     fxs_scene s = pack(count, sh_degree);
@@ -722,7 +724,7 @@ static int is_near(double x, double expected)
     return fabs(x - expected) <= 2e-6 * fmax(1, fabs(expected));
 }
 
-/* Read as a file, a packed scene gives what its codes stand for; each byte of it that is another is noticed. */
+/* Read as a file, a packed scene returns its decoded values. Any changed byte is detected. */
 static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
 {
     static fxs_gaussian read[1000];
@@ -779,7 +781,7 @@ static void test_read_back(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* One Gaussian's SH is beyond what the units of a palette reach, among many that are not: said is what is lost of it. */
+/* One coefficient among many exceeds the range of a palette; the report includes its loss. */
 static void test_loss_of_huge_sh(void)
 {
     make_gaussians(1500);
@@ -791,7 +793,7 @@ static void test_loss_of_huge_sh(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Colours, opacities and SH of files that have them in 8 bits get the same codes again. */
+/* Files with 8-bit colours, opacities and SH keep their exact codes when packed. */
 static void test_few_bits_are_kept(void)
 {
     static const char *const names[] = {"luma-seal/luma-seal.splat", "kitchen-marble/kitchen-marble.spz"};
@@ -826,7 +828,8 @@ static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
     return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
 }
 
-/* Opacities up to the top of a law get that law and its steps; what never reaches 1/255 is not drawn. */
+/* A chunk gets the opacity law, and its finer steps, that just covers its largest opacity. Gaussians that never
+   reach 1/255 are not drawn. */
 static void test_faint_chunks_get_fine_steps(void)
 {
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
@@ -845,7 +848,7 @@ static void test_faint_chunks_get_fine_steps(void)
     }
 }
 
-/* An error counts by its square over the opacity: half of the chunk being opaque, it is the faint half that decides. */
+/* The choice of a law weighs each squared error by 1/opacity, so in a half-opaque chunk the faint half decides. */
 static void test_faint_half_decides_on_the_law(void)
 {
     make_gaussians(256);
@@ -856,7 +859,6 @@ static void test_faint_half_decides_on_the_law(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The table that the renderer has of the laws. */
 static void test_offsets_of_codes(void)
 {
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
@@ -867,7 +869,8 @@ static void test_offsets_of_codes(void)
         }
 }
 
-/* As many entries as keep a scene within its bytes a Gaussian, or take a tenth of a byte, or 0.4 in small scenes. */
+/* A palette has the most entries that keep the scene within its bytes per Gaussian. The minimum is the number that
+   costs 0.1 byte per Gaussian, or 0.4 in scenes below 10,000. */
 static void check_entries(uint32_t count, enum fxs_profile which, int degree)
 {
     const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
@@ -895,7 +898,6 @@ static void test_entries_of_a_palette(void)
     CHECK(fxs_palette_entries_for(1000000, 3907, FXS_PROFILE_DEFAULT, 3) == 0);
 }
 
-/* Root mean square of what a profile loses of SH; the scene stays open. */
 static double sh_loss(fxs_scene *s, size_t count, int degree, enum fxs_profile which)
 {
     profile = which;
@@ -913,7 +915,7 @@ static void check_sh_loss(const char *what, size_t count, int degree, enum fxs_p
     fxs_packed_scene_free(&packed);
 }
 
-/* Clusters, a chunk each, each with SH of its own, and more of them than entries: their means hold them. */
+/* Each chunk is a cluster with its own SH, and clusters outnumber palette entries: the chunk means hold their SH. */
 static void test_means_of_chunks(void)
 {
     enum { CLUSTERS = 32, COUNT = CLUSTERS * FXS_CHUNK };
@@ -931,7 +933,7 @@ static void test_means_of_chunks(void)
     check_sh_loss("means", COUNT, 3, FXS_PROFILE_COMPACT, 0.0021);
 }
 
-/* A scene whose coefficients follow from few things. */
+/* A scene with few independent coefficients: palettes fit it well. */
 static void test_palettes_are_good(void)
 {
     enum { COUNT = 20000 };
@@ -951,13 +953,13 @@ static void test_palettes_are_good(void)
 
 enum { ALIKE, SIZES, OPACITIES, FLAT, MIXTURES };
 
-/* Whether a Gaussian of a mixture is one of those that matter to the picture. */
+/* True if the SH errors of this Gaussian must cancel. */
 static int matters(int mixture, double scale, double opacity)
 {
     return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
 }
 
-/* Of a chunk from slot `first` on: the sum of the errors of those that matter, squared. */
+/* Squared sum of those SH errors over the chunk from slot `first`. */
 static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
 {
     double sums[9] = {0}, square = 0;
@@ -972,7 +974,7 @@ static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mi
     return square;
 }
 
-/* In one place, errors of SH cancel where they matter: the sum of a chunk's is as a few of them, not as 11 or 16. */
+/* At one place SH errors cancel: a chunk's sum is as small as the error of a few Gaussians. */
 static void check_cancelling(int mixture, double most)
 {
     enum { COUNT = 8 * FXS_CHUNK };
@@ -1006,9 +1008,8 @@ static void test_errors_of_sh_cancel(void)
 
 /* ---- Memory ----------------------------------------------------------------------------------------------------- */
 
-static int live, allocations, failing;      /* blocks; the allocation that fails, counted from 0 */
+static int live, allocations, failing;      /* live blocks; index of the allocation that fails, from 0 */
 
-/* Codes chunks of `count` Gaussians by the stages for the instruction sets in `cpu`. */
 static fxs_sh_loss code_chunks(unsigned cpu, const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                int8_t mean[48], unsigned char *records)
 {
@@ -1041,7 +1042,7 @@ static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int d
               fxs_pack_stages_choose(~0u)->nearest(groups, p.group_squares[0], count, learned->vectors[1][count]));
 }
 
-/* Each instruction set gives the bytes of C, with few entries and with many. */
+/* Every instruction set produces the bytes of C, with few palette entries and with many. */
 static void test_stages(void)
 {
     static const uint32_t entries[] = {1, 2, 9, 23, 77, 128};
@@ -1057,7 +1058,6 @@ static void test_stages(void)
     free(items);
 }
 
-/* Exponentials, ranges and codes by the stages for the instruction sets in `cpu`. */
 static void run_stages(unsigned cpu, enum fxs_profile which, int degree, double *numbers, fxs_chunk_ranges *ranges,
                        unsigned char *records, fxs_loss *loss)
 {
@@ -1078,7 +1078,7 @@ static void run_stages(unsigned cpu, enum fxs_profile which, int degree, double 
     }
 }
 
-/* Each instruction set gives the bytes of C, of opacities by each law, also where a chunk has one number alone. */
+/* Every instruction set produces the bytes of C, for every opacity law, and in chunks where all values are equal. */
 static void test_stages_of_codes(void)
 {
     static double numbers[2][MAX_COUNT];
@@ -1105,7 +1105,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* What a set becomes, by the stage for the instruction sets in `cpu`: Gaussians, and what each was merged into. */
+/* Returns the merged Gaussians and each source's target. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1124,7 +1124,7 @@ static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t m
     return left;
 }
 
-/* Each instruction set merges as C does, also where Gaussians lie in one place. */
+/* Every instruction set merges like C, also when all Gaussians coincide. */
 static void test_stages_of_merging(void)
 {
     static fxs_coarse out[2][FXS_MERGE_MOST];
@@ -1184,7 +1184,7 @@ static const uint32_t thread_counts[] = {0, 1, 2, 4, 7};
 
 enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
 
-/* The same bytes and the same report for every number of threads. */
+/* Every number of threads produces the same bytes and report. */
 static void check_threads(const char *name)
 {
     fxs_packed_scene first = {0, 0, 0, 0};
@@ -1208,7 +1208,7 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(MAX_COUNT);         /* fewer have palettes of one entry a stage */
+    make_gaussians(MAX_COUNT);         /* smaller scenes have palettes of one entry per stage */
     CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;
@@ -1248,7 +1248,6 @@ static void test_threads_on_real_scenes(void)
     }
 }
 
-/* What the positions of a scene are like. */
 enum { EVEN, EQUAL, LINE, DOUBLING, GRID, KINDS };
 
 static float coordinate(int kind, uint32_t i, int axis)
@@ -1280,7 +1279,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
     return entries;
 }
 
-/* Each Gaussian once, those left out last, and the same for any number of threads. */
+/* The order holds each Gaussian once, dropped ones last, and does not depend on the number of threads. */
 static void check_order(uint32_t count, uint32_t threads, int kind)
 {
     static unsigned char seen[MAX_COUNT];
@@ -1313,13 +1312,13 @@ static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), voi
         job(argument, i);
 }
 
-/* Every third is to be among its like: those come after the chunks that the others need. */
+/* Gaussians marked to be kept together (none, a third, all) come after the chunks of the other Gaussians. */
 static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
     static fxs_order_entry entries[COUNT];
     const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
-    for (int all = 0; all < 3; all++) {            /* none, a third, all */
+    for (int all = 0; all < 3; all++) {
         uint32_t seen[2] = {0, 0};
         seed = 6;
         for (uint32_t i = 0; i < COUNT; i++) {
@@ -1337,7 +1336,7 @@ static void test_likes_are_together(void)
     }
 }
 
-/* 200 of 10,184 lie anywhere up to 2^20 units away: 39 chunks of 40 are as if they did not. */
+/* 200 of 10,184 Gaussians lie up to 2^20 units away; they share 1 of the 40 chunks. */
 static void test_strays_are_apart(void)
 {
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
@@ -1363,7 +1362,7 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
-/* 256 far ones among 40,000, none of them one of an even sample: a chunk of their own. */
+/* 256 far Gaussians among 40,000 that an even sample misses still get a chunk of their own. */
 static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
@@ -1386,7 +1385,7 @@ static void test_no_stray_is_missed(void)
     CHECK(strays == FXS_CHUNK);
 }
 
-/* Clusters of 1 to 5 chunks in 5 columns of 4: none shares a chunk with another. */
+/* Clusters of 1 to 5 chunks in 5 columns of 4: no two clusters share a chunk. */
 static void test_clusters_are_apart(void)
 {
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
@@ -1406,7 +1405,7 @@ static void test_clusters_are_apart(void)
         CHECK(i % FXS_CHUNK == 0 || cluster[entries[i].index] == cluster[entries[i - 1].index]);
 }
 
-/* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 are 3 units wide at best. */
+/* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 would be 3 units wide at best. */
 static void test_chunks_are_small(void)
 {
     make_gaussians(MAX_COUNT);
@@ -1420,7 +1419,7 @@ static void test_chunks_are_small(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The last 256 Gaussians: one as far away as this or farther, eight, and so on. */
+/* Moves the last 256 Gaussians away: one to the first distance or beyond, 8 to the second or beyond, and so on. */
 static void make_strays(void)
 {
     static const float away[] = {24569, 763, 146, 87, 80};
@@ -1436,7 +1435,7 @@ static void make_strays(void)
     }
 }
 
-/* The Gaussians of the packed scene, as a file of it is read: their number, or an error. */
+/* Reads the packed scene as a file. Returns the number of Gaussians, or an error. */
 static long read_back(fxs_gaussian *to)
 {
     fxs_scene_file *file;
@@ -1462,7 +1461,6 @@ static void set_holes(int32_t more)
     memcpy(packed.data, &header, sizeof header);
 }
 
-/* The strays have chunks of their own, of which few are full, and are where they were, seen from the middle. */
 static void test_strays_have_chunks(void)
 {
     static fxs_gaussian back[MAX_COUNT];
@@ -1523,7 +1521,7 @@ static void check_progress(uint32_t threads)
     }
 }
 
-/* A scene whose SH are coded in several readings of the file has the same bytes and losses. */
+/* Several passes over the file for the SH give the same bytes and losses. */
 static void check_held(uint32_t chunks)
 {
     fxs_packed_scene all;
@@ -1556,7 +1554,7 @@ static void test_readings_for_codes(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Every step-th Gaussian lies in a sampled chunk, and the chunks follow one another. */
+/* Samples hit every step-th Gaussian, and the sampled chunks are consecutive. */
 static void test_sample(void)
 {
     static const uint32_t counts[] = {1, 300, 16384 * 256, 16384 * 256 + 1, 16384 * 300 + 7, 10000019, 1u << 30};
@@ -1588,7 +1586,7 @@ static void test_progress(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* A row in the middle that cannot be read. */
+/* A row in the middle of the file cannot be parsed. */
 static void test_reader_fails(void)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -1609,7 +1607,6 @@ static void test_reader_fails(void)
     }
 }
 
-/* The same file, of which from some read on every number is another, NaN and infinity among them. */
 static struct {
     unsigned char *bytes;
     long size, reads, changes_at;
@@ -1623,14 +1620,15 @@ static int read_changing(void *argument, uint64_t offset, void *out, size_t leng
     if (changing.reads++ < changing.changes_at)
         return 0;
     for (size_t i = 0; i + 4 <= length; i += 4)
-        if (offset + i > 2000) {       /* the header stays */
+        if (offset + i > 2000) {       /* A file that changes after some read; the new bytes include NaN and
+                                          infinity. */
             const uint32_t word = fxs_little_32(wrong[(offset + i) / 4 % 53 % 6]);
             memcpy((unsigned char *)out + i, &word, 4);
         }
     return 0;
 }
 
-/* Packed or refused, but never a scene that does not open; at least one is refused. */
+/* Packed or refused, but never packed to a scene that does not open; refused at least once. */
 static void test_a_file_that_changes(void)
 {
     int refused = 0;

@@ -1,5 +1,6 @@
-/* Scenes of which a pool holds a part: the same bytes as of the whole once nothing is missing, from memory, a file and
- * slow sources; a bounded pool; frames that never wait; sources that fail, lie, end early or never answer. */
+/* Paged scenes: a pool holds part of the scene. Once no chunk is missing, frames equal the whole scene's, from
+ * memory, a file or slow sources. Also: frames that never wait, and sources that fail, lie, end early or never
+ * answer. */
 #ifdef __linux__
 #define _GNU_SOURCE                    /* RUSAGE_THREAD */
 #endif
@@ -31,18 +32,18 @@ static size_t memory_bytes;
 
 /* ---- Sources ----------------------------------------------------------------------------------------------------- */
 
-/* The packed scene's bytes, with whatever is wrong. */
+/* A source of the packed scene's bytes, with faults. */
 typedef struct bytes_source {
     const unsigned char *bytes;
-    uint64_t rate;                     /* bytes a second; 0: at once */
-    long reads, fail_from, fail_count; /* which reads fail: so many from that one on */
-    int failure;                       /* the number that they return, */
-    int is_silent;                     /* and leave no message */
-    int is_back;                       /* none fails any more; set atomically */
-    uint64_t lie_from, lie_to;         /* bytes that are others than they are */
-    int hangs;                         /* it never answers, but by cancel; set atomically */
+    uint64_t rate;                     /* bytes per second; 0: unlimited */
+    long reads, fail_from, fail_count; /* reads that fail: fail_count from fail_from on */
+    int failure;                       /* the error that they return */
+    int is_silent;                     /* 1: without a message */
+    int is_back;                       /* 1: reads succeed again; set atomically */
+    uint64_t lie_from, lie_to;         /* corrupted bytes */
+    int hangs;                         /* 1: reads return only when cancelled; set atomically */
     int is_hanging, cancelled, closed;
-    uint64_t most;                     /* bytes that a read asked for */
+    uint64_t most;                     /* largest read */
 } bytes_source;
 
 static void hang(bytes_source *s)
@@ -100,7 +101,6 @@ static fxs_pager *open_with(bytes_source *s, uint32_t places, fxs_message *why)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* A camera on a way around the scene and through it. */
 static fxs_camera camera_on_way(int i)
 {
     const double angle = i * 0.021, out = 5.2 + 3.6 * sin(i * 0.037);
@@ -120,7 +120,7 @@ static fxs_stats frame_of(const fxs_scene *scene, fxs_pager *pager, fxs_camera c
     return stats;
 }
 
-/* Frames of a camera that stands still, until nothing is missing or nothing comes any more; the number of frames. */
+/* Renders until no chunk is missing or nothing more arrives. Returns the number of frames. */
 static int settle(fxs_pager *pager, fxs_camera camera, uint32_t budget, fxs_pager_state *state)
 {
     int frames = 0, error;
@@ -143,7 +143,7 @@ static int is_as_whole(fxs_camera camera, uint32_t budget)
 
 /* ---- Tests ------------------------------------------------------------------------------------------------------- */
 
-/* After jumps of the camera the same bytes, in a pool that holds a third of the scene. */
+/* After camera jumps, a pool of a third of the scene gives the same bytes. */
 static void test_same_bytes(void)
 {
     const uint32_t places = fxs_scene_chunks(&whole) / 3;
@@ -168,7 +168,7 @@ static void test_same_bytes(void)
     CHECK(s.closed == 1);
 }
 
-/* Without a budget all leaves are drawn: the pool holds all, in the end. */
+/* Without a budget all leaves are drawn, and finally the pool holds all chunks. */
 static void test_all(void)
 {
     bytes_source s = {.reads = 0};
@@ -182,7 +182,7 @@ static void test_all(void)
     fxs_pager_close(pager);
 }
 
-/* Of a file: the same; and one that is written to, cut short, missing or a folder. */
+/* From a file: the same bytes. Also a file being written, truncated, missing, or a folder. */
 static void test_file(void)
 {
     char path[128];
@@ -209,7 +209,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* another file took its place: this one is as it was */
+        else                                                   /* another file replaced it; the open one is unchanged */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }
@@ -219,7 +219,7 @@ static void test_file(void)
     CHECK(fxs_pager_open_file(path, &options, &pager, &why) == FXS_ERR_FILE && strstr(why.text, "No such file"));
 }
 
-/* The bytes before rows, damaged anywhere or cut at any length: an error, and no pager. */
+/* Bytes before the rows damaged anywhere, or cut at any length: an error, and no pager. */
 static void test_damaged_heads(void)
 {
     fxs_message why;
@@ -243,8 +243,7 @@ static void test_damaged_heads(void)
     CHECK(!open_with(&s, 15, &why) && strstr(why.text, "too little"));
 }
 
-/* A scene that claims a billion Gaussians, from a source that claims to have them: its first reads fail, and no memory
-   was taken for the rest. */
+/* Scene and source claim a billion Gaussians: the first reads fail before memory is allocated for the rest. */
 static void test_large_claim(void)
 {
     fxs_packed_header h;
@@ -268,8 +267,7 @@ static void test_large_claim(void)
     free(bytes);
 }
 
-/* Chunks that are not what their checksum says are lost, after three attempts: the rest is drawn, with coarser ones in
-   their place. */
+/* Chunks with wrong checksums are lost after three attempts; coarser chunks replace them. */
 static void test_lies(void)
 {
     const uint64_t first = (uint64_t)(whole.rows - (unsigned char *)packed.data);
@@ -295,7 +293,7 @@ static void test_lies(void)
     fxs_pager_close(pager);
 }
 
-/* A source that fails for a while is asked again; one that fails for ever is an error, whatever it returns. */
+/* A temporary failure is retried; a permanent one is an error, whatever the source returns. */
 static void test_failures(void)
 {
     fxs_message why;
@@ -314,7 +312,7 @@ static void test_failures(void)
         const int error = fxs_pager_turn(pager, &state, &why);
         CHECK(error == (way == 0 ? 0 : way == 1 ? FXS_ERR_DEVICE : FXS_ERR_FILE));
         CHECK(!way || !strcmp(why.text, way == 1 ? "the line is cut" : "made.fxs: cannot be read"));
-        if (way == 1) {                                        /* and is back again */
+        if (way == 1) {                                        /* the source recovers */
             __atomic_store_n(&s.is_back, 1, __ATOMIC_RELEASE);
             for (int i = 0; i < 50 && fxs_pager_turn(pager, &state, &why); i++)
                 nanosleep(&(struct timespec){0, 100000000}, 0);
@@ -328,7 +326,6 @@ static void test_failures(void)
     }
 }
 
-/* Frames go on while a read never ends, and closing ends it. */
 static void test_never_answers(void)
 {
     bytes_source s = {.reads = 0};
@@ -350,7 +347,7 @@ static void test_never_answers(void)
     CHECK(s.closed == 1 && s.cancelled && fxs_clock(0) - start < 20 * SECOND);
 }
 
-/* A pool that is too small for what a frame draws says so, and frames go on; what there is room for is drawn. */
+/* A pool too small for a frame reports it; frames go on with as many chunks as fit. */
 static void test_no_room(void)
 {
     bytes_source s = {.reads = 0};
@@ -377,8 +374,7 @@ static double seconds_of_thread(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* How often this thread has waited for something; 0 where nobody counts. What others take of the processor is not
-   waiting. */
+/* How often this thread has waited; 0 if not counted. Losing the processor to others does not count. */
 static long waits_of_thread(void)
 {
 #ifdef RUSAGE_THREAD
@@ -389,8 +385,8 @@ static long waits_of_thread(void)
 #endif
 }
 
-/* 300 frames of a moving camera, from a source of 50 MB/s: none waits for anything, so none is late by more than its
-   own work, but for one that meets the reader's thread at the lock now and then. When the camera stands, it converges. */
+/* 300 frames of a moving camera from a source of 50 MB/s. No frame waits, except rarely for the reader's thread at
+   the lock. With a still camera the picture converges. */
 static void test_path(void)
 {
     bytes_source s = {.rate = 50000000};

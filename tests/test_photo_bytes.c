@@ -1,14 +1,13 @@
-/* Photographs come to the same bytes on every machine: JPEG, lens, size and background. It needs no library but
-   libjpeg-turbo, so that it is built for other processors too (tests/scripts/processors.sh). */
+/* Photographs load to the same bytes on every machine: JPEG, lens, size and background. Needs only libjpeg-turbo, so
+   that other processors can build it (tests/scripts/processors.sh). */
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include <fixsplat/pool.h>
 
-/* Of all that is read from the folder below. */
+/* Hash of everything read from the folder. */
 #define EXPECTED 0xac8c35eeu
 
-/* Of a picture of noise through lenses. */
 #define EXPECTED_WARP 0x91768e01u
 
 static uint32_t hash_of_view(uint32_t hash, const fxs_fit_photo *photo)
@@ -87,7 +86,7 @@ static void same_bytes(void)
     fxs_photos_free(&photos);
 }
 
-/* The other way round: what `render --lens` draws. */
+/* The reverse, as in `render --lens`. */
 static void same_warps(void)
 {
     static const fxs_lens lenses[] = {

@@ -1,5 +1,5 @@
-/* Photographs with their cameras: every layout of files, sizes, backgrounds and lenses against plain reference code,
-   points, bad input, and the real sets where they are. */
+/* Photographs with their cameras: every folder layout, sizes, backgrounds and lenses against plain reference code,
+   points, bad input, and the real sets if present. */
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
 #include <fixsplat/blocks.h>
@@ -10,7 +10,7 @@
 
 enum { VIEWS = 9 };
 
-/* FNV-1a of the pixels to fit of the real sets. */
+/* FNV-1a of the real sets' pixels to fit. */
 #define SNOWMIKU_HASH 0xa49170f0u
 #define LEGO_HASH 0xf7f298f0u
 
@@ -27,7 +27,7 @@ static void add_double(double value)
     add_integer(bits, 8);
 }
 
-/* The points: i, 2 i, 5 + i in colour 10 i, 0, 255. */
+/* Point i lies at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
 static void make_points_bin(uint64_t count)
 {
     add_integer(count, 8);
@@ -46,7 +46,7 @@ static void make_points_bin(uint64_t count)
     }
 }
 
-/* Photographs named from the last to the first, of two sizes. Camera 5 is half as large as its photographs. */
+/* Two sizes of photographs, named from last to first. Camera 5 is half the size of its photographs. */
 static void put_colmap(int binary)
 {
     if (binary) {
@@ -142,7 +142,7 @@ static uint32_t hash_of_pixels(void)
     return hash;
 }
 
-/* By its folder, by that of the model and by its files; binary and text. */
+/* By its folder, its model's folder and its files; binary and text. */
 static void colmap(void)
 {
     static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
@@ -166,7 +166,7 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
-    /* of COLMAP 3.12: images.bin has all poses as before */
+    /* COLMAP 3.12 adds these; images.bin still has all poses */
     put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
     put_file("c/sparse/0/frames.bin", "", 0);
     check_colmap("c");
@@ -174,7 +174,7 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* The points of photographs in memory are those of the set without points that was read last. */
+/* Equal to the points of the set without points read last. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -189,7 +189,6 @@ static void check_random_points(const fxs_photos_options *options)
     CHECK(fxs_photos_random_points(photos.fit, 0, 0, &points, &count, &why) == FXS_ERR_ARGUMENT && !points && !count);
 }
 
-/* Counts that are not so, and points that cannot be. */
 static void bad_points(void)
 {
     const fxs_photos_options options = {0};
@@ -197,7 +196,7 @@ static void bad_points(void)
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
     make_points_bin(3);
-    memset(text + 8 + 8 + 6, 255, 2);   /* x of the first becomes NaN */
+    memset(text + 8 + 8 + 6, 255, 2);   /* x of the first point becomes NaN */
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: point 0 is not finite");
     for (int i = 0; i < 2; i++) {
@@ -246,7 +245,6 @@ static int stop(void *argument, double done)
     return done > 0.3;
 }
 
-/* Adds what is said of each. */
 static void left_out(void *argument, const char *why)
 {
     char *all = argument;
@@ -297,7 +295,7 @@ static void bad_photos(void)
 static void proportions(void)
 {
     const fxs_photos_options options = {0};
-    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* a pixel, as rounding leaves */
+    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* one pixel off, as by rounding */
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/4.ppm: 24 x 30 pixels, its camera has 24 x 20");
@@ -327,7 +325,7 @@ static void missing_folders(void)
     put_colmap(1);
 }
 
-/* One camera is enough; nothing is left of it where it is held out. All black is a picture as any other. */
+/* One camera is enough. Held out, it leaves nothing to fit. An all-black photograph is accepted. */
 static void one_camera(void)
 {
     static const uint8_t black[24 * 20 * 3];
@@ -351,7 +349,7 @@ static void one_camera(void)
 
 /* ---- Sizes ------------------------------------------------------------------------------------------------------- */
 
-/* What of [i, i + 1) of `from` parts of a line lies in part `j` of `to`: in from x to parts. */
+/* The overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
 static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
 {
     const int64_t low = i * to > j * from ? i * to : j * from;
@@ -402,13 +400,13 @@ static void averages(void)
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* A smooth scene, by its direction. */
+/* A smooth scene, by direction. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(4 * x + c) + 50 * cos(3 * y - 2 * x + 2 * c);
 }
 
-/* The direction that the lens bends to here, by Newton's method with differences. */
+/* Inverts the lens by Newton's method with differences. */
 static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 {
     const double step = 1e-6;
@@ -430,9 +428,10 @@ static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 
 static const struct {
     const char *model;
-    fxs_lens lens;                 /* its parameters, written out in the model's line */
+    fxs_lens lens;                 /* parameters as in the model's line */
     double fx, fy, cx, cy;
-    int widens;                    /* the pinhole sees more than the photograph's size at its focal length, or less */
+    int widens;                    /* the pinhole sees more (1) or less (0) than the photograph's size at its focal
+                                      length */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -461,7 +460,6 @@ static const struct {
 };
 enum { LENSES = sizeof lenses / sizeof *lenses };
 
-/* As a reader of cameras has it. */
 static fxs_lens lens_of(size_t number)
 {
     fxs_lens lens = lenses[number].lens;
@@ -469,8 +467,8 @@ static fxs_lens lens_of(size_t number)
     return lens;
 }
 
-/* OpenCV's formulas, as its page "Camera Calibration and 3D Reconstruction" and that of fisheye have them, and those of
-   COLMAP's src/colmap/sensor/models.h. */
+/* OpenCV's formulas, from "Camera Calibration and 3D Reconstruction" and its fisheye page, and COLMAP's, from
+   src/colmap/sensor/models.h. */
 static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
 {
     const double r = sqrt(x * x + y * y), t = atan(r), *k = l->k, *p = l->p, *s = l->s;
@@ -553,7 +551,7 @@ static void lens_models(void)
         check_lens(i);
 }
 
-/* A pinhole's pixels are not touched, and a lens that folds the picture is refused. */
+/* A pinhole leaves pixels untouched. A lens that folds the picture is refused. */
 static void lens_limits(void)
 {
     static uint8_t rgb[3 * WIDE * HIGH];
@@ -570,7 +568,6 @@ static void lens_limits(void)
     check_refused("one", &options, FXS_ERR_FILE, "one/images/a.ppm: the distortion of its camera cannot be undone");
 }
 
-/* The camera `one` of a grey photograph. */
 static void put_lens(const char *camera)
 {
     static uint8_t grey[3 * WIDE * HIGH];
@@ -580,8 +577,7 @@ static void put_lens(const char *camera)
     put_text("one/cameras.txt");
 }
 
-/* A fisheye of 180 degrees and more is cut 60 degrees from its axis, at the side that is farthest; within that nothing
-   changes. */
+/* Fisheyes of 180 degrees and more are cut at 60 degrees from the axis on the farthest side. Inside, pixels stay. */
 static void lens_widest(void)
 {
     static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
@@ -603,7 +599,6 @@ static void lens_widest(void)
               fabs(photos.fit[0].view.fy / photos.fit[0].view.fx - 3) < 1e-12);
 }
 
-/* Coefficients that no lens has. */
 static void lens_faults(void)
 {
     static const char *const cameras[] = {"FOV 160 120 50 50 80 60 3.2", "FOV 160 120 50 50 80 60 1e300",
@@ -642,7 +637,7 @@ static void say_frames(const char *top, const char *format, int count)
     say("]}");
 }
 
-/* As Blender's sets are: no size, no endings, photographs to test apart, random points. */
+/* Blender's layout: no size, names without endings, a separate test list, random points. */
 static void blender(void)
 {
     fxs_photos_options options = {.hold_out = 8, .seed = 1};
@@ -678,7 +673,7 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
-    fxs_fit_block block;           /* an angle does where no size is stated */
+    fxs_fit_block block;           /* used when no size is given */
     if (CHECK(!fxs_fit_block_read(in_folder("b"), &options, NULL, 1, 1, &block, &message) && block.photos.fit_count))
         fxs_fit_block_free(&block);
     char said[256] = "";
@@ -718,7 +713,6 @@ static void blender(void)
     CHECK(!read_photos("b", &options) && photos.fit_count == 1 && photos.held_out_count == 2);
 }
 
-/* Names, pixels and masks, and the points. */
 static uint32_t hash_of_all(void)
 {
     uint32_t hash = hash_of_pixels();
@@ -741,8 +735,8 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for /, and with an ending in other letters than that of the file, are those of the same set. They are in
-   the same order: "a0/1" comes behind "a/0", though "a0\1" comes before "a\0". A file with a \ in its name is found. */
+/* Names with \ for /, or with the ending in the other case, give the same set and order: "a0/1" comes after "a/0",
+   though "a0\1" comes before "a\0". A real \ in a name works too. */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {0};
@@ -773,7 +767,7 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
-    put_ppm("w/z.ppm", 24, 20, NULL);  /* of a path on another machine the last part is taken */
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* of a path from another machine, the last part is used */
     say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
     put_text("w/transforms.json");
     said[0] = 0;
@@ -791,7 +785,7 @@ static void names_of_windows(void)
 #define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
                    "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
 
-/* Undoes the same lens as COLMAP's OPENCV, and starts with the points of its .ply. */
+/* nerfstudio undoes the same lens as COLMAP's OPENCV, and starts with the points of its .ply. */
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {0};
@@ -814,7 +808,7 @@ static void nerfstudio(void)
           photos.points[0].position[1] == 2 && photos.points[1].colour[2] == 255 && photos.points[0].colour[0] == 4);
     say("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\nproperty short n\nproperty double y\n"
         "property float z\nend_header\n");
-    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* 2, 258, 3, -4 */
+    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* floats 2, 258, 3, -4 */
     length += 22;
     const size_t whole = length;
     for (size_t i = whole - 25; i < whole; i++) {
@@ -841,7 +835,7 @@ static void nerfstudio(void)
     remove_file("one/transforms.json");
 }
 
-/* Colours of any type and name that point clouds have become 8 bits. */
+/* Colours of every type and name found in point clouds become 8 bits. */
 static void colours_of_points(void)
 {
     static const struct { const char *type, *prefix, *values; uint8_t colour[3]; } cases[] = {
@@ -874,7 +868,7 @@ static void colours_of_points(void)
 #define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
                     "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
-/* The fisheye lenses of nerfstudio and instant-ngp undo the same as COLMAP's. */
+/* nerfstudio's and instant-ngp's fisheyes undo the same distortion as COLMAP's. */
 static void nerfstudio_fisheye(void)
 {
     static const struct {
@@ -908,7 +902,7 @@ static void nerfstudio_fisheye(void)
     remove_file("one/transforms.json");
 }
 
-/* Each frame has a camera of its own; what it lacks is the file's. */
+/* Each frame may have its own camera; missing values come from the file's top. */
 static void nerfstudio_cameras(void)
 {
     const fxs_photos_options options = {0};
@@ -929,13 +923,13 @@ static void nerfstudio_cameras(void)
     put_ppm("n/a.ppm", 24, 20, NULL);
 }
 
-/* The lists of a transforms.json: what is fitted, and what is held out. */
+/* A transforms.json may list the photographs to fit and to hold out. */
 static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* photographs, with a hold-out of 8 */
-        char first, held;          /* the first of each */
+        size_t fit, held_out;      /* photographs, with hold_out = 8 */
+        char first, held;          /* the first name of each */
     } files[] = {
         {"", 4, 1, '1', '0'},
         {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
@@ -968,13 +962,13 @@ static void nerfstudio_parts(void)
     put_text("n/transforms.json");
     options.hold_out = 0;
     char said[256] = "";
-    options.left_out = left_out;   /* of those that are not used nothing is said, as they have cameras */
+    options.left_out = left_out;   /* unused ones have cameras, so no message names them */
     options.argument = said;
     CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
 }
 
-/* The same name many times, for as many frames: in time in proportion to both. */
+/* Many equal names for many frames are matched in time proportional to both. */
 static void one_name(void)
 {
     enum { NAMES = 400000, FRAMES = 20000 };
@@ -1058,7 +1052,7 @@ static void inria(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image_file.h>
 
-/* Colour times alpha and background times the rest, before the average and rounded once. */
+/* Colour * alpha + background * (1 - alpha), before averaging, rounded once. */
 static void alpha(void)
 {
     const fxs_photos_options options = {.resolution = 6, .background = {255, 128, 3}};

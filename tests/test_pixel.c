@@ -13,20 +13,19 @@
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
-enum { COARSE = 61 };   /* a sanitizer looks for overflow, which is at the ends: there a prime stride will do */
+enum { COARSE = 61 };   /* under a sanitizer: overflow happens at the ends, so a prime stride suffices */
 #else
 enum { COARSE = 1 };
 #endif
 
 enum { Q15_ONE = 32768 };
 
-/* first, first + stride, ... and last itself */
 static int next(int x, int stride, int last)
 {
     return x < last && last - x < stride ? last : x + stride;
 }
 
-/* round(a b / 2^15), a b followed along the row in 64 bits. */
+/* round(a b / 2^15), with a b accumulated along the row in 64 bits. */
 static unsigned row_difference(int a)
 {
     unsigned difference = 0;
@@ -69,7 +68,7 @@ static void test_coordinate(void)
     CHECK(wrong == 0);
 }
 
-/* Coordinate^2 + base, for every coordinate: half a unit of rounding, and the cut at the top. */
+/* coordinate^2 + base for every coordinate: within half a unit of rounding, saturating at the top. */
 static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int base_q11)
 {
     int64_t wrong = 0;
@@ -123,7 +122,7 @@ static void test_alpha(void)
     CHECK(fxs_alpha_q15(0) == FXS_ALPHA_MAX_Q15 && fxs_alpha_q15(FXS_FAINT_Q11) > 0);
 }
 
-/* What a weight takes is never negative and never more than there is. */
+/* A weight never takes a negative amount, or more transmittance than is left. */
 static void test_weight(void)
 {
     int least = 0, most = 0, over = 0;
@@ -134,10 +133,10 @@ static void test_weight(void)
             most |= t - weight;
             over |= FXS_CLEAR_Q15 - (t - weight);
         }
-    CHECK(least >= 0 && most >= 0 && over >= 0);   /* no sign bit was ever set */
+    CHECK(least >= 0 && most >= 0 && over >= 0);   /* no sign bit seen */
 }
 
-/* All products of a weight and a colour, then all sums with each size of product. */
+/* All products of weight and colour, then all sums with each size of product. */
 static void test_accumulate(void)
 {
     int sign = 0, most = 0, wrong = 0;
@@ -156,7 +155,7 @@ static void test_accumulate(void)
     CHECK(wrong == 0);
 }
 
-/* Whatever the alphas, the weights of a pixel add up to what its transmittance lost. */
+/* The weights of a pixel add up to its lost transmittance, for any alphas. */
 static void test_weights_add_up(void)
 {
     for (int start = 0; start < FXS_FAINT_Q11; start += 7) {
@@ -192,7 +191,6 @@ static void test_resolve(void)
     CHECK(wrong == 0);
 }
 
-/* An untouched pixel shows the background, to the bit. */
 static void test_resolve_background(void)
 {
     for (int background = 0; background <= 255; background++)

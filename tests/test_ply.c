@@ -1,4 +1,4 @@
-/* Reads of .ply files made here in every encoding, of faulty ones, and of real scenes. */
+/* Reads .ply files made here in every encoding, faulty ones, and real scenes. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ enum { ROWS = 3 };
 static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
 enum { ASCII, LITTLE, BIG };
 
-/* A value of a property: a whole number that fits every type, and for the real types an exact fraction. */
+/* A whole number that fits every type, or for real types an exact fraction. */
 static double value_of(const char *name, int row, int is_whole)
 {
     unsigned hash = 17u * (unsigned)row + 5;
@@ -20,7 +20,7 @@ static double value_of(const char *name, int row, int is_whole)
     return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
 }
 
-/* The bits of a half that is value exactly. */
+/* The bits of a half float; value must be exact. */
 static uint32_t half_of(double value)
 {
     int exponent = 0;
@@ -59,7 +59,6 @@ static void put_number(int encoding, const char *type, double value)
         bytes[size++] = (uint8_t)(bits >> 8 * (encoding == BIG ? count - 1 - k : k));
 }
 
-/* One row of properties "type name" or "list type type name"; lists get 0 to 3 values. */
 static void put_row(int encoding, const char *const *properties, int count, int row, int is_whole)
 {
     char type[3][16], name[32];
@@ -94,7 +93,6 @@ enum { CORE = sizeof core / sizeof *core };
 static char rest_text[72][24];
 static const char *properties[CORE + 72 + 4];
 
-/* The core properties and `rest` of f_rest; returns their number. */
 static int fill_properties(int rest)
 {
     memcpy(properties, core, sizeof core);
@@ -194,8 +192,8 @@ static void every_type(void)
         }
 }
 
-/* Of each sign and exponent, ends and specials; of half and of ushort, which is the same in a binary file. An infinite
-   logit is read as 20. */
+/* Half floats of each sign and exponent, ends and special values. `ushort` has the same bytes in a binary file. An
+   infinite logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -233,7 +231,7 @@ static void halves(void)
             }
 }
 
-/* One property of ushort among floats is a half too; 0x3555 is 0.333. */
+/* A single ushort among floats is a half too; 0x3555 is 0.333. */
 static void one_half(void)
 {
     fxs_gaussian g;
@@ -255,11 +253,11 @@ static void one_half(void)
             float sum = 0;
             for (int i = 0; i < 14; i++)
                 sum += ((float *)&g)[i];
-            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: the normal */
+            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: a normal, ignored */
         }
 }
 
-/* Infinities of a logit in every encoding: opaque, and transparent; NaN stays. */
+/* An infinite logit in any encoding is opaque or transparent; NaN stays. */
 static void infinite_opacities(void)
 {
     static const char *const types[] = {"float", "double", "half"};
@@ -292,7 +290,7 @@ static void infinite_opacities(void)
 
 /* ---- Properties under other names ---- */
 
-/* Puts a file of one Gaussian; every property is 1 but these, each "type name", which follow. */
+/* Writes a file of one Gaussian: every property is 1, followed by the given ones, each "type name". */
 static void put_with(const char *const *more, const double *values, int count, int encoding)
 {
     size = 0;
@@ -314,7 +312,7 @@ static void put_with(const char *const *more, const double *values, int count, i
     put_file(size);
 }
 
-/* Colours in place of f_dc are 0 to full brightness. */
+/* Colours instead of f_dc: 0 to full brightness. */
 static void colours(void)
 {
     static const struct { const char *names[3]; double values[3]; double full; } cases[] = {
@@ -340,7 +338,7 @@ static void colours(void)
     check_fails("element vertex has no property f_dc_0");
 }
 
-/* sigma' = sqrt(sigma^2 + f^2), and the opacity times the ratio of the products of sigma and sigma'. */
+/* sigma' = sqrt(sigma^2 + f^2); the opacity is multiplied by the ratio of the products of sigma and sigma'. */
 static void filters(void)
 {
     static const char *const names[] = {"float f_dc_0", "float f_dc_1", "float f_dc_2", "float filter_3D"};
@@ -360,7 +358,7 @@ static void filters(void)
         }
 }
 
-/* Properties that other programs draw by are named; the others are left out in silence. */
+/* Unused properties that affect other programs' pictures are named in a message; others are silent. */
 static void unused_properties(void)
 {
     static const struct { const char *properties[4]; const char *named; } cases[] = {
@@ -386,7 +384,7 @@ static void unused_properties(void)
         }
 }
 
-/* Files of 2D Gaussians have two scales. */
+/* 2D Gaussians have two scales. */
 static void flat_gaussians(void)
 {
     fxs_gaussian gaussians[ROWS + 1], expected;
@@ -457,7 +455,6 @@ static void other_elements_and_lists(void)
         }
 }
 
-/* A list longer than the reader's buffer, and more bytes after the last row. */
 static void long_list(void)
 {
     int count = fill_properties(0);
@@ -572,7 +569,7 @@ static void ascii_numbers(void)
     CHECK(read_ascii_x("1\n", &x) == FXS_ERR_FILE && strstr(message.text, "too few values"));
 }
 
-/* Random floats printed with 9 digits come back bit for bit. */
+/* Random floats printed with 9 digits read back bit for bit. */
 static void ascii_round_trip(void)
 {
     enum { COUNT = 1000 };
@@ -609,7 +606,7 @@ static void not_finite_values_pass(void)
     CHECK(gaussians[ROWS - 1].rotation[3] == -INFINITY);
 }
 
-/* The mark of UTF-8 before the header moves its rows by three bytes. */
+/* A UTF-8 byte order mark shifts the rows by three bytes. */
 static void utf8_mark(void)
 {
     static fxs_gaussian plain[ROWS], marked[ROWS];
@@ -684,7 +681,7 @@ static void faulty_headers(void)
     }
 }
 
-/* What is no scene of Gaussians is called so, with its use. */
+/* Point clouds and meshes are refused by kind, with a hint at their use. */
 static void points_and_meshes(void)
 {
     size = 0;
@@ -754,7 +751,7 @@ static void wrong_rest_counts(void)
     check_fails("element vertex has no property f_rest_4");
 }
 
-/* A count that the file cannot hold is refused before anyone allocates for it. */
+/* A count that the file cannot hold is refused before anything is allocated. */
 static void absurd_counts(void)
 {
     for (int encoding = ASCII; encoding <= BIG; encoding++) {

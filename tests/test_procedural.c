@@ -1,3 +1,4 @@
+/* The generated scenes: hashes of their bytes, plausible values, each scene's special property, and the .ply writer. */
 #include "src/scene/make/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
@@ -69,7 +70,6 @@ static void test_hashes(void)
     CHECK(!fxs_procedural_find("no such scene"));
 }
 
-/* `extent`: how far out a centre may be, on each axis. */
 static int plausible(const fxs_gaussian *g, int sh_degree, float extent)
 {
     float values[FLOATS];
@@ -110,13 +110,11 @@ static void test_values(void)
     }
 }
 
-/* How far from the middle a Gaussian is. */
 static float reach_of(const fxs_gaussian *g)
 {
     return hypotf(hypotf(g->position[0], g->position[1]), g->position[2]);
 }
 
-/* The scene of strays and of discs without thickness has to have them, in any number of Gaussians. */
 static void test_meadow_has_strays_and_discs(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("meadow");
@@ -135,7 +133,7 @@ static void test_meadow_has_strays_and_discs(void)
     }
 }
 
-/* Whatever the count, nearly all Gaussians of the fence are 5 to 40 times as long as wide. */
+/* At every count, nearly all Gaussians of the fence are 5 to 40 times as long as wide. */
 static void test_fence_has_needles(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("fence");
@@ -151,7 +149,7 @@ static void test_fence_has_needles(void)
     }
 }
 
-/* Renderers must keep the order of equal depths; this scene has to have them. */
+/* The layers have equal depths, whose order renderers must keep. */
 static void test_layers_have_ties(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("layers");
@@ -208,7 +206,7 @@ static float float_at(const unsigned char *bytes)
     return value;
 }
 
-/* Every float of a degree 3 row at its place; f_rest is channel-major. */
+/* Every float of a degree 3 row in its place; f_rest is channel-major. */
 static void check_row(const unsigned char *row, const fxs_gaussian *g)
 {
     int wrong = 0;
@@ -267,7 +265,7 @@ static void test_ply_degrees(void)
     }
 }
 
-/* Each failure says so, leaves no temporary file and does not touch a file that was there before. */
+/* Each failure gives a message, leaves no temporary file, and keeps an existing file. */
 static void test_ply_failures(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("cubes");

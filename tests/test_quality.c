@@ -1,7 +1,7 @@
-/* Quality floors: 8-bit frames against an independent double-precision renderer (reference.c) of the unquantised
- * file, mean and worst of four views a scene: the packed scene of each profile, and the pixel stage alone (blend and
- * resolve) fed with splats projected in doubles. A scene as .spz is measured beside them. With FXS_PROCESSORS=all of
- * four times as many pixels: what it prints of each scene then is a part of the table in docs/measured.md. */
+/* Quality floors. 8-bit frames are compared with an independent double-precision renderer (reference.c) of the
+ * unquantised file: mean and worst PSNR of four views, for each profile's packed scene, for the pixel stage alone
+ * (blend and resolve) on splats projected in doubles, and for .spz. FXS_PROCESSORS=all renders four times as many
+ * pixels and prints rows of the table in docs/measured.md. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,19 +27,19 @@
 #include "tile_lists.h"
 
 #define PIXEL_FLOOR 57.0
-enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* from so many Gaussians on, the bytes are checked */
+enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: bytes are checked from this count on */
 typedef struct grade {
     double psnr, ssim;
 } grade;
-/* As most captures are; of metal and varnish, with SH far above a capture's; and of few Gaussians, so that the palette of
-   SH has few entries. */
+/* MATT: like most captures. GLOSSY: metal and varnish, with SH far above a capture's. FEW: few Gaussians, so that
+   the SH palette has few entries. */
 enum { MATT, GLOSSY, FEW, KINDS };
 static const struct {
     const char *name;
     struct {
-        grade mean, worst;              /* at least */
+        grade mean, worst;              /* minimum */
     } least[KINDS];
-    double bytes;                       /* a Gaussian at SH degree 3, at most */
+    double bytes;                       /* largest, per Gaussian at SH degree 3 */
 } floors[FORMS] = {
     {"default", {{{56, 0.998}, {52, 0.996}}, {{54, 0.998}, {50, 0.996}}, {{55.9, 0.998}, {52, 0.996}}}, 64.1},
     {"compact", {{{53, 0.99}, {48, 0}}, {{50, 0.99}, {46, 0}}, {{52.9, 0.99}, {48, 0}}}, 40},
@@ -48,18 +48,18 @@ static const struct {
 };
 
 enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
-static int width = 480, height = 320;       /* of the table 960x640 */
+static int width = 480, height = 320;       /* 960x640 for the table */
 
 typedef struct subject {
     fxs_scene_file_info info;
     fxs_packed_scene packed[FORMS];
-    double bytes[FORMS], seconds[FORMS];   /* of the packed scene or file; of a processor, to import it */
+    double bytes[FORMS], seconds[FORMS];   /* of the packed scene or file; processor time of the import */
     fxs_pack_report report;
     fxs_gaussian *gaussians;
     size_t count;
     fxs_file_view views[VIEWS];
     struct reference_options reference;
-    double *linear[VIEWS];                 /* what the reference renders of each view */
+    double *linear[VIEWS];                 /* the reference picture of each view */
     int rendered[VIEWS];
 } subject;
 
@@ -76,7 +76,7 @@ typedef struct splat_list {
     uint32_t count;
 } splat_list;
 
-/* Rounds a splat of the reference to the blend stage's record. Returns 0 where it touches no pixel. */
+/* Rounds a reference splat to the blend stage's record. Returns 0 if it touches no pixel. */
 static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r)
 {
     double offset = -2 * log(r->opacity), cx = r->x - 0.5, cy = r->y - 0.5;
@@ -141,7 +141,6 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
 
 /* ---- Scenes and views -------------------------------------------------------------------------------------------- */
 
-/* Of all threads. */
 static double processor_seconds(void)
 {
     struct timespec now;
@@ -149,7 +148,7 @@ static double processor_seconds(void)
     return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
 }
 
-/* The same scene as .spz 4, as it is drawn once packed, for comparison. Without zstd there is none. */
+/* .spz 4, packed for rendering, for comparison. Skipped without zstd. */
 static void load_spz(subject *s)
 {
     char path[] = "/tmp/fixsplat-quality-XXXXXX";
@@ -203,7 +202,6 @@ static int load(subject *s, const char *path)
     return result;
 }
 
-/* Every so many-th view of a camera file. */
 static int views_of_file(subject *s, const char *path)
 {
     fxs_message m;
@@ -219,22 +217,20 @@ static int views_of_file(subject *s, const char *path)
     return count > 0 ? 0 : -1;
 }
 
-/* Four views: close, where a user walks up to until the scene is far larger than the picture, middle, far, and from
-   the side. */
+/* Close: where a user walks up to, the scene far larger than the picture. */
 static const char *const view_names[VIEWS] = {"close", "middle", "far", "side"};
 
-/* How to look at a scene. */
 typedef struct aspect {
     double up[3];
-    double front;                          /* the way it faces: degrees about up from where fxs_view_frame_box stands */
-    double close;                          /* as the distances below; no nearer than that, the camera is inside */
-    double tilt;                           /* scene and cameras are turned so far, degrees about tilt_axis */
-    int kind;                              /* of its floors */
+    double front;                          /* direction the scene faces: degrees about up, from fxs_view_frame_box */
+    double close;                          /* close view, in the units of distance[]; nearer, the camera is inside */
+    double tilt;                           /* turn of scene and cameras, degrees about tilt_axis */
+    int kind;                              /* its row of floors */
 } aspect;
 
 static const double tilt_axis[3] = {0.48, -0.36, 0.8};
 
-/* At these parts of the distance from which the sphere around the inner bounds fills the picture, turned so far. */
+/* Distances are fractions of the distance where the inner bounds' sphere fills the picture. */
 static int views_around(subject *s, const aspect *a)
 {
     const double distance[VIEWS] = {a->close, 0.6, 1.2, 0.5}, turn[VIEWS] = {0, -23, 11, 63}, degree = acos(-1) / 180;
@@ -258,7 +254,6 @@ static int views_around(subject *s, const aspect *a)
     return 0;
 }
 
-/* An eye and what it looks at. */
 typedef struct stand {
     double eye[3], target[3];
 } stand;
@@ -286,7 +281,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());   /* the same bytes, sooner */
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());   /* same bytes, faster */
 #endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
@@ -306,7 +301,6 @@ static void render_reference(void *argument, uint32_t v)
         !reference_render(s->gaussians, s->count, &s->views[v], &s->reference, s->linear[v]);
 }
 
-/* The share of pixels of the reference that are not black. */
 static double share_drawn(void)
 {
     double drawn = 0;
@@ -373,7 +367,6 @@ static void check_floors(const char *name, subject *s, int kind)
     CHECK(pixel.mean.psnr >= PIXEL_FLOOR);
 }
 
-/* Views of the camera file, or from the stands, or, where both are null, around the scene. */
 static void check_scene(const char *name, const char *path, const char *cameras, const stand *stands,
                         const aspect *a)
 {
@@ -400,7 +393,7 @@ static void check_scene(const char *name, const char *path, const char *cameras,
 
 static const struct {
     const char *name, *file;
-    int cameras;                        /* cameras.json lies beside it */
+    int cameras;                        /* cameras.json is in its folder */
     aspect aspect;
 } shared[] = {
     {"snowmiku", "snowmiku.ply", 1, {{0, -1, 0}, 0, 0, 0, MATT}},
@@ -429,16 +422,16 @@ static void quality_of_shared_scene(void)
     check_scene(name, scene, shared[which].cameras ? cameras : 0, 0, &shared[which].aspect);
 }
 
-/* Sizes and tilts of scenes of needles, on which the coded rotations show. The others have the first only. */
+/* Needle scenes also vary in size and tilt, which exposes the coded rotations; other scenes use the first variant. */
 static const struct {
-    uint64_t count;                     /* 0: the scene's own */
+    uint64_t count;                     /* 0: the scene's default */
     double tilt;
     const char *size;
 } variants[] = {{0, 0, ""}, {8192, 0, " 8192"}, {8192, 37.3, " 8192"}, {50000, 71.9, " 50000"},
                 {200000, 203.1, " 200000"}};
 enum { VARIANTS = sizeof variants / sizeof *variants };
 
-/* Stands where the inner bounds are no help: they hold the ground and the sky too. The others are seen from around. */
+/* Stands are for scenes with ground and sky in their inner bounds. Other scenes are viewed from around. */
 static const struct {
     const char *name;
     size_t variants;
@@ -514,7 +507,6 @@ static void quality_of_made_scene(void)
     unlink(path);
 }
 
-/* Arguments: names of scenes; none: all. */
 static int is_asked_for(const char *name, int argc, char **argv)
 {
     int asked = argc < 2;

@@ -1,5 +1,5 @@
-/* Reads of .rad files made here: every encoding of every property, palettes of SH, trees and their levels, faulty
-   ones, and the files that are written. */
+/* Reads .rad files made here: every encoding of every property, palettes of SH, trees and their levels, faulty
+   files; and written files. */
 #include "scene_writer.h"
 #include "rad_bytes.h"
 
@@ -9,7 +9,6 @@ enum { COUNT = 5, CHUNK = 3, SH = 45 };
 
 static fxs_gaussian out[64];
 
-/* Code `i` of a row of a property: any byte. */
 static int code_of(int property, int row, int i)
 {
     return (int)((uint32_t)(property * 4096 + row * 64 + i + 1) * 2654435761u >> 24);
@@ -40,7 +39,7 @@ static const struct { const char *name; int numbers; } properties[PROPERTIES] = 
     {"child_count", 1}, {"child_start", 1}, {"sh_label", 1}
 };
 
-/* What an encoding makes of code_of; the values of its ends where it has them: -1 and 3. */
+/* The decoded value of code_of. Encodings with ends use -1 and 3. */
 static double value_of(const char *encoding, int property, int row, int i)
 {
     const int code = code_of(property, row, i);
@@ -76,7 +75,7 @@ static void put_bytes_of(const char *encoding, int property, int first, int rows
             }
 }
 
-/* Rotations of a length below 1. */
+/* Rotations shorter than 1. */
 static void put_rotations(const char *encoding, int first, int rows)
 {
     if (strcmp(encoding, "oct88r8") == 0)
@@ -119,7 +118,7 @@ static void make(int degree, int compressed)
     rad_end(COUNT, CHUNK, more);
 }
 
-/* ---- Reading them ------------------------------------------------------------------------------------------------ */
+/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 static int reads(uint64_t count)
 {
@@ -131,7 +130,7 @@ static int reads(uint64_t count)
     return CHECK(info.count == count && strcmp(info.format, "rad") == 0 && !info.antialiased);
 }
 
-/* x y z w by the formulas of Spark: the axis by an octahedron, the angle 0 to pi. */
+/* x, y, z, w by Spark's formulas: an octahedral axis, and an angle of 0 to pi. */
 static void expected_rotation(int row, double q[4])
 {
     int code[3];
@@ -234,7 +233,7 @@ static void steps_of_colours(void)
     CHECK(reads(COUNT) && info.colour.step == 0);
 }
 
-/* A palette of two in the first chunk, and labels in both. */
+/* A palette of two in the first chunk, labels in both. */
 static void palettes(void)
 {
     static const int labels[COUNT] = {1, 0, 1, 1, 0};
@@ -261,12 +260,12 @@ static void palettes(void)
                     CHECK(is_near(out[row].sh[i], value, 2e-6));
                 }
     }
-    bytes[size - 8]++;                 /* the last column: a label as u32, deflated */
+    bytes[size - 8]++;                 /* the last column: a deflated u32 label */
     put_file(size);
     CHECK(read_file(out, 64) == FXS_ERR_FILE);
 }
 
-/* Node i has the children `start` to `start + count`. Two chunks. */
+/* The children of node i are `start` to `start + count` (exclusive). Two chunks. */
 static void make_tree(const int (*children)[2], int count, int chunk, float alpha)
 {
     rad_begin(1);
@@ -303,7 +302,7 @@ static int has_node(int row)
     return 0;
 }
 
-/* 0 has 1, 2 and 3; 1 has 4 and 5; 5 has 6. */
+/* 0 has children 1, 2, 3; 1 has 4, 5; 5 has 6. */
 static const int tree[7][2] = {{1, 3}, {4, 2}, {0, 0}, {0, 0}, {0, 0}, {6, 1}, {0, 0}};
 
 static void levels(void)
@@ -350,7 +349,7 @@ static void bad_trees(void)
     }
 }
 
-/* A node that is on two ways is drawn once, a chain of any length has 255 levels. */
+/* A node with two parents is drawn once. A chain of any length has 255 levels. */
 static void chains(void)
 {
     static int chain[600][2];
@@ -365,11 +364,10 @@ static void chains(void)
     open_options.level = 0;
 }
 
-/* ---- What is written --------------------------------------------------------------------------------------------- */
+/* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
 enum { MANY = 3000 };
 
-/* Along a line, a sigma from each other. */
 static void write_line(int count, float opacity)
 {
     static fxs_gaussian line[MANY];
@@ -384,7 +382,7 @@ static void write_line(int count, float opacity)
     size = file_size;
 }
 
-/* Each level has the moments of the whole: the mean, the colours, and the variance along the line. */
+/* Each level keeps the moments of the whole: mean, colours, and variance along the line. */
 static void check_level(int level, uint64_t before)
 {
     static fxs_gaussian all[MANY];
@@ -411,7 +409,7 @@ static void check_level(int level, uint64_t before)
     CHECK(fabs(sqrt(variance / sum) - MANY / 64.0 / sqrt(12)) < 0.1);
 }
 
-/* Nothing changes from one writing to the next, and the last level is one Gaussian, as wide as all of them. */
+/* The same bytes twice. The last level is one Gaussian, as wide as all. */
 static void written_trees(void)
 {
     static uint8_t again[MAX_FILE];
@@ -432,7 +430,7 @@ static void written_trees(void)
         count = info.count;
     }
     CHECK(count == 1);
-    open_options.level = levels - 1;       /* of opaque ones, it is more than opaque */
+    open_options.level = levels - 1;       /* opaque leaves: the merged one is more than opaque */
     write_line(MANY, 6);
     put_file(size);
     CHECK(read_file(out, 64) == 0 && out[0].opacity == 20);
@@ -451,7 +449,7 @@ static void small_trees(void)
     }
 }
 
-/* ---- What is wrong ----------------------------------------------------------------------------------------------- */
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static void replace(const char *from, const char *to)
 {
@@ -495,7 +493,6 @@ static void faults(void)
     check_fails("one chunk of a .rad");
 }
 
-/* A column that inflates to more or less than it should. */
 static void wrong_sizes(void)
 {
     for (int rows = 1; rows <= 3; rows += 2)
@@ -503,7 +500,7 @@ static void wrong_sizes(void)
             usual_encodings();
             rad_begin(compressed);
             put_columns(0, 2, 1);
-            rad_columns[0] = rad_columns[--rad_column_count];     /* no center */
+            rad_columns[0] = rad_columns[--rad_column_count];
             put_bytes_of("f32", CENTER, 0, rows);
             rad_add_column("center", "f32", "");
             for (int i = 0; i < 9; i++)

@@ -1,6 +1,6 @@
-/* Random packed scenes, cameras and options, drawn small; the hashes of all frames folded into one constant that
- * every compiler, optimisation level and processor must give. `test_random N` prints the hash of case N of the
- * default profile alone. Needs src/ only. */
+/* Random packed scenes, cameras and options, drawn small. The hashes of all frames fold into one constant for every
+ * compiler, optimisation level and processor. `test_random N` prints the hash of case N with the default profile. Needs
+ * only src/. */
 #include <inttypes.h>
 
 #include "one_scene.h"
@@ -13,7 +13,7 @@
 #define EXPECTED_NEAR 0xc079978b5e3b85d8u
 #define EXPECTED_WORLDS 0x9041eca0ed934fa8u
 
-/* near: with a random near plane; else with the default. */
+/* near: 1 for a random near plane, 0 for the default. */
 static uint64_t hash_case(enum fxs_profile profile, int which, int near)
 {
     state = (uint64_t)which * 0x1234567u;
@@ -78,7 +78,7 @@ static void test_near_planes(void)
 
 enum { OBJECTS = 8, MOST_PIXELS = 100 * 80 };
 
-/* As tests fold numbers, on processors of either byte order. */
+/* Folds values independently of byte order. */
 static void fold(uint64_t *hash, const void *pixels, size_t count, size_t size)
 {
     for (size_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-/* The reference renderer against closed forms worked out here by other means. */
+/* The reference renderer against closed forms derived here by other means. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "reference.h"
 
 #define PI 3.14159265358979323846
-#define SIZE 48   /* pixels, both sides of the images rendered from splats */
+#define SIZE 48   /* pixels, width and height of pictures rendered from splats */
 
 static int near(double value, double expected, double tolerance)
 {
@@ -20,13 +20,13 @@ static int near(double value, double expected, double tolerance)
 static const struct reference_options black = { REFERENCE_MAHALANOBIS, 3, 0, { 0, 0, 0 } };
 static const struct reference_options black_square = { REFERENCE_SQUARE, 3, 0, { 0, 0, 0 } };
 
-/* A camera at the origin that looks along +z, its principal point off the centre. */
+/* A camera at the origin that looks along +z, with an off-centre principal point. */
 static const fxs_file_view front = {
     "front", 64, 40, 50, 60, 30.25, 22.5, { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { 0, 0, 0 }, 0,
     FXS_PERSPECTIVE, 0
 };
 
-/* Half opaque, grey (SH degree 0 is 0), round, standard deviation 1. */
+/* Half opaque, grey (SH degree 0 is 0), round, sigma 1. */
 static fxs_gaussian gaussian_at(float x, float y, float z)
 {
     fxs_gaussian g;
@@ -178,13 +178,13 @@ static void test_layers_and_background(void)
 {
     struct reference_options options = { REFERENCE_MAHALANOBIS, 3, 0, { 0.25, 0.5, 1 } };
     struct reference_splat s[2] = { round_splat(20.5, 4, 0.5, 0.1), round_splat(20.5, 4, 0.75, 0.8) };
-    s[0].depth = 2;   /* the second is in front */
+    s[0].depth = 2;   /* the second in front */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.75 * 0.8 + 0.25 * 0.5 * 0.1 + 0.125 * 0.25, 1e-15));
     CHECK(near(image[3 * (20 * SIZE + 20) + 2], 0.125, 1e-15));
     CHECK(near(red_at(0, 0), 0.25, 0));
 
-    s[0].depth = 1;   /* a tie: the first is in front */
+    s[0].depth = 1;   /* a tie: the first in front */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.5 * 0.1 + 0.5 * 0.75 * 0.8 + 0.125 * 0.25, 1e-15));
 

@@ -1,5 +1,5 @@
-/* Refined levels of detail: pictures within a budget come nearer to the whole, the bytes do not depend on threads or
-   kernels, and hostile options and trees are refused. */
+/* Refined levels of detail: pictures within a budget come closer to the full picture, the bytes do not depend on
+   threads or kernels, and hostile options and trees are refused. */
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
@@ -29,7 +29,7 @@ static float number(uint32_t *state)
     return (float)((*state = *state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
 }
 
-/* A ball with squares in two colours; and as many Gaussians within it, which no camera sees. */
+/* A ball with squares in two colours, and as many hidden Gaussians inside it. */
 static void make(void)
 {
     uint32_t state = 3;
@@ -117,7 +117,6 @@ static void draw(const fxs_packed_scene *packed, const fxs_file_view *view, uint
     free(memory);
 }
 
-/* The mean squared difference that a budget makes, from places between the views. */
 static double error_of(const fxs_packed_scene *packed, uint32_t budget)
 {
     static uint8_t whole[4 * WIDTH * HEIGHT], some[sizeof whole];
@@ -170,7 +169,6 @@ static void check_same(size_t view_count, uint64_t count)
     fxs_packed_scene_free(&first);
 }
 
-/* The box and the largest sigma of a node hold those of what is below it; leaves stay as they were. */
 static void check_kept(void)
 {
     const fxs_pack_options with = {.tree = 1};
@@ -179,7 +177,8 @@ static void check_kept(void)
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
         return;
     CHECK(!refine_with(&packed, STEPS, 2, ~0u, VIEWS) && !fxs_scene_open(&scene, packed.data, packed.bytes));
-    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* but for the version */
+    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* equal except for the
+                                                                                           version */
     for (uint32_t i = 0; i + 1 < scene.chunk_count; i++) {
         fxs_node node;
         fxs_chunk own, below;
@@ -238,8 +237,7 @@ static void check_refused(void)
     fxs_packed_scene_free(&plain);
 }
 
-/* Headers and nodes of a tree with other numbers, as a file with right checksums may have: an error, or levels that can
-   be drawn. */
+/* Headers and nodes with changed numbers and right checksums: an error, or drawable levels. */
 static void check_damaged(void)
 {
     const fxs_pack_options with = {.tree = 1};
@@ -268,7 +266,6 @@ static void check_damaged(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Nodes with any children that a node may have: a chunk below two nodes makes no tree. */
 static void check_shared(void)
 {
     const fxs_pack_options with = {.tree = 1};
@@ -293,7 +290,6 @@ static void check_shared(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* All in one place, or so far apart that nothing is seen; a camera that looks away. */
 static void check_odd(void)
 {
     const fxs_pack_options with = {.tree = 1};

@@ -1,4 +1,5 @@
-/* The front door (renderer.h): a scene from memory in two formats, drawn alike; limits, damage and wrong arguments. */
+/* The front door (renderer.h): a scene in memory in two formats gives the same picture; limits, damage and wrong
+   arguments. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +9,7 @@
 
 enum { COUNT = 40, WIDTH = 64, HEIGHT = 48 };
 
-static uint8_t records[COUNT][32];              /* a .splat: position, sigma, rgba, quaternion of bytes */
+static uint8_t records[COUNT][32];              /* .splat: position, sigma, rgba, quaternion bytes */
 static uint8_t pixels[HEIGHT][WIDTH][4], again[HEIGHT][WIDTH][4];
 static fxs_message why;
 
@@ -51,7 +52,7 @@ static void the_same_from_bytes(void)
     uint8_t *room = malloc(splat->bytes + 128), *data = (uint8_t *)(((uintptr_t)room + 63) / 64 * 64);
     memcpy(data, splat->data, splat->bytes);
     CHECK(fxs_file_seal(data, splat->bytes) == 0);
-    for (int shift = 0; shift < 2; shift++) {                /* as it is, then not aligned, which is copied */
+    for (int shift = 0; shift < 2; shift++) {                /* aligned, then unaligned, which is copied */
         memmove(data + 4 * shift, data, splat->bytes);
         CHECK(fxs_open_memory("a.fxs", data + 4 * shift, splat->bytes, &careful, &fxs, &why) == 0);
         CHECK(fxs && !strcmp(fxs->info->format, "fxs") && (fxs->data == data) == !shift);

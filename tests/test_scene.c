@@ -1,4 +1,4 @@
-/* Packed scenes that are damaged or random: one error code, or a picture, never anything else. */
+/* Damaged or random packed scenes give one error code or a picture, never anything else. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static void *allocate(size_t bytes)
 
 enum { COUNT = 300, CHUNKS = 2, DEGREE = 1 };
 
-/* A scene of two chunks, all zero but for the header: every range holds. */
+/* A scene of two chunks, all zero except the header; all values are in range. */
 static struct {
     unsigned char *bytes;
     size_t size;
@@ -68,7 +68,8 @@ static void test_open(void)
     make_scene();
     CHECK(open_scene() == 0);
     CHECK(s.scene.chunks == s.bytes + 192 && s.scene.rows == s.bytes + 192 + 2 * 128);
-    CHECK(!s.scene.palette && s.scene.profile == FXS_PROFILE_DEFAULT && s.scene.count == COUNT && s.scene.chunk_count == CHUNKS);
+    CHECK(!s.scene.palette && s.scene.profile == FXS_PROFILE_DEFAULT && s.scene.count == COUNT &&
+          s.scene.chunk_count == CHUNKS);
     CHECK(s.scene.chunk_bytes == 256 * (6 + 4 + 4 + 4 + 9) && s.scene.sh_degree == 1 && s.scene.antialiased == 1);
     s.header->flags = 0;
     CHECK(open_scene() == 0 && s.scene.antialiased == 0);
@@ -89,7 +90,6 @@ static void test_open_misaligned(void)
     free(s.bytes);
 }
 
-/* Sets a field, expects the error, and puts the field back. */
 #define GIVES(error, field, value) do { \
         unsigned char saved[sizeof (field)]; \
         memcpy(saved, &(field), sizeof (field)); \
@@ -243,7 +243,6 @@ static void test_frame_bytes(void)
 
 /* ---- Rendering random bytes ------------------------------------------------------------------------------------- */
 
-/* Of any size: a random number of low bits. */
 static int64_t any(int most_bits)
 {
     int n = (int)(bits() % (uint32_t)(most_bits + 1));
@@ -259,7 +258,6 @@ static uint32_t any_unsigned(int most_bits)
     return (uint32_t)(x < 0 ? -x : x);
 }
 
-/* Header values of every size, until fxs_scene_open takes them. */
 static void random_chunk(fxs_chunk *chunk)
 {
     do {
@@ -277,7 +275,7 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Scales of the first and last codes only, and rotations whose numbers are each the first, the last or 0. */
+/* Scales of the first and last codes only, and rotations with only the first, the last and 0. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
@@ -290,7 +288,7 @@ static void extreme_codes(unsigned char *rows)
         }
 }
 
-/* Rows of a random rotation, its axes turned by quarters now and then. */
+/* Rows of a random rotation, sometimes with swapped axes. */
 static void random_rotation(int32_t m_q30[9])
 {
     double q[4], norm = 0;
@@ -321,7 +319,7 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = any(60);
 }
 
-/* Puts the camera into or close to the box of the first chunk, with an ordinary field of view. */
+/* Moves the camera into or near the first chunk's box, with an ordinary field of view. */
 static void move_close(fxs_camera *camera)
 {
     const int64_t limit = (int64_t)1 << 60;

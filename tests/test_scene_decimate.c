@@ -1,4 +1,4 @@
-/* Merged scenes: their counts, what a merger keeps, and what is wrong. */
+/* Merged scenes: their counts, the moments a merge keeps, and errors. */
 #include <fixsplat/pack.h>
 #include <fixsplat/scene_decimate.h>
 #include "scene_bytes.h"
@@ -15,7 +15,7 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* Discs, faint enough that no opacity reaches its end. */
+/* Discs, too faint for any opacity to saturate. */
 static void make(void)
 {
     uint32_t state = 7;
@@ -38,7 +38,6 @@ static int open_made(uint64_t count)
     return CHECK(fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message) == 0);
 }
 
-/* What is left, read at two paces. */
 static long read_left(void)
 {
     static fxs_gaussian again[COUNT];
@@ -80,7 +79,7 @@ static void all_stay(void)
     }
 }
 
-/* Sums over a scene of weight times 1, position, dc, SH, and the second moments of position: w (R S S R' + x x'). */
+/* Sums over a scene of weight times: 1, position, dc, SH, and the second moments of position, w (R S S R' + x x'). */
 enum { SUMS = 1 + 3 + 3 + 45 + 6 };
 
 static void add_moments(double sums[SUMS], const fxs_gaussian *g)
@@ -107,7 +106,6 @@ static void add_moments(double sums[SUMS], const fxs_gaussian *g)
     }
 }
 
-/* All moments of the scene stay as they were, whatever is merged with what. */
 static void moments(void)
 {
     double before[SUMS] = {0}, after[SUMS] = {0};
@@ -125,7 +123,7 @@ static void moments(void)
     fxs_scene_file_close(file);
 }
 
-/* Two that are equal become one of them; the two that differ stay. */
+/* The two equal Gaussians merge; the two different ones stay. */
 static void alike_first(void)
 {
     make();
@@ -143,7 +141,7 @@ static void alike_first(void)
     fxs_scene_file_close(file);
 }
 
-/* Opacity ends at 0.99, or where the larger of both is. */
+/* Merged opacity is at most 0.99, or the larger of the two if that is more. */
 static void opaque(void)
 {
     for (int clear = 0; clear < 2; clear++) {

@@ -1,4 +1,4 @@
-/* Filtered scene files: what is left, its count before anything is read, and the same through fxs_pack. */
+/* Filtered scene files: the remaining Gaussians, their count before reading, and the same filter through fxs_pack. */
 #include <fixsplat/scene_filter.h>
 #include "scene_writer.h"
 #include "scene_bytes.h"
@@ -10,7 +10,6 @@ static fxs_scene_filter filter;
 static fxs_scene_filter_report report;
 static fxs_scene_file *file;
 
-/* Writes the Gaussians to a file, which is then the one to read. */
 static int write_made(int sh_degree)
 {
     fxs_scene_writer *writer;
@@ -49,7 +48,7 @@ static int open_filtered(void)
     return result;
 }
 
-/* Reads what is left, `step` at a time, twice; a step is cut short at the end alone. Returns how many. */
+/* Reads twice, `step` Gaussians at a time; only the last read may be shorter. Returns their number. */
 static long read_left(fxs_gaussian *out, long step)
 {
     long total = 0, n = step;
@@ -66,7 +65,7 @@ static long read_left(fxs_gaussian *out, long step)
     return total;
 }
 
-/* The Gaussians left must be those of which `left` is true, in their order, whatever the pace. */
+/* The file must return the Gaussians with `left` true, in order, for every step. */
 static void check_left(int (*left)(int i))
 {
     static fxs_gaussian out[COUNT + COUNT];
@@ -100,7 +99,7 @@ static int in_box(int i)
     return i >= 100 && i <= 300 && i % 10 >= 3;
 }
 
-/* Edges belong to the box. */
+/* A box includes its edges. */
 static void box(void)
 {
     make();
@@ -117,7 +116,7 @@ static int in_sphere(int i)
     return (i - 200) * (i - 200) + y * y + (i - 200) * (i - 200) <= 50 * 50;
 }
 
-/* Its surface belongs to it. */
+/* A sphere includes its surface. */
 static void sphere(void)
 {
     make();
@@ -129,7 +128,7 @@ static void sphere(void)
     CHECK(open_filtered() == FXS_ERR_FILE && report.outside == COUNT);
 }
 
-/* ---- What floats ------------------------------------------------------------------------------------------------- */
+/* ---- Floaters ---------------------------------------------------------------------------------------------------- */
 
 static int level(int i)
 {
@@ -142,7 +141,7 @@ static int compare_levels(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-/* Whether `sigmas` from the centre of Gaussian i along its longest axis there are neighbours; odd ones are turned by a
+/* True if Gaussian i has neighbours `sigmas` from its centre along its longest axis. Odd ones are turned by a
    quarter about z. */
 static int has_neighbours(int i, double width, int sigmas)
 {
@@ -161,7 +160,7 @@ static int has_neighbours(int i, double width, int sigmas)
     return near > FXS_FLOATER_NEIGHBOURS;
 }
 
-/* As scene_filter.h says, pair by pair. */
+/* The rule of scene_filter.h, computed pair by pair. */
 static int stays(int i)
 {
     static int levels[COUNT], known = 0;
@@ -211,7 +210,8 @@ static void floaters(void)
     }
 }
 
-/* Of what the rest leaves: 8 of a heap have 7 neighbours, 9 have 8. NaN floats nowhere. */
+/* Floaters are counted after the other filters: in a heap of 8 each has 7 neighbours, of 9 each has 8. NaN is no
+   floater. */
 static void floaters_of_what_is_left(void)
 {
     for (int count = 8; count <= 9; count++) {
@@ -240,7 +240,7 @@ static int is_first_or_last(int i)
     return i < 2 || i >= COUNT - 5;
 }
 
-/* Boxes, beside the one that the filter has, and a shape of no kind. */
+/* Boxes as shapes, together with the filter's own box, and a shape of an unknown kind. */
 static void shapes(void)
 {
     fxs_filter_shape of[] = {{FXS_FILTER_BOX, {0, 0, -1, 1, 1, 0}},
@@ -312,7 +312,7 @@ static void make_undrawable(void)
     made[6].position[0] = -INFINITY;
     made[7].opacity = INFINITY;
     CHECK(write_made(3));
-    made[7].opacity = 20;                /* as it is read: opaque */
+    made[7].opacity = 20;                /* read as opaque */
 }
 
 static void undrawable(void)
@@ -322,12 +322,12 @@ static void undrawable(void)
     filter.drawable = 1;
     check_left(is_drawable);
     CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 2 && report.dropped.transparent == 1);
-    filter.sh_degree = 0;   /* the infinite SH is left out */
+    filter.sh_degree = 0;   /* drops the infinite SH */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }
 
-/* Of 1 to 99, one has moved out; an opacity of NaN is not faint but not finite, one of minus infinity is faint. */
+/* Of Gaussians 1 to 99 one was moved out. Opacity NaN counts as not finite, opacity minus infinity as faint. */
 static void undrawable_in_a_box(void)
 {
     make_undrawable();
@@ -354,7 +354,7 @@ static void nothing_left(void)
     CHECK(open_filtered() == FXS_ERR_FILE && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
 }
 
-/* The scene packed through a filter and that of a file with only what is left are the same bytes. */
+/* Packing through a filter equals packing a file with only the remaining Gaussians. */
 static void packed(void)
 {
     static fxs_gaussian out[COUNT];
@@ -404,7 +404,6 @@ static void progress(void)
     fxs_scene_file_close(file);
 }
 
-/* A file that is at fault in its middle. */
 static void damaged(void)
 {
     size = 0;

@@ -1,12 +1,12 @@
-/* Scene files of every format from a file, from memory and by functions: the same Gaussians. Every allocation and every
-   read that fails is an error without a leak, and opening allocates little. */
+/* Every format gives the same Gaussians from a file, from memory and by functions. Every failed allocation or read
+   is an error without a leak, and opening allocates little. */
 #include "every_format_bytes.h"
 
 enum { MOST = 64 };
 
-/* ---- An allocator that counts ---------------------------------------------------------------------------------- */
+/* ---- A counting allocator -------------------------------------------------------------------------------------- */
 
-static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: the call, from 0; -1: none */
+static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: call number, from 0; -1: none */
 
 static void *allocate(void *argument, size_t length)
 {
@@ -36,7 +36,7 @@ static void count_from_0(long fails_at)
 
 /* ---- Files by functions ---------------------------------------------------------------------------------------- */
 
-static struct { long reads, open, fails_from; } input_calls;   /* fails_from: the read, from 0; -1: none */
+static struct { long reads, open, fails_from; } input_calls;   /* fails_from: read number, from 0; -1: none */
 
 static int read_made(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -94,7 +94,6 @@ static int open_made(way by, const fxs_scene_file_options *options, fxs_scene_fi
     return fxs_scene_file_open(full, options, file, &info, &message);
 }
 
-/* Returns the number of Gaussians, read after a rewind, or an error. */
 static long read_made_scene(way by, const fxs_scene_file_options *options, fxs_gaussian *gaussians)
 {
     fxs_scene_file *file;
@@ -147,7 +146,7 @@ static void file_that_is_not_there(void)
     }
 }
 
-/* ---- What lies beside ------------------------------------------------------------------------------------------ */
+/* ---- Neighbour files ------------------------------------------------------------------------------------------- */
 
 static void move_and_link(const char *from, const char *to)
 {
@@ -159,7 +158,7 @@ static void move_back(const char *from, const char *to)
     CHECK(unlink(from) == 0 && rename(to, from) == 0);
 }
 
-/* A file beside may be a link to another in the folder, but not to one elsewhere, through a linked folder neither. */
+/* A neighbour file may link within the folder, but not out of it, nor through a linked folder. */
 static void links_stay_in_the_folder(void)
 {
     static fxs_gaussian out[MOST];
@@ -172,7 +171,7 @@ static void links_stay_in_the_folder(void)
         write_made(folder);
         snprintf(linked, sizeof linked, "%s/%.31s", folder, files[file_count - 1].name);
         CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
-        while (strlen(linked) > strlen(folder)) {   /* the file, then the folder that it is in */
+        while (strlen(linked) > strlen(folder)) {   /* the file, then its folder */
             move_and_link(linked, outside);
             if (!CHECK(read_made_scene(BY_PATH, NULL, out) == FXS_ERR_FILE &&
                        strstr(message.text, ": leaves the folder of ")))
@@ -188,7 +187,7 @@ static void links_stay_in_the_folder(void)
     }
 }
 
-/* A scene that is itself a link is read, with what lies beside the link. */
+/* A scene that is a link is read, with the neighbour files of the link. */
 static void linked_scene(void)
 {
     static fxs_gaussian out[MOST];
@@ -205,7 +204,7 @@ static void linked_scene(void)
     }
 }
 
-/* Neither a pipe nor a device nor a folder, as the scene or beside it; none is waited for. */
+/* A pipe, device or folder is refused without waiting, as the scene or as a neighbour file. */
 static void only_regular_files(void)
 {
     static fxs_gaussian out[MOST];
@@ -279,7 +278,6 @@ static void every_read_fails(void)
 
 #ifdef FXS_WITH_ZLIB
 
-/* A file of many Gaussians, as gzip. */
 enum { MANY = 50000, MANY_BYTES = 20 * MANY };
 
 static void make_large_spz(void)
@@ -295,7 +293,7 @@ static void make_large_spz(void)
     size = spz_gzip(plain, sizeof plain, bytes, MAX_FILE);
 }
 
-/* Its count is known before its Gaussians are given room. */
+/* The count is known before memory for the Gaussians is allocated. */
 static void count_comes_first(void)
 {
     static fxs_gaussian one;
@@ -306,7 +304,7 @@ static void count_comes_first(void)
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0))
         return;
     CHECK(info.count == MANY && info.sh_degree == 0 && memory.largest < 100000);
-    memory.fails_at = memory.calls + 1;   /* after the buffer of the gzip stream */
+    memory.fails_at = memory.calls + 1;   /* after the gzip stream's buffer */
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_MEMORY && strstr(message.text, "out of memory"));
     memory.fails_at = -1;
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == 1 && memory.largest >= MANY_BYTES);
@@ -325,7 +323,7 @@ static void count_comes_first(void)
 
 /* ---- Progress -------------------------------------------------------------------------------------------------- */
 
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: the call, from 0; -1: none */
+static struct { int calls, stops_at; double done; } progress;   /* stops_at: call number, from 0; -1: none */
 
 static int note_progress(void *argument, double done)
 {
@@ -340,7 +338,6 @@ static const fxs_scene_file_options watched = {
     .allocator = &counting, .progress = note_progress, .progress_argument = &progress
 };
 
-/* Of reading a large .spz, and of opening streamed SOG. */
 static void progress_is_told(void)
 {
     static fxs_gaussian out[MOST];
@@ -371,7 +368,6 @@ static void progress_is_told(void)
     }
 }
 
-/* Whether it is opening or reading that makes the call. */
 static void every_progress_stops(void)
 {
     fxs_scene_file *file;
@@ -435,7 +431,7 @@ static void allocator_helpers(void)
     }
 }
 
-/* Each format in a folder of its own, for others to try; prints which file is to be opened. */
+/* Writes each format to its own folder and prints the files to open, for other readers. */
 static int write_all(const char *parent)
 {
     for (int i = 0; i < FORMATS; i++) {

@@ -1,4 +1,4 @@
-/* Scene files written in each format and read again, what the formats' own numbers say, and what is wrong. */
+/* Scene files written in each format and read again, checks of the formats' own numbers, and errors. */
 #include <locale.h>
 #include <stdlib.h>
 
@@ -14,7 +14,7 @@ enum { COUNT = 300 };
 
 static fxs_gaussian wanted[COUNT], got[COUNT];
 static fxs_scene_write_report report;
-static char name[64];                   /* of the file that is written */
+static char name[64];
 static uint32_t state;
 
 static double random_between(double low, double high)
@@ -23,7 +23,7 @@ static double random_between(double low, double high)
     return low + (high - low) * (state >> 8) / 16777216.0;
 }
 
-/* Far enough from each other to be told apart in any format. */
+/* Far enough apart to be told apart in any format. */
 static void make(int sh_degree)
 {
     state = 1;
@@ -42,7 +42,7 @@ static void make(int sh_degree)
         for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
             g->sh[k] = (float)random_between(-0.5, 0.5);
     }
-    wanted[5].opacity = -9;                  /* code 0, which keeps its colour */
+    wanted[5].opacity = -9;                  /* code 0 keeps its colour */
 }
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
@@ -64,7 +64,6 @@ static const char *named(const char *ending)
     return name;
 }
 
-/* Writes them in two parts. */
 static int write_all(const char *ending, const fxs_scene_write_options *o, fxs_progress_fn *progress, void *argument)
 {
     fxs_scene_writer *writer;
@@ -97,24 +96,24 @@ static const fxs_gaussian *nearest(const fxs_gaussian *to)
     return best;
 }
 
-/* How far a format may be off. */
+/* Tolerances of a format. */
 typedef struct tolerance {
     const char *ending, *format;
     double position, scale, rotation, opacity, dc, sh;   /* rotation: 1 - cosine of half the angle */
     int antialiased;
-    double finer;      /* the power of sigma with which the tolerance of its logarithm falls, from sigma 1 / e on */
+    double finer;      /* the scale's tolerance falls by this power of sigma, from sigma 1 / e on */
 } tolerance;
 
 static const tolerance formats[] = {
     {".ply", "ply", 0, 0, 1e-6, 0, 0, 0, 1, 0},
     {".glb", "gltf", 0, 1e-6, 1e-6, 1e-6, 0, 0, 0, 0},
     {".spz", "spz", 1e-6, 0.033, 1e-4, 0.002, 0.014, 0.004, 1, 0},
-    /* halves of 4 to 8, and of 0.5 to 1 for opacities and colours; SH by half of 1/127 and of a 4096th */
+    /* half floats: 4 to 8, and 0.5 to 1 for opacities and colours; SH: half of 1/127 and of 1/4096 */
     {".rad", "rad", 0, 0.002, 1e-6, 0.00025, 0.0009, 0.0041, 0, 0},
     /* 6.4 / 1023 / 2; 5 / 1023 / 2; 3 / 255 / 2; 8 / 256 / 2 and half a 4096th */
     {".compressed.ply", "compressed ply", 0.0032, 0.0025, 1e-5, 0.002, 0.006, 0.0159, 1, 0},
-    /* positions: of ln(1 + |x|) from -1.4 to 1.4, times 4.2; the others by codebooks of 900 values, of scales finer
-       by the cube root of sigma^1.25; SH are noise, which a palette cannot hold: see below */
+    /* positions: ln(1 + |x|) from -1.4 to 1.4, times 4.2. The others use codebooks of 900 values, for scales finer
+       by the cube root of sigma^1.25. SH here are noise, too much for a palette: see below */
     {".sog", "sog", 1e-4, 0.008, 1e-4, 0.002, 0.02, 1.02, 1, 1.25 / 3}
 };
 
@@ -151,7 +150,7 @@ static void written_and_read(void)
         }
 }
 
-/* No more palette entries than 256 of 300: most SH are exact to their codebook. */
+/* 256 palette entries for 300 Gaussians: most SH are exact to their codebook. */
 static void sh_of_sog(void)
 {
     double squares = 0;
@@ -165,7 +164,7 @@ static void sh_of_sog(void)
             const double off = (double)wanted[i].sh[k] - nearest(&wanted[i])->sh[k];
             squares += off * off;
         }
-    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* 0.29 of no SH at all */
+    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* without SH it would be 0.29 */
 }
 
 static void what_splat_cannot_hold(void)
@@ -190,7 +189,7 @@ static float float_at(size_t offset)
     return value;
 }
 
-/* Rows of 236 bytes behind the JSON: y up, the rotation x, y, z, w of length 1, opacity and scale as they are. */
+/* Rows of 236 bytes after the JSON: y up, unit rotation x, y, z, w, opacity and scale unchanged. */
 static void bytes_of_glb(void)
 {
     make(3);
@@ -208,13 +207,13 @@ static void bytes_of_glb(void)
     CHECK(is_near(square, 1, 1e-6));
     CHECK(is_near((double)float_at(row + 12), exp((double)g->scale[0]), 1e-6));
     CHECK(is_near((double)float_at(row + 40), opacity_of(g), 1e-6) && float_at(row + 44) == g->dc[0]);
-    /* y, z, x of degree 1: two of the three change their sign */
+    /* degree 1 is y, z, x: two of three change sign */
     CHECK(float_at(row + 56) == -g->sh[0] && float_at(row + 68) == g->sh[3] && float_at(row + 80) == -g->sh[6]);
     bytes[row] = 0;
     CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
 }
 
-/* Two chunks, 72 bytes each; neighbours share one, so that its box is less than the scene. */
+/* Two chunks of 72 bytes; neighbours share one, so its box is smaller than the scene. */
 static void bytes_of_compressed_ply(void)
 {
     make(0);
@@ -264,8 +263,6 @@ static void lines_of_csv(void)
     CHECK(!*(strchr(line, '\n') + 1));
 }
 
-/* What fxs_drawable lets through. */
-/* Points stay points where the program's locale writes commas. */
 static void another_locale(void)
 {
     static const char *const endings[] = {".csv", ".sog", ".glb", ".rad"};
@@ -325,7 +322,7 @@ static void extremes(void)
     }
 }
 
-/* ---- What is wrong ----------------------------------------------------------------------------------------------- */
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static int stop(void *calls, double done)
 {
@@ -396,7 +393,7 @@ static void books(void)
         values[i] = (float)((i % 200) * (i % 200));
     CHECK(fxs_book_learn(book, values, 5000, 0) == 0);
     for (int i = 0; i < 200; i++)
-        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* 200 values fit */
+        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* 200 values fit exactly */
     double squares = 0;
     for (int i = 0; i < 5000; i++)
         values[i] = (float)(random_between(-1, 1) * random_between(0, 1) * random_between(0, 1));
@@ -411,8 +408,8 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* below 256 even steps */
-    for (int i = 0; i < 5000; i++)     /* scales, of which ten are large */
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* better than 256 even steps */
+    for (int i = 0; i < 5000; i++)     /* ten large scales */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);
     for (int i = 0; i < 5000; i++)
@@ -436,7 +433,7 @@ static void book_of_flat(float flat, int of, double spread)
             printf("  %g is %g, one of %d flat\n", (double)values[i], (double)book[fxs_book_find(book, values[i])], of);
 }
 
-/* A thin axis that becomes a thick one is seen, however little its own size weighs. */
+/* Thickening a thin axis is visible, however small its own size. */
 static void books_of_flat(void)
 {
     static const int of[] = {6000, 100, 3, 2};
@@ -448,7 +445,7 @@ static void books_of_flat(void)
         }
 }
 
-/* 2D Gaussians stay flat in a .sog, all of them or a few. */
+/* 2D Gaussians stay flat in a .sog, whether all are flat or a few. */
 static void flat_in_sog(void)
 {
     for (int of = 1; of <= 100; of += 99) {
@@ -470,7 +467,7 @@ static int stop_at_once(void *argument, double done)
     return done > 0;
 }
 
-/* 64 centres with a little noise: found again, to the noise. */
+/* The palette finds 64 centres, up to a little noise. */
 static void palettes(void)
 {
     enum { VECTORS = 4096, CENTRES = 64, ENTRIES = 1024 };

@@ -1,6 +1,6 @@
-/* A scene whose bytes change while it is rendered: any picture or FXS_ERR_SCENE, and nothing touched beyond the memory
- * and the pixels. The scene's pages are closed but for the last few that were touched, so that the change comes at a
- * chosen touch of another page: between plan and band, and within a chunk, whatever the versions of the stages. */
+/* A scene that changes while it is rendered gives some picture or FXS_ERR_SCENE, and writes only to the memory and
+ * the pixels. Only the last few pages touched are open, so the change comes at a chosen touch of another page:
+ * between plan and band, or within a chunk, in every version of the stages. */
 #define _DEFAULT_SOURCE
 #include <signal.h>
 #include <sys/mman.h>
@@ -14,10 +14,10 @@
 #endif
 
 enum {
-    OPEN = 4,                      /* pages open at once: an access may need two */
-    SCENES = 3,                    /* one of each profile */
-    SEEN = 4,                      /* Gaussians of a chunk that are seen in the faint scene */
-    CHANGES = 12,                  /* touches at which a scene changes, of all that there are */
+    OPEN = 4,                      /* open pages; one access may need two */
+    SCENES = 3,                    /* one per profile */
+    SEEN = 4,                      /* visible Gaussians per chunk in the faint scene */
+    CHANGES = 12,                  /* touches that change the scene, per run */
     ZONE = 1 << 20                 /* closed bytes before and after memory and pixels */
 };
 
@@ -26,21 +26,21 @@ typedef struct bytes {
     size_t size;
 } bytes;
 
-/* The scene being rendered. All else is what changes it. */
+/* The scene, and the state of its changes. */
 static struct {
     unsigned char *data;
     size_t size, page;
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    unsigned char *bright, *faint;         /* as it is made; and with opacity 0 but for SEEN of a chunk */
+    unsigned char *bright, *faint;         /* the original, and one with all but SEEN opacities per chunk set to 0 */
 } drawn;
 
 static struct {
     unsigned char *recent[OPEN];
     int oldest;
-    uint64_t touches, first, every;        /* changes at touch `first` and, unless 0, `every` so many after it */
-    int wild;                              /* to any bytes, not to the bright scene */
+    uint64_t touches, first, every;        /* changes at touch `first`, then every `every` touches; every 0: once */
+    int wild;                              /* 1: to random bytes; 0: to the bright scene */
 } watch;
 
 /* ---- Pages ------------------------------------------------------------------------------------------------------ */
@@ -68,7 +68,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* beyond what is the renderer's: the access is made again, and ends this */
+        signal(number, SIG_DFL);           /* outside the renderer's memory: the retried access ends the process */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -100,7 +100,7 @@ static uint64_t end_watch(void)
     return watch.touches;
 }
 
-/* Room of a multiple of 64 bytes that ends where a closed zone begins; the bytes before it are of no one. */
+/* Allocates a multiple of 64 bytes that ends where a closed zone begins. The zone before it is closed too. */
 static bytes make_room(size_t size)
 {
     const size_t whole = (size + drawn.page - 1) / drawn.page * drawn.page;
@@ -125,25 +125,23 @@ static int free_room(bytes room)
 
 /* ---- Frames ----------------------------------------------------------------------------------------------------- */
 
-enum call { SLICES, HALF, WHOLE, STEREO, EXACT, PAIRS, CALLS };
+enum call { SLICES, HALF, WHOLE, STEREO, PAIRS, CALLS };
 static const char *const call_names[CALLS] = {"least memory", "half the memory", "whole memory", "stereo",
-                                              "exact stereo", "count_pairs"};
+                                              "count_pairs"};
 
 static size_t to_multiple_of_64(size_t size)
 {
     return (size + 63) / 64 * 64;
 }
 
-/* What the faint scene needs, so that there is no room for the bright one. */
+/* Memory for the faint scene only, so that the bright one does not fit. */
 static size_t memory_for(const fxs_context *context, enum call call)
 {
     fxs_frame_memory memory;
     fxs_stats stats;
     const size_t all = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
-    if (call == WHOLE)
+    if (call == WHOLE || call == STEREO)
         return to_multiple_of_64(all);
-    if (call == STEREO || call == EXACT)
-        return to_multiple_of_64(one_stereo_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height));
     bytes room = make_room(to_multiple_of_64(memory.least)), pixels = make_room(1 << 16);
     memcpy(drawn.data, drawn.faint, drawn.size);
     const int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data,
@@ -154,7 +152,6 @@ static size_t memory_for(const fxs_context *context, enum call call)
     return to_multiple_of_64(call == HALF ? (memory.least + all) / 2 : call == PAIRS ? pairs : memory.least);
 }
 
-/* Renders the faint scene under the watch. Returns the touches. */
 static uint64_t render(const fxs_context *context, enum call call, size_t size)
 {
     bytes room = make_room(size);
@@ -170,8 +167,8 @@ static uint64_t render(const fxs_context *context, enum call call, size_t size)
     start_watch(drawn.faint);
     if (call == PAIRS)
         error = one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, room.data, size, &pairs[0], &pairs[1]);
-    else if (call == STEREO || call == EXACT)
-        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8, call == EXACT,
+    else if (call == STEREO)
+        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8,
                                   room.data, size, (void *const[2]){left.data, right.data}, stride, NULL);
     else
         error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data, size,
@@ -182,7 +179,6 @@ static uint64_t render(const fxs_context *context, enum call call, size_t size)
     return touches;
 }
 
-/* One change at each of some touches, then wild ones. */
 static void render_all(const fxs_context *context, enum call call)
 {
     const size_t size = memory_for(context, call);
@@ -198,7 +194,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* In a process of its own, since a write beyond the memory ends it. */
+/* Runs in a child, which a write outside the memory ends. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;
@@ -252,7 +248,6 @@ static void free_scene(void)
     free(drawn.faint);
 }
 
-/* Returns whether the scene is one with far more to see when it is bright. */
 static int make_scene(enum fxs_profile profile, uint64_t seed)
 {
     state = seed;
@@ -289,7 +284,7 @@ static void check_versions(enum call call)
         fxs_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
-        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* it is plain C always */
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs plain C */
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
                 fxs_kernels_choose(&context.kernels, flag);
@@ -314,7 +309,6 @@ static void test_whole(void)
 static void test_stereo(void)
 {
     check_versions(STEREO);
-    check_versions(EXACT);
 }
 
 static void test_count_pairs(void)

@@ -1,4 +1,4 @@
-/* Where a sky begins, and that what is far and as large as it looks is treated as what is near. */
+/* Where the sky begins, and that distant Gaussians are treated like near ones of the same apparent size. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,7 @@ static fxs_fit_sky sky;
 
 static const double middle[3] = {3, -2, 7};
 
-/* Looks along the horizon, 90 degrees across; from the middle, `aside` units to the right. */
+/* Camera i looks along the horizon, 90 degrees wide, from `aside` units right of the middle. */
 static void aim(int i, double angle, double aside)
 {
     const double c = cos(angle), s = sin(angle), rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
@@ -33,7 +33,6 @@ static void aim(int i, double angle, double aside)
     photos[i].pixels = pixels;
 }
 
-/* Blue above the horizon and green below. */
 static void paint(void)
 {
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -42,7 +41,7 @@ static void paint(void)
     }
 }
 
-/* Points 1 to 9 units away, 6 to 60 degrees below the horizon; the last ones are much farther away. */
+/* Points 1 to 9 units away, 6 to 60 degrees below the horizon; the last 1/50 at 500 units. */
 static void lay_ground(void)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -60,7 +59,6 @@ static void find(size_t photo_count, const fxs_fit_point *from, size_t count, ui
     CHECK(!fxs_fit_sky_find(photos, photo_count, from, count, directions, 2, &sky));
 }
 
-/* The direction of a lattice in doubles, by the C library. */
 static void direction(uint32_t i, double d[3])
 {
     const double turn = 3.14159265358979324 * (3 - sqrt(5.0)) * i;
@@ -69,7 +67,6 @@ static void direction(uint32_t i, double d[3])
     d[2] = sqrt(1 - d[1] * d[1]) * sin(turn);
 }
 
-/* 1 where it is at least `margin` within a picture, in parts of half its width. */
 static int is_seen(const double d[3], int count, double margin)
 {
     for (int i = 0; i < count; i++) {
@@ -81,7 +78,7 @@ static int is_seen(const double d[3], int count, double margin)
     return 0;
 }
 
-/* All directions that a photograph sees above the horizon, none of the ground, in their order and of their colours. */
+/* The sky has all directions seen above the horizon and none of the ground, in order, with the right colours. */
 static void above_the_ground(void)
 {
     const double radius = 1000 * (1 + 8 * 0.95);
@@ -106,7 +103,7 @@ static void above_the_ground(void)
     CHECK(fabs((double)sky.far.middle[1] - middle[1]) < 1e-6 && sky.far.inverse == 0.5f);
 }
 
-/* A direction and the sphere's three nearest others: neighbours overlap, none is twice as far as the mean. */
+/* Even spacing: neighbours overlap, and no gap is twice the mean. */
 static void is_even(void)
 {
     double worst = 0, best = INFINITY;
@@ -127,7 +124,6 @@ static void is_even(void)
     CHECK(best > 1.4 * (double)sky.sigma && worst < 2.2 * (double)sky.sigma);
 }
 
-/* The same on every processor. */
 static void is_the_same_everywhere(void)
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -142,7 +138,7 @@ static void is_the_same_everywhere(void)
         printf("  %016llx\n", (unsigned long long)hash);
 }
 
-/* How many points lie within 1.7 degrees of straight ahead. */
+/* Points within 1.7 degrees of straight ahead. */
 static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
 {
     int n = 0;
@@ -154,7 +150,7 @@ static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
     return n;
 }
 
-/* What most photographs see nothing before is sky: here one of three, and then two. */
+/* A direction is sky if most photographs see no point before it: here 1 of 3, then 2. */
 static void most_photographs_decide(void)
 {
     fxs_fit_point before[2] = {{{3, -2, 17}, {0}}, {{8, -2, 17}, {0}}};
@@ -162,10 +158,9 @@ static void most_photographs_decide(void)
     CHECK(ahead(3, before, 2) == 0);
     before[1].position[1] = -7;
     CHECK(ahead(3, before, 2) > 2);
-    CHECK(ahead(2, before, 2) == 0);    /* one of two is no majority */
+    CHECK(ahead(2, before, 2) == 0);    /* 1 of 2 is no majority */
 }
 
-/* What a mask ignores is not seen. */
 static void masked(void)
 {
     static const fxs_fit_point behind = {{3, -2, -100}, {0}};
@@ -184,7 +179,7 @@ static void masked(void)
     CHECK(!sky.count);
 }
 
-/* The mean of the photographs that see it free, half up: the third has a point before it. */
+/* The mean over photographs that see the direction free, rounded half up. The third has a point before it. */
 static void mean_colour(void)
 {
     static uint8_t shades[3][sizeof pixels];
@@ -210,7 +205,7 @@ static float *at(const fxs_fit_model *m, int plane, size_t i)
     return &m->parameters[(size_t)plane * m->stride + i];
 }
 
-/* Gaussian 0 within the radius, 1 at it, 2 eight times as far as that and as large; 3 as large as 2, near. */
+/* Gaussian 0 lies within the radius, 1 at it, 2 eight times as far and as large, 3 near and as large as 2. */
 static fxs_fit_model at_distances(void)
 {
     static const float distances[] = {1, 2, 16, 1}, sizes[] = {0.25f, 0.25f, 2, 2};
@@ -234,7 +229,7 @@ static int is_near(float a, float b)
     return fabs((double)a - (double)b) <= 1e-5 * fabs((double)b);
 }
 
-/* The gradient of the mean scale, in the first moment: by the size in its units. */
+/* The first moment of the mean scale's gradient is scaled by the size unit. */
 static void mean_scale(const fxs_fit_stages *stages)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -254,7 +249,7 @@ static void mean_scale(const fxs_fit_stages *stages)
     }
 }
 
-/* The noise of one eight times as far and as large is eight times as long. */
+/* Eight times as far and as large, the noise is eight times as long. */
 static void noise(const fxs_fit_stages *stages)
 {
     float ways[2][4];
@@ -271,7 +266,6 @@ static void noise(const fxs_fit_stages *stages)
         CHECK(ways[0][i] != 0 && fabs((double)(ways[1][i] * (i == 2 ? 8 : 1) / ways[0][i]) - 1) < 1e-4);
 }
 
-/* Which Gaussians are left; and of those that are wanted, which are cloned and which are split. */
 static void fates(void)
 {
     for (int is_far = 0; is_far < 2; is_far++) {
@@ -285,7 +279,7 @@ static void fates(void)
         for (size_t i = 0; i < 4; i++)
             m.by_centre[i] = m.views[i] = 1;
         CHECK(!fxs_fit_model_densify(&m, &d) && m.count == 8);
-        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* cloned: it stays in its place */
+        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* cloned: it stays */
         fxs_fit_model_free(&m);
     }
 }
@@ -303,7 +297,7 @@ static void sizes(void)
 
 /* ---- The fit ----------------------------------------------------------------------------------------------------- */
 
-/* The Gaussians behind those of the points have the sky's places and sizes; a limit leaves the same share of both. */
+/* Sky Gaussians follow those of the points, with the sky's places and sizes. A limit keeps the same share of both. */
 static void begins_a_fit(void)
 {
     fxs_fit_options options;

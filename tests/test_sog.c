@@ -1,4 +1,5 @@
-/* Reads of .sog made here: both versions, every SH degree, as a zip and as a folder; streamed; faulty; a real one. */
+/* Reads .sog files made here: both versions, every SH degree, as a zip and as a folder; streamed; faulty; and a real
+   one. */
 #include <fixsplat/scene_file.h>
 
 #include <math.h>
@@ -9,7 +10,7 @@
 static fxs_message message;
 static fxs_scene_file_info info;
 
-/* Reads at most `capacity` Gaussians, a few at a time, twice. Returns their number, or -1 and the message. */
+/* Reads at most `capacity` Gaussians twice, a few at a time. Returns their number, or -1 and the message. */
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
 {
     fxs_scene_file *file;
@@ -67,7 +68,7 @@ typedef struct made_scene {
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json comes last */
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json last */
 static int file_count;
 
 static void forget_files(void)
@@ -90,7 +91,7 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* A byte of a made image. Gaussian 0 is opaque and has a scale of code 0, Gaussian 1 has no opacity. */
+/* A byte of a made image. Gaussian 0 is opaque with scale code 0, Gaussian 1 has opacity 0. */
 static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
 {
     unsigned h = m->seed * 977u + (unsigned)image * 131u + (unsigned)pixel * 7919u;
@@ -107,7 +108,7 @@ static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
     return (uint8_t)(channel == 3 ? 255 : h);
 }
 
-/* Not WebPEncodeLosslessRGBA, which changes colours where alpha is 0. */
+/* WebPEncodeLosslessRGBA would change colours where alpha is 0. */
 static void encode(const uint8_t *rgba, int width, int height, WebPMemoryWriter *out)
 {
     WebPConfig config;
@@ -205,7 +206,6 @@ static void make(const made_scene *m)
     add_meta(m);
 }
 
-/* Replaces the first `old` in meta.json. */
 static void edit(const char *old, const char *new)
 {
     char *meta = files[file_count - 1].data, *found = strstr(meta, old);
@@ -227,7 +227,7 @@ static void put_folder(const char *name)
     }
 }
 
-/* In this folder of the zip, with its separator. */
+/* folder_of_zip ends with its separator. */
 static void put_zip_in(const char *name, const char *folder_of_zip, int method)
 {
     int error;
@@ -259,7 +259,7 @@ static size_t get(const char *name, uint8_t *bytes, size_t capacity)
     return size;
 }
 
-/* ---- What it means --------------------------------------------------------------------------------------------- */
+/* ---- Expected values ------------------------------------------------------------------------------------------- */
 
 static double value_of(const made_scene *m, int values, int channel, int code)
 {
@@ -269,7 +269,7 @@ static double value_of(const made_scene *m, int values, int channel, int code)
 
 static void expect_rotation(const made_scene *m, int i, float *rotation)
 {
-    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* of w, x, y, z */
+    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indexes into w, x, y, z */
     int omitted = byte_of(m, QUATS, i, 3) - 252;
     double sum = 0;
     memset(rotation, 0, 4 * sizeof *rotation);
@@ -303,7 +303,7 @@ static void expect(const made_scene *m, int i, fxs_gaussian *g)
         }
 }
 
-/* 1 where they agree to a few units of the float's last place. */
+/* Equal to a few units of the last place. */
 static int same(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     const float *x = (const float *)a, *y = (const float *)b;
@@ -357,7 +357,7 @@ static void every_version_and_degree(void)
 
 static const made_scene plain = {2, 1, 5};
 
-/* As PlayCanvas writes it: sizes and checksum are 0 in the local headers, and follow the data. */
+/* As PlayCanvas writes it: sizes and checksum follow the data; in the local headers they are 0. */
 static void zip_with_data_descriptors(void)
 {
     static uint8_t bytes[1 << 18], out[1 << 18];
@@ -393,7 +393,8 @@ static void zip_with_data_descriptors(void)
     check_scene("a.sog", &plain);
 }
 
-/* The first of a codebook is null in files of old writers: as far below the second as the others are on average. */
+/* Old writers store null as a codebook's first value. It is read as the second value minus the mean spacing of the
+   others. */
 static void null_in_codebook(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -432,7 +433,7 @@ static void tags(void)
     make(&plain);
     edit("{", "{\"model\":\"2dgs\",");
     put_folder("scene");
-    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever their third scales are */
+    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever the third scale is */
     for (int i = 0; i < COUNT; i++) {
         fxs_gaussian expected;
         expect(&plain, i, &expected);
@@ -441,7 +442,7 @@ static void tags(void)
     }
 }
 
-/* A folder that was zipped; beside it the folder that the Finder of macOS adds. */
+/* A zipped folder, with the extra folder that the macOS Finder adds. */
 static void zip_of_a_folder(void)
 {
     static const char *const folders[] = {"scene/", "a b/scene/", "scene\\"};
@@ -565,7 +566,7 @@ static void faulty_images(void)
     check_fails("scene", "centroids.webp: not as wide as a palette");
 }
 
-/* Images of one colour take a few bytes, however large. */
+/* Single-colour images are a few bytes, however large. */
 static void absurd_sizes(void)
 {
     enum { SIDE = 1500 };
@@ -593,7 +594,7 @@ static void absurd_sizes(void)
 
 static uint8_t zip_bytes[1 << 18];
 
-/* Each byte changed in turn: refused, or in a place that does not matter. */
+/* Each byte is changed in turn: the file is refused, or the byte does not matter. */
 static void damaged_zip(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -629,7 +630,7 @@ static void faulty_zip(void)
 
 /* ---- Streamed -------------------------------------------------------------------------------------------------- */
 
-static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last: environment */
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last is the environment */
 
 #define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
 
@@ -669,7 +670,7 @@ static void streamed(void)
     all_same(&chunks[1], g + 32, 0, 37);
     all_same(&chunks[3], g + 69, 0, COUNT);
     CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 12 + 37 + COUNT && info.levels == 2);
-    all_same(&chunks[1], g, 0, 12);   /* of a leaf that has no level 1 */
+    all_same(&chunks[1], g, 0, 12);   /* from a leaf without level 1 */
     all_same(&chunks[2], g + 12, 0, 37);
     all_same(&chunks[3], g + 49, 0, COUNT);
     check_level_fails("", 2, "no level 2: levels of detail in this scene: 2");
@@ -691,15 +692,15 @@ static void streamed(void)
         CHECK(g[i].scale[2] <= -20);
 }
 
-/* The levels of one leaf, and what is drawn of it at each level. */
+/* The levels of one leaf, and the Gaussians read at each level. */
 static void nearest_level(void)
 {
     static const struct { const char *lods; int counts[5]; } cases[] = {
-        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},       /* 2 is as near to 0 as to 4: the finer */
+        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},       /* 2 is as near to 0 as to 4: the finer is used */
         {"\"4\":5,\"0\":1", {1, 1, 1, 5, 5}},
         {"\"3\":4", {4, 4, 4, 4, 4}},
         {"\"1\":2,\"2\":3", {2, 2, 3, 3, 3}},
-        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* it says that there is nothing at 1 */
+        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present and empty */
         {"", {0, 0, 0, 0, 0}}
     };
     fxs_gaussian g[COUNT];
@@ -719,7 +720,7 @@ static void nearest_level(void)
             all_same(&chunks[0], g, 7, 7 + cases[i].counts[level]);
         }
     }
-    /* A node with children is no leaf: nothing takes the place of what it does not have. */
+    /* A node with children is no leaf; its missing levels are not replaced. */
     length = 0;
     say("{\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\"],\"tree\":{\"lods\":{\"1\":{\"file\":0,\"offset\":0,"
         "\"count\":5}},\"children\":[{\"lods\":{\"0\":{\"file\":0,\"offset\":5,\"count\":9}}}]}}");
@@ -728,7 +729,7 @@ static void nearest_level(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* An environment in a zip: named by the index, in a folder too, or only beside it. */
+/* An environment in a zip: named by the index, also in a folder, or only present. */
 static void environment(void)
 {
     static const struct { const char *file, *member; } cases[] = {
@@ -780,7 +781,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* Of the axes of .lcc2, z up. */
+/* The axes of .lcc2: z up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -793,7 +794,7 @@ static int is_turned(const made_scene *m, const fxs_gaussian *g)
     return 1;
 }
 
-/* A tree of any number of children, as arrays and by name; the sky at each level; older names. */
+/* .lcc2: a tree with any number of children, as arrays or by name; the sky at each level; older names. */
 static void lcc2(void)
 {
     static const char *const names[] = {"l/0.sog", "l/1.sog", "l/2.sog", "l/sky.sog"};
@@ -826,7 +827,7 @@ static void lcc2(void)
         put_file("scene.lcc2", text, length);
         check_fails("scene.lcc2", faults[i].words);
     }
-    remove(in_folder("l/sky.sog"));    /* may be missing */
+    remove(in_folder("l/sky.sog"));    /* the sky is optional */
     put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
     CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
     put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);
@@ -875,7 +876,7 @@ static void faulty_index(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* The least memory in which the streamed scene is read: then it does not keep what it has loaded. */
+/* The smallest memory for the streamed scene; loaded files are not kept then. */
 static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
 {
     fxs_scene_file_options options = {.max_memory = 1 << 12};
@@ -888,7 +889,7 @@ static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
     return options.max_memory - (1 << 10);
 }
 
-/* A file that is made shorter while it is open, and loaded again. */
+/* Truncated while open, then loaded again. */
 static void changed_while_open(void)
 {
     fxs_gaussian gaussians[4 * COUNT];

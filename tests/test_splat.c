@@ -1,4 +1,4 @@
-/* Reads of .splat files made here, of what is none, and of a real scene; files written and read again. */
+/* Reads .splat files made here, other files, and a real scene; writes files and reads them back. */
 #include "scene_writer.h"
 #include "scene_bytes.h"
 
@@ -102,7 +102,7 @@ static void implausible_records(void)
     check_fails("not a scene file of a known format");
 }
 
-/* Only the first records are looked at; what the others hold is for the importer. */
+/* Detection reads only the first records; the importer handles the others. */
 static void wild_record_at_the_end(void)
 {
     fxs_gaussian g[ROWS];
@@ -114,7 +114,7 @@ static void wild_record_at_the_end(void)
     CHECK(isnan(g[ROWS - 1].position[0]) && isnan(g[ROWS - 1].scale[0]));
 }
 
-/* ---- Written --------------------------------------------------------------------------------------------------- */
+/* ---- Writing --------------------------------------------------------------------------------------------------- */
 
 static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t count)
 {
@@ -128,7 +128,7 @@ static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t 
     return result;
 }
 
-/* To half a step of the format. */
+/* Within half a step of the format. */
 static void written_and_read(void)
 {
     static fxs_gaussian wanted[ROWS], got[ROWS];
@@ -151,7 +151,7 @@ static void written_and_read(void)
     }
 }
 
-/* Whatever fxs_pack draws can be read again. */
+/* Everything that fxs_pack draws can be read back. */
 static void written_extremes(void)
 {
     fxs_gaussian got[3], wild[3] = {

@@ -1,4 +1,4 @@
-/* Reads of .spz files made here in every version, of faulty ones, and of a real scene. */
+/* Reads .spz files made here in every version, faulty ones, and a real scene. */
 #include "scene_writer.h"
 #include "scene_bytes.h"
 #include "spz_bytes.h"
@@ -26,12 +26,12 @@ static void fill(int version, int degree)
         }
     if (version == 1)
         for (int k = 1; k < 6 * COUNT; k += 2)
-            s.arrays[0][k] &= 0xbf;   /* halves below 2 */
+            s.arrays[0][k] &= 0xbf;   /* half floats below 2 */
     s.arrays[1][0] = 0;
     s.arrays[1][1] = 255;
 }
 
-/* 0 where this build cannot. */
+/* Returns 0 if this build lacks the container's library. */
 static int make(int container)
 {
     static uint8_t plain[MAX_FILE];
@@ -52,7 +52,6 @@ static int make(int container)
 
 /* ---- Reading it ------------------------------------------------------------------------------------------------ */
 
-/* 1 where the file reads, with `count` Gaussians. */
 static int reads(uint64_t count)
 {
     put_file(size);
@@ -74,7 +73,7 @@ static double expected_position(int i, int axis)
     return (value >= 8388608 ? value - 16777216 : value) / pow(2, s.fractional_bits);
 }
 
-/* x y z w */
+/* Returns x, y, z, w. */
 static void expected_rotation(int i, double q[4])
 {
     double rest = 1;
@@ -97,7 +96,7 @@ static void expected_rotation(int i, double q[4])
     q[largest] = sqrt(fmax(rest, 0));
 }
 
-/* Signs of x, y, z in front of everything. */
+/* `sign`: signs of x, y, z. */
 static void check_gaussians(const double sign[3])
 {
     const fxs_gaussian *g = out;
@@ -183,7 +182,8 @@ static void coordinate_systems(void)
             fill(container == ZSTD ? 4 : 3, 3);
             s.flags = 2;
             s.extensions = records;
-            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* others are skipped */
+            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* other extensions are
+                                                                                                skipped */
             s.extensions_size = (size_t)(spz_put(spz_put(spz_put(to, 0xadbe0003, 4), 4, 4), system, 4) - records);
             if (!make(container))
                 continue;
@@ -269,7 +269,7 @@ static void empty_scene(void)
     }
 }
 
-/* A header that promises few or too many Gaussians before a stream that goes on. */
+/* A header with too low or too high a count before a stream that goes on. */
 static void gzip_bombs(void)
 {
 #ifdef FXS_WITH_ZLIB
@@ -306,14 +306,14 @@ static void damaged_gzip(void)
     fill(3, 3);
     if (!make(GZIP))
         SKIP("built without zlib");
-    for (size_t i = size - 8; i < size; i++) {   /* its check sum and length */
+    for (size_t i = size - 8; i < size; i++) {   /* checksum and length */
         bytes[i] ^= 1;
         check_fails("the gzip stream is damaged");
         bytes[i] ^= 1;
     }
 }
 
-/* Without its library, a container is named as what cannot be read. */
+/* Without its library, a container is refused by name. */
 static void libraries(void)
 {
     fill(4, 0);
@@ -351,7 +351,6 @@ static void faulty_streams(void)
     }
 }
 
-/* A stream that holds more or less than its entry says. */
 static void zstd_bombs(void)
 {
 #ifdef FXS_WITH_ZSTD
@@ -361,7 +360,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* entry of the rotations */
+        uint8_t *last = bytes + 32 + 4 * 16;     /* rotations' entry */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);
@@ -425,7 +424,7 @@ static int nothing_clamped(void)
     return clamped.position == 0 && clamped.scale == 0 && clamped.dc == 0 && clamped.sh == 0;
 }
 
-/* To half a step of the format, or of the reference writer: 5 bits of SH of degree 1, 4 above. */
+/* Within half a step of the format, or of the reference writer: 5 bits for SH degree 1, 4 above. */
 static void written_and_read(void)
 {
     const double place = is_fine ? 0x1p-22 : 0x1p-14, first = is_fine ? 1 : 8, higher = is_fine ? 1 : 16;
@@ -466,7 +465,7 @@ static void usual_precision(void)
     is_fine = 1;
 }
 
-/* What was read is the same when it is written and read again, up to the ends of the ranges. */
+/* Written and read again, it is the same, up to the ends of the ranges. */
 static void read_and_written(void)
 {
     for (int version = 3; version <= 4; version++) {
@@ -480,7 +479,8 @@ static void read_and_written(void)
     }
 }
 
-/* As many as hold the largest coordinate, 24 at most; where that is less than 12, one in a hundred may be beyond. */
+/* The most fractional bits that hold the largest coordinate, up to 24. Below 12 bits, one coordinate in a hundred
+   may be out of range. */
 static void chosen_bits(void)
 {
     static const struct { float largest, second; int bits; uint32_t beyond; } cases[] = {
@@ -503,7 +503,7 @@ static void chosen_bits(void)
     }
 }
 
-/* One of seven is brought in; the others keep their steps. */
+/* One of seven is moved in; the others keep their steps. */
 static void far_ones_are_brought_in(void)
 {
     fill_gaussians(0);
@@ -521,7 +521,7 @@ static void far_ones_are_brought_in(void)
     }
 }
 
-/* y and z are stored with their signs changed. What is clamped by a step or more is counted, a Gaussian once. */
+/* y and z change sign in the file. A Gaussian clamped by a step or more is counted once. */
 static void written_extremes(void)
 {
     const float far[COUNT] = {1e30f, -1e30f, 3, 1.5f, -0.999f, -3.4f, 0};
@@ -539,7 +539,7 @@ static void written_extremes(void)
     CHECK(out[6].rotation[0] == 1);
 }
 
-/* A thin axis is no loss where the largest is e^9 of what is written, or more. */
+/* A thin axis counts as clamped only if its Gaussian's largest axis is below e^9 times the written size. */
 static void written_discs(void)
 {
     static const float largest[COUNT] = {4, 0, -0.9f, -1.2f, -9, -11, 5};
@@ -555,7 +555,7 @@ static void written_discs(void)
         CHECK(out[i].scale[2] <= -10);
 }
 
-/* Axes that are asked for stand over what the file says. */
+/* Requested axes override the file's. */
 static void asked_axes(void)
 {
     uint8_t record[16];
@@ -602,7 +602,6 @@ static void faulty_writes(void)
     CHECK(strstr(message.text, "No such file"));
 }
 
-/* Where the work stood last, and where it is to stop. */
 typedef struct halt {
     double done, limit;
 } halt;
@@ -615,7 +614,7 @@ static int note_progress(void *argument, double done)
     return !forward || done >= h->limit;
 }
 
-/* 6.5 MB, so that there are some pieces. */
+/* 6.5 MB, several pieces. */
 static void progress(void)
 {
     enum { MANY = 100000 };

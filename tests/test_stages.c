@@ -1,10 +1,12 @@
-/* The stages on random scenes packed here by hand: against the double-precision reference, and whole frames against the
- * simplest renderer that shares their per-pixel math: every pixel, every splat in order, no tiles. */
+/* The stages on random scenes packed here. Single stages are compared with the double-precision reference; whole
+ * frames must equal a brute-force renderer with the same per-pixel math that visits every splat in order at every
+ * pixel, without tiles. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "src/core/frame.h"
+#include "src/core/sort.h"
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "packed_scene.h"
@@ -36,8 +38,8 @@ static double uniform(double low, double high)
 }
 
 typedef struct recipe {
-    double reach;                   /* centres in +-reach, scene units */
-    double sigma_low, sigma_high;   /* log2 */
+    double reach;                   /* centres within +-reach, scene units */
+    double sigma_low, sigma_high;   /* log2(sigma) */
     int needle;                     /* one axis at sigma_high, two at sigma_low */
     int opacity_low, opacity_high;  /* codes */
 } recipe;
@@ -66,7 +68,7 @@ static void random_quaternion(double q[4])
         q[i] /= sqrt(norm);
 }
 
-/* Any whose X and Y are not longer than 1. */
+/* A random rotation word, with X and Y no longer than 1. */
 static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 {
     const int n = axis_bits_of_word(0, scale_word, scale_step_q24);
@@ -81,7 +83,7 @@ static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 static uint32_t scale_word(const recipe *r)
 {
     uint32_t word = 0;
-    for (int i = 0; i < 3; i++) {        /* the longest axis first, as packing has it */
+    for (int i = 0; i < 3; i++) {        /* packing stores the longest axis first */
         double code = r->needle ? (i == 0 ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
         word |= i < 2 ? (uint32_t)code << 10 * i : (uint32_t)code / 2 << 20;
     }
@@ -135,7 +137,8 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
     for (uint32_t i = 0; i < s.header->chunk_count; i++) {
         uint32_t left = count - i * FXS_CHUNK;
         fill_header(&s.chunks[i], r);
-        fill_rows(packed_scene_rows(&s, i), &s.chunks[i], r, s.header->chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
+        fill_rows(packed_scene_rows(&s, i), &s.chunks[i], r, s.header->chunk_bytes,
+                  left < FXS_CHUNK ? left : FXS_CHUNK);
     }
     CHECK(packed_scene_finish(&s) == 0);
     return s;
@@ -153,7 +156,6 @@ static void random_rotation(double m[9])
     memcpy(m, r, sizeof r);
 }
 
-/* Looks at the scene's origin, more or less, from `distance`. */
 static fxs_camera make_camera(int width, int height, double distance)
 {
     fxs_camera camera = {.width = width, .height = height};
@@ -210,7 +212,7 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     project_chunks(scene);
 }
 
-/* Every chunk is projected that reaches within 255 times its depth of the axis. */
+/* Includes every chunk within 255 times its depth of the axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
     CHECK(one_view_init(&all.view, scene, camera, options) == 0);
@@ -234,10 +236,10 @@ static struct reference_options reference_of(const fxs_options *options, const f
 /* ---- project ---------------------------------------------------------------------------------------------------- */
 
 static struct errors {
-    double centre, shape, opacity, radius, colour;   /* largest */
-} worst, worst_large;   /* of splats up to 128 pixels, and of larger ones: a needle over 1000 pixels is kept thicker */
+    double centre, shape, opacity, radius, colour;   /* largest errors */
+} worst, worst_large;   /* splats up to 128 pixels, and larger ones: needles over 1000 pixels are widened */
 
-/* f sigma_max / z, pixels: how large a Gaussian can be on the picture. */
+/* f sigma_max / z: a Gaussian's largest size in the picture, pixels. */
 static double size_of(const fxs_gaussian *g, const fxs_file_view *view, double z)
 {
     return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
@@ -250,8 +252,8 @@ static double elongation(const struct reference_splat *r)
     return (mid + spread) / sqrt(r->a * r->c - r->b * r->b);
 }
 
-/* The largest entry of W Sigma W^T - I: 0 where the whitened rows W belong to the covariance Sigma. The short axis of a
-   needle is kept with the absolute error of the long one. */
+/* Largest entry of W Sigma W^T - I; 0 if the whitening rows W match the covariance Sigma. The short axis of a needle
+   has the absolute error of its long axis. */
 static double shape_error(const fxs_splat *s, const struct reference_splat *r)
 {
     double ux = ldexp(s->ux_q24, -24), uy = ldexp(s->uy_q24, -24), vy = ldexp(s->vy_q24, -24);
@@ -264,7 +266,7 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
 {
     const fxs_splat *s = &all.splats[slot];
     const fxs_bounds *b = &all.bounds[slot];
-    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* it has no centre or radius there */
+    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* a veil has no centre or radius */
     double dx = ldexp(b->cx_q14, -14) + 0.5 - r->x, dy = ldexp(b->cy_q14, -14) + 0.5 - r->y;
     e->centre = fmax(e->centre, veil ? 0 : hypot(dx, dy));
     e->shape = fmax(e->shape, shape_error(s, r));
@@ -295,7 +297,7 @@ static double alpha_of(double opacity, double level)
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* How far a splat is from the reference at a pixel; 0 where that is within 2 % of its edge. */
+/* The alpha error at a pixel; 0 within 2 % of the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -309,8 +311,8 @@ static double veil_error(const fxs_splat *s, const struct reference_splat *r, in
     return fabs(alpha_of(exp(-ldexp(s->offset_q11, -12)), u * u + v * v) - alpha_of(r->opacity, level));
 }
 
-/* Whether it is so narrow that the rounding of its long axis shows, or that it may be kept wider: 1 in 64, a 10th of
-   the picture. */
+/* True if too narrow to compare: the rounding of the long axis shows, or the splat may be widened. Limits: 1/64 of
+   its length, 1/10 of the picture's diagonal. */
 static int is_narrow(const struct reference_splat *r, const fxs_view *view)
 {
     const double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
@@ -318,7 +320,7 @@ static int is_narrow(const struct reference_splat *r, const fxs_view *view)
     return (r->a * r->c - r->b * r->b) / (mid + spread) < least;
 }
 
-/* Veils, at the corners and the middle: their alpha is that of the reference. */
+/* A veil's alpha at the corners and the middle equals the reference. */
 static void test_veils(void)
 {
     static const recipe discs = {20, -4, 7, 0, 20, 255}, off_axis = {300, 2, 9, 0, 20, 255};
@@ -389,7 +391,7 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* In a chunk 40 units wide, a step of a coordinate is 0.005 pixels at the near plane for f = 4000, more off axis. */
+/* In a chunk 40 units wide, a coordinate step is 0.005 pixels at the near plane for f = 4000, and more off the axis. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -404,7 +406,7 @@ static void test_project_antialiased(void)
     CHECK(within(&worst_large, 0.003, 0.1, 0.05));
 }
 
-/* Pixels at which the Gaussian counts by a margin: 2 % of its size and alpha 1.1 / 255. */
+/* Counts by a margin: 2 % of its size, and alpha 1.1 / 255. */
 static int counts_somewhere(const struct reference_splat *r, const fxs_file_view *view)
 {
     double det = r->a * r->c - r->b * r->b, limit = fmin(9, 2 * log(255 / 1.1 * r->opacity)) * 0.96 - 0.02;
@@ -417,8 +419,8 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
     return 0;
 }
 
-/* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. In pictures of a
-   few pixels, what is 64 times as far off the axis as away is outside what project takes. */
+/* Culled Gaussians count at no pixel; the others are in front of the near plane and not too faint. In pictures of a
+   few pixels, project also drops Gaussians farther from the axis than 64 times their depth. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);
@@ -453,7 +455,7 @@ static void test_culls(void)
     }
 }
 
-/* From 2^-14 to 4 units. */
+/* Near planes from 2^-14 to 4 units. */
 static void random_near(fxs_camera *camera)
 {
     camera->near_q32 = (int64_t)ldexp(1, 18 + below(16)) + (int64_t)below(1 << 18);
@@ -485,7 +487,7 @@ static void test_padding_and_opacity_0_are_never_drawn(void)
     free(s.data);
 }
 
-/* Keys of chunks of any size and place compare: the order is that of the depths, up to the last bit of a coordinate. */
+/* Depth keys compare across chunks of any size and place, exact to the last bit of a coordinate. */
 static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
@@ -540,7 +542,7 @@ static void test_shade_against_reference(void)
 
 /* ---- sort ------------------------------------------------------------------------------------------------------- */
 
-/* The last job first. `pool` counts the calls, or is null. */
+/* `pool` counts the calls, or is null. */
 static void run_backwards(void *pool, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
 {
     if (pool)
@@ -555,7 +557,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Slots arrive in order, so a stable sort by depth is a sort by the whole key. `mask`: bits of the depth in use. */
+/* The sort is stable by depth; slots arrive in order, so by the whole key. `mask`: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
     enum { MOST = 70000 };
@@ -568,7 +570,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
-    for (uint32_t i = 0; i < count; i++)           /* a list arrives with its slots a little out of order */
+    for (uint32_t i = 0; i < count; i++)           /* a list's slots arrive a little out of order */
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
     fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
@@ -583,7 +585,7 @@ static void test_sort(void)
             check_sort(counts[i], masks[k], parts[(i + k) % 4]);
 }
 
-/* ---- bin: what the lists miss ----------------------------------------------------------------------------------- */
+/* ---- bin: no entry is missing ----------------------------------------------------------------------------------- */
 
 static int level_at(uint32_t slot, int x, int y)
 {
@@ -602,7 +604,6 @@ static int in_square(uint32_t slot, int x, int y)
 
 enum listed { NOT_LISTED, CUT_OFF, NEAR };
 
-/* The tiles that one splat is listed in. */
 static void list_splat(uint32_t slot, unsigned char *listed)
 {
     const fxs_splat *splat = &all.splats[slot];
@@ -623,7 +624,8 @@ static struct {
     int64_t missed, wrapped, in_cut_off;
 } lists;
 
-/* A pixel counts in the blend stage exactly where its level is within the limit (and its tile in the square). */
+/* A pixel counts in blend exactly if its level is within the limit, and with the square cutoff also its tile within
+   the square. */
 static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 {
     const fxs_splat *s = &all.splats[slot];
@@ -669,7 +671,7 @@ static void test_lists_of_small_pictures(void)
     }
 }
 
-/* Long splats across few tiles of one side and many of the other. */
+/* Long splats in pictures of few tiles on one side and many on the other. */
 static void test_lists_of_narrow_pictures(void)
 {
     for (int i = 0; i < 4 * RECIPES; i++) {
@@ -686,7 +688,7 @@ static void test_lists_of_large_pictures(void)
         check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
 }
 
-/* The square's edges on those of tiles, and a step of the centre to each side. */
+/* Squares with edges on tile edges, or one step of the centre to either side. */
 static void test_squares_at_tile_edges(void)
 {
     static unsigned char listed[4096];
@@ -755,7 +757,7 @@ static void store(unsigned char *pixel, int i, const fxs_options *options, enum 
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
-/* The frame without tiles, lists or rows; no chunk is left out because it lies beside the picture. */
+/* Without tiles, lists or rows, and without culling chunks by place. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                          enum fxs_format format, unsigned char *pixels, ptrdiff_t stride)
 {
@@ -782,7 +784,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* A back end that does what the stages do. */
 static int draw_tiles(void *argument, const fxs_tile_run *run)
 {
     const fxs_view *view = run->view;
@@ -801,7 +802,7 @@ static int draw_tiles(void *argument, const fxs_tile_run *run)
     return 0;
 }
 
-/* A back end without lists: gives the number of Gaussians it was given in order. */
+/* A back end without lists. Returns the number of Gaussians it received in order. */
 static int draw_keys(void *argument, const fxs_tile_run *run)
 {
     uint32_t *ordered = argument;
@@ -819,7 +820,7 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* The same bytes by a back end, once a run; one without lists; one that fails. */
+/* Back ends: one gives the same bytes in one call per run, one without lists gets the order, one returns its error. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -847,7 +848,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     free(pixels);
 }
 
-/* fxs_render in memory of the size it asks for: all of `expected`, padding included, must come out. */
+/* Runs fxs_render in exactly the memory it asks for, and compares all bytes, padding included. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
                              ptrdiff_t stride)
@@ -868,7 +869,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(!context.config.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
-    /* Tiles are counted whole. */
+    /* Counters include the whole of each tile. */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
     check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
@@ -877,7 +878,6 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     return stats;
 }
 
-/* Random format, background, direction of rows and padding between them. */
 static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, enum fxs_cutoff cutoff)
 {
     const enum fxs_format format = (enum fxs_format)below(3);
@@ -944,7 +944,7 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* More list entries than fit: the frame is rendered in runs of tiles. */
+/* More list entries than fit: the frame is rendered in several runs of tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
@@ -966,7 +966,7 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
-/* With a clock that goes on by one at each look, stages that are looked at equally often take equally long. */
+/* With a clock that advances by one per call, stages timed equally often report equal times. */
 static void test_times_are_shared_out(void)
 {
     uint64_t ticks = 0;
@@ -982,8 +982,7 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* project has the layout of the memory as well; bin counts and then makes the lists of macro tiles, and those of
-           tiles. */
+        /* The layout of memory counts as project. Macro tile lists and tile lists both count as bin. */
         CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 2 + t[FXS_BLEND]);
         CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
@@ -992,9 +991,9 @@ static void test_times_are_shared_out(void)
     free(s.data);
 }
 
-/* ---- Chunks beside the picture ----------------------------------------------------------------------------------- */
+/* ---- Chunks outside the picture ---------------------------------------------------------------------------------- */
 
-/* How a Gaussian stands beside an edge of the picture: slope[i] is x/z or y/z of its centre. */
+/* A Gaussian near an edge of the picture; slope[i] is x/z or y/z of its centre. */
 typedef struct beside {
     double slope[2], depth, log2_sigma;
 } beside;
@@ -1004,15 +1003,15 @@ static double focal_of(const fxs_camera *camera, int axis)
     return ldexp(axis ? camera->fy_q12 : camera->fx_q12, -12);
 }
 
-/* A picture that looks past its axis: pixel 0 is at this x/z or y/z. */
+/* Sets an off-axis picture with pixel 0 at this x/z or y/z. */
 static void aim(fxs_camera *camera, int axis, double focal, double slope)
 {
     *(axis ? &camera->fy_q12 : &camera->fx_q12) = (int32_t)ldexp(focal, 12);
     *(axis ? &camera->cy_q12 : &camera->cx_q12) = (int32_t)ldexp(-slope * focal, 12);
 }
 
-/* Pixels from the centre to where the distance is 3, for the sphere of 2^log2_sigma at this slope, which the Jacobian
-   cuts to the field of view plus 30 %. */
+/* Pixels from the centre to distance 3, for a sphere of sigma 2^log2_sigma at this slope. The slope in the Jacobian
+   is clamped to the field of view plus 30 %. */
 static double reach_of(const fxs_view *view, const fxs_camera *camera, const beside *b, int axis)
 {
     double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
@@ -1021,7 +1020,7 @@ static double reach_of(const fxs_view *view, const fxs_camera *camera, const bes
     return 3 * sqrt(sigma * sigma * (1 + slope * slope) + 0.3);
 }
 
-/* Puts the centre `far` times the reach away from the first or last pixel of an axis. */
+/* Moves the centre to `far` times the reach beyond the first or last pixel of an axis. */
 static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, int axis, int last, double far)
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
@@ -1032,7 +1031,6 @@ static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, 
     }
 }
 
-/* One white and opaque sphere, in a corner of its chunk's box. */
 static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside *b, double box)
 {
     const fxs_file_view view = view_of(camera);
@@ -1057,10 +1055,10 @@ static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside
 }
 
 static struct {
-    int touching, farthest;        /* frames with a pixel that counts; centre at more than 0.99 of the reach */
+    int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the reach */
 } beside_tally;
 
-/* Draws it with each side and corner of the picture where it only just reaches, or does not. */
+/* Draws the sphere at each side and corner of the picture, within reach and just out of it. */
 static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
     fxs_view view;
@@ -1087,7 +1085,7 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
     free(s.data);
 }
 
-/* A few tiny pictures over all angles, and Gaussians from a point to ones far larger than the picture. */
+/* Tiny pictures at all angles; Gaussians from a point to far larger than the picture. */
 static void test_chunks_beside_the_picture(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1101,7 +1099,7 @@ static void test_chunks_beside_the_picture(void)
             aim(&camera, axis, focal, slope);
             most = fmax(most, focal / b.depth);
         }
-        /* A quarter without a size: the dilation alone. The others up to 4096 pixels, which is far for some. */
+        /* A quarter has no size but the dilation. The others have up to 4096 pixels, which for some is far away. */
         b.log2_sigma = i % 4 ? uniform(-1, 12) - log2(most) : -31;
         if (b.log2_sigma > -31.5 && b.log2_sigma < 31)
             check_beside(&camera, &b, i % 2 ? 0 : b.depth * exp2(uniform(-8, 1)));
@@ -1110,8 +1108,8 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where the bound on a sphere's reach is tightest: x/z at the limit of the Jacobian, whose length is the power of two
-   that bounds it, the sphere on the far side, and so large that the picture's margin is nothing beside it. */
+/* Where the bound on a sphere's reach is tightest: x/z at the Jacobian's limit with length exactly the bounding
+   power of two, the sphere on the far side, and too large for the picture's margin to matter. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1129,7 +1127,8 @@ static void test_chunks_at_the_bound_of_their_reach(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where a unit of the chunk's place is most pixels: the longest focal length across, 60 to the side the other way. */
+/* Where one unit of the chunk's place covers most pixels: the longest focal length on one axis, slope 60 on the
+   other. */
 static void test_chunks_of_the_coarsest_units(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1141,14 +1140,14 @@ static void test_chunks_of_the_coarsest_units(void)
             camera.rotation_q30[k] = k % 4 ? 0 : 1 << 30;
         aim(&camera, axis, 524287, 0);
         aim(&camera, !axis, 8000, i & 2 ? 60 : -60);
-        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* its reach 7 units or so, and less than one */
+        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* a reach of about 7 units, and of less than one */
         check_beside(&camera, &b, 0);
     }
     if (!CHECK(beside_tally.touching > 100) || !CHECK(beside_tally.farthest > 10))
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Only the far corner of the chunk is in front of the near plane, by a hair or a little more; and a hair behind it. */
+/* The far corner of the chunk is slightly in front of the near plane, or slightly behind it. */
 static void test_chunks_across_the_near_plane(void)
 {
     int touching = 0, behind = 0;
@@ -1157,10 +1156,10 @@ static void test_chunks_across_the_near_plane(void)
         const double hair = (i % 3 ? 1 : -1) * exp2(uniform(-24, -8));
         const beside b = {{uniform(-0.3, 0.3), uniform(-0.3, 0.3)}, 0.2 + hair, -6};
         packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));   /* what a place is off */
+        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));   /* error of a place */
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
-        for (int axis = 0; axis < 3; axis++) {               /* the corner that is farthest forward */
+        for (int axis = 0; axis < 3; axis++) {               /* the foremost corner */
             const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
             const int forward = camera.rotation_q30[6 + axis] > 0;
             s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;
@@ -1176,7 +1175,7 @@ static void test_chunks_across_the_near_plane(void)
     CHECK(touching > 150 && behind > 80);
 }
 
-/* A Gaussian on the near plane is not drawn; one a unit in front of it is. Part of the chunk is farther. */
+/* A Gaussian on the near plane is culled; one unit in front of it, it is drawn. Part of the chunk is farther. */
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1186,10 +1185,10 @@ static void test_near_plane_itself(void)
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
     place_sphere(&s, &camera, &b, 0);
-    s.chunks->step_q32[2] = 2;                               /* a unit of cv, as its shift is 1 */
+    s.chunks->step_q32[2] = 2;                               /* one unit of cv, since its shift is 1 */
     ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
     for (int ahead = -1; ahead <= 1; ahead++) {
-        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* 0.2 */
+        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* near plane 0.2 */
         CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
     }
     free(s.data);
@@ -1202,7 +1201,7 @@ static void check_slope(int32_t q23, double slope, double most)
     CHECK(fabs(ldexp(q23, -23) - fmax(-most, fmin(slope, most))) < ldexp(1, -22));
 }
 
-/* The slopes of a view, up to where they are cut. */
+/* The slopes of a view, up to their clamp. */
 static void test_view_slopes(void)
 {
     const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1249,7 +1248,7 @@ static int render_good(void)
                       good.bytes, good.pixels, 80, 0);
 }
 
-/* Renders, expects the error and untouched pixels, and puts the value back. */
+/* Sets a bad value, expects the error and untouched pixels, and restores the value. */
 #define REFUSES(error, place, value) do { \
         memcpy(saved, &(place), sizeof (place)); \
         (place) = (value); \
@@ -1298,13 +1297,13 @@ static void test_render_refuses_cameras(void)
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, ((int64_t)1 << 60) + 1);
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, INT64_MIN);
     for (int i = 0; i < 3; i++)
-        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a mirror */
+        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a reflection */
     CHECK(render_good() == FXS_ERR_CAMERA && untouched(good.pixels, sizeof good.pixels));
     free(good.scene.data);
     free(good.memory);
 }
 
-/* 0 is 0.2; both ends of the range are taken, and at the far one nothing is left. */
+/* near 0 means 0.2. Both ends of the range are accepted; at the far end the picture is empty. */
 static void test_near_range(void)
 {
     static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};
@@ -1349,7 +1348,7 @@ static void test_render_refuses_arguments(void)
     const fxs_object object = one_object(s);
     const fxs_targets targets = one_target(rgba, pixels, 80);
     for (uint32_t eyes = 0; eyes <= 3; eyes += 3) {
-        fxs_request request = request_for(&object, 1, options, 1, camera, &targets, 0);
+        fxs_request request = request_for(&object, 1, options, 1, camera, &targets);
         request.eyes = eyes;
         CHECK(fxs_render(context, &request, memory, good.bytes, 0) == FXS_ERR_ARGUMENT);
     }

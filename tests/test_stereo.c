@@ -1,15 +1,8 @@
-/* Two eyes at once: exact, the bytes of two frames; shared, the same bytes on any number of threads and by every
- * version of the stages, the tile lists of two frames, and pictures close to theirs. */
+/* Stereo: the bytes and tile lists of two mono frames, on any number of threads, with every version of the stages, and in
+ * any memory. */
 #include <inttypes.h>
-#include <math.h>
-#include <unistd.h>
 
-#include <fixsplat/camera.h>
-#include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
-#include "tools/metrics.h"
-#include "src/scene/make/procedural.h"
-#include "scene_writer.h"
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
@@ -17,8 +10,7 @@
 #endif
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, CASES = 80 };
-#define EXPECTED 0xeee255e0423145c2u
-#define FLOOR 50.0
+#define EXPECTED 0xfdd37d48b89663b7u
 
 typedef struct pair {
     fxs_scene scene;
@@ -26,7 +18,7 @@ typedef struct pair {
     fxs_options options;
     enum fxs_format format;
     ptrdiff_t stride;              /* of the two pictures side by side */
-    size_t bytes;                  /* of both */
+    size_t bytes;                  /* of both pictures */
     fxs_stats stats;
 } pair;
 
@@ -46,29 +38,28 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Both pictures, in exactly `memory_bytes` bytes. */
-static int render(pair *p, const fxs_context *context, int exact, size_t memory_bytes, unsigned char *pixels)
+static int render(pair *p, const fxs_context *context, size_t memory_bytes, unsigned char *pixels)
 {
     unsigned char *memory = check_aligned(memory_bytes + GUARD_BYTES);
     void *const eyes[2] = {pixels, pixels + p->stride / 2};
     memset(memory, GUARD, memory_bytes + GUARD_BYTES);
     memset(pixels, GUARD, p->bytes);
-    int error = one_render_stereo(context, &p->scene, p->cameras, &p->options, p->format, exact, memory, memory_bytes,
-                                  eyes, p->stride, &p->stats);
+    int error = one_render_stereo(context, &p->scene, p->cameras, &p->options, p->format, memory, memory_bytes, eyes,
+                                  p->stride, &p->stats);
     CHECK(untouched(memory + memory_bytes, GUARD_BYTES));
     free(memory);
     return error;
 }
 
-static size_t bytes_of(const pair *p, const fxs_context *context)
+static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memory *memory)
 {
-    return one_stereo_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height);
+    return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Two frames, by fxs_render. Returns their list entries. */
+/* Two mono frames. Returns their list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
-    size_t bytes = one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, 0);
+    size_t bytes = bytes_of(p, context, 0);
     void *memory = check_aligned(bytes);
     fxs_stats stats[2];
     for (int eye = 0; eye < 2; eye++)
@@ -80,7 +71,7 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
 
 /* ---- Random scenes ----------------------------------------------------------------------------------------------- */
 
-/* Eyes by the case: that look elsewhere, at one place, side by side (twice), apart in any direction. */
+/* Case by case: eyes with unrelated directions, at one place, side by side (twice), apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
 /* Returns the format. */
@@ -102,13 +93,6 @@ static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, 
     return (enum fxs_format)between(0, 2);
 }
 
-/* Where order and colours are those of two frames: the eyes do not share them, or they are equal. */
-static int is_exact(const pair *p, int which)
-{
-    int flat = !p->options.sh_degree || !p->scene.sh_degree;
-    return which % KINDS == ONE_PLACE || (flat && (which % KINDS == ELSEWHERE || which % KINDS == APART));
-}
-
 static uint64_t hash_of(const unsigned char *bytes, size_t count)
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -117,25 +101,19 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* In just enough memory; one byte less is refused with nothing written. Returns the hash of the shared pictures. */
-static uint64_t check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries, int which)
+/* Renders in memory for all splats and in just enough; one byte less is refused and nothing is written. */
+static void check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries)
 {
     unsigned char *pixels = malloc(p->bytes);
-    size_t bytes = bytes_of(p, context);
-    for (int exact = 0; exact < 2; exact++) {
-        CHECK(render(p, context, exact, bytes - 1, pixels) == FXS_ERR_MEMORY && p->stats.memory.least == bytes);
-        CHECK(untouched(pixels, p->bytes));
-    }
-    CHECK(!render(p, context, 1, bytes, pixels) && !memcmp(pixels, alone, p->bytes));
+    fxs_frame_memory memory;
+    const size_t bytes = bytes_of(p, context, &memory);
+    CHECK(render(p, context, memory.least - 1, pixels) == FXS_ERR_MEMORY && p->stats.memory.least == memory.least);
+    CHECK(untouched(pixels, p->bytes));
+    CHECK(!render(p, context, bytes, pixels) && !memcmp(pixels, alone, p->bytes));
     CHECK(p->stats.entries == entries && p->stats.bands == 2);
-    CHECK(!render(p, context, 0, bytes, pixels));
-    CHECK(p->stats.entries == entries && p->stats.bands == 1 && p->stats.memory.total == bytes);
-    uint64_t hash = hash_of(pixels, p->bytes);
-    if (is_exact(p, which))
-        CHECK(!memcmp(pixels, alone, p->bytes));
-    CHECK(!render(p, context, 0, 2 * bytes, pixels) && hash_of(pixels, p->bytes) == hash);
+    CHECK(!render(p, context, memory.least, pixels) && !memcmp(pixels, alone, p->bytes));
+    CHECK(!render(p, context, 2 * bytes, pixels) && !memcmp(pixels, alone, p->bytes));
     free(pixels);
-    return hash;
 }
 
 static uint64_t check_case(int which)
@@ -151,14 +129,15 @@ static uint64_t check_case(int which)
     pair p = pair_of(&scene, cameras, &options, format);
     unsigned char *alone = malloc(p.bytes);
     fxs_init(&context, 0);
-    uint64_t entries = render_alone(&p, &context, alone), hash = check_pair(&p, &context, alone, entries, which);
+    const uint64_t entries = render_alone(&p, &context, alone), hash = hash_of(alone, p.bytes);
+    check_pair(&p, &context, alone, entries);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
         fxs_init(&context, &config);
-        CHECK(check_pair(&p, &context, alone, entries, which) == hash);
+        check_pair(&p, &context, alone, entries);
 #ifdef FXS_WITH_KERNELS
         fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
-        CHECK(check_pair(&p, &context, alone, entries, which) == hash);
+        check_pair(&p, &context, alone, entries);
 #endif
         fxs_pool_destroy(config.pool);
     }
@@ -176,73 +155,7 @@ static void test_random_pairs(void)
     CHECK(sum == EXPECTED);
 }
 
-/* ---- What one eye does not see ----------------------------------------------------------------------------------- */
-
-static struct {
-    const fxs_bounds *bounds;
-    const fxs_box *boxes;          /* of the last stretch that was binned, by now complete */
-    uint32_t count;
-    uint32_t unseen, searched;     /* splats that an eye does not see; those of them that would look for tiles again */
-} binned;
-
-static void look_at_boxes(void)
-{
-    for (uint32_t i = 0; i < binned.count; i++) {
-        if (binned.bounds[i].cx_q14 != -FXS_CENTRE_LIMIT_Q14)
-            continue;
-        binned.unseen++;
-        binned.searched += binned.boxes[i].bits != FXS_NOWHERE.bits;
-    }
-    binned.count = 0;
-}
-
-static void bin_and_look(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
-                         fxs_box *boxes)
-{
-    look_at_boxes();
-    fxs_bin_c(view, splats, bounds, count, boxes);
-    binned.bounds = bounds;
-    binned.boxes = boxes;
-    binned.count = count;
-}
-
-static uint64_t look(void *ignored)
-{
-    (void)ignored;
-    look_at_boxes();
-    return 0;
-}
-
-/* Its box says so, and the lists pass over it: otherwise it would be looked for, with the same result, for each part of
-   the keys and each run. */
-static void test_unseen_splats_are_not_looked_for(void)
-{
-    const fxs_config config = {.clock = look};
-    fxs_context context;
-    fxs_camera cameras[2];
-    fxs_options options;
-    memset(&binned, 0, sizeof binned);
-    fxs_init(&context, &config);
-    context.kernels.bin = bin_and_look;
-    for (int i = 0; i < 2 * KINDS; i++) {
-        fxs_scene scene;
-        state = (uint64_t)i;
-        const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
-        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-        const enum fxs_format format = random_pair(cameras, &options, i);
-        pair p = pair_of(&scene, cameras, &options, format);
-        unsigned char *pixels = malloc(p.bytes);
-        CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels));
-        CHECK(binned.count == 0);
-        free(pixels);
-        free(packed.data);
-    }
-    if (!CHECK(binned.unseen > 300) || !CHECK(binned.searched == 0))
-        printf("  %u unseen, %u of them searched\n", binned.unseen, binned.searched);
-}
-
-/* One eye looks straight ahead, the other is turned about x or y, to either side: each has its own order. Without SH
-   the pictures are those of two frames. */
+/* One eye looks straight ahead, the other is turned about x or y, to either side. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
@@ -257,7 +170,6 @@ static void test_eye_turned_to_any_side(void)
         const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
         CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
         const enum fxs_format format = random_pair(cameras, &options, ONE_PLACE);
-        options.sh_degree = 0;
         for (int eye = 0; eye < 2; eye++) {
             int32_t *r = cameras[eye].rotation_q30;
             for (int k = 0; k < 9; k++)
@@ -271,14 +183,13 @@ static void test_eye_turned_to_any_side(void)
         pair p = pair_of(&scene, cameras, &options, format);
         unsigned char *pixels = malloc(p.bytes), *alone = malloc(p.bytes);
         render_alone(&p, &context, alone);
-        CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels) && !memcmp(pixels, alone, p.bytes));
+        CHECK(!render(&p, &context, bytes_of(&p, &context, 0), pixels) && !memcmp(pixels, alone, p.bytes));
         free(pixels);
         free(alone);
         free(packed.data);
     }
 }
 
-/* Eyes with fields of view of their own: principal points and focal lengths apart. */
 static void test_eyes_with_other_principal_points(void)
 {
     fxs_scene scene;
@@ -297,13 +208,12 @@ static void test_eyes_with_other_principal_points(void)
         pair p = pair_of(&scene, cameras, &options, format);
         unsigned char *alone = malloc(p.bytes);
         const uint64_t entries = render_alone(&p, &context, alone);
-        check_pair(&p, &context, alone, entries, ONE_PLACE);
+        check_pair(&p, &context, alone, entries);
         free(alone);
         free(packed.data);
     }
 }
 
-/* Each eye has the near plane of its own camera. */
 static void test_near_planes(void)
 {
     fxs_scene scene;
@@ -321,7 +231,7 @@ static void test_near_planes(void)
         pair p = pair_of(&scene, cameras, &options, format);
         unsigned char *alone = malloc(p.bytes);
         const uint64_t entries = render_alone(&p, &context, alone);
-        check_pair(&p, &context, alone, entries, ONE_PLACE);
+        check_pair(&p, &context, alone, entries);
         free(alone);
         free(packed.data);
     }
@@ -340,32 +250,27 @@ static void test_arguments(void)
     fxs_init(&context, 0);
     pair p = pair_of(&scene, cameras, &options, format), other = p;
     unsigned char *pixels = check_aligned(p.bytes);
-    size_t bytes = bytes_of(&p, &context);
-    const size_t more = bytes - one_frame_bytes(&context, &scene, cameras[0].width, cameras[0].height, 0);
-    CHECK(more > 68 * FXS_CHUNK * scene.chunk_count && more <= 68 * FXS_CHUNK * scene.chunk_count + 512);
-    CHECK(!one_stereo_bytes(&context, &scene, 0, 1) && !one_stereo_bytes(&context, 0, 1, 1));
-    for (int eye = 0; eye < 2; eye++)
-        for (int exact = 0; exact < 2; exact++) {
-            other = p;
-            other.cameras[eye].height++;
-            CHECK(render(&other, &context, exact, 2 * bytes, pixels) == FXS_ERR_SIZE && untouched(pixels, p.bytes));
-            other = p;
-            other.cameras[eye].fx_q12 = 0;
-            CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_CAMERA && untouched(pixels, p.bytes));
-            void *eyes[2] = {pixels, pixels};
-            eyes[eye] = 0;
-            CHECK(one_render_stereo(&context, &scene, cameras, &options, format, exact, pixels, bytes, eyes, p.stride,
-                                    0) == FXS_ERR_TARGET);
-            other = p;
-            other.stride = cameras[0].width * fxs_pixel_bytes(format) - 1;
-            CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_TARGET && untouched(pixels, p.bytes));
-        }
+    const size_t bytes = bytes_of(&p, &context, 0);
+    for (int eye = 0; eye < 2; eye++) {
+        other = p;
+        other.cameras[eye].height++;
+        CHECK(render(&other, &context, 2 * bytes, pixels) == FXS_ERR_SIZE && untouched(pixels, p.bytes));
+        other = p;
+        other.cameras[eye].fx_q12 = 0;
+        CHECK(render(&other, &context, bytes, pixels) == FXS_ERR_CAMERA && untouched(pixels, p.bytes));
+        void *eyes[2] = {pixels, pixels};
+        eyes[eye] = 0;
+        CHECK(one_render_stereo(&context, &scene, cameras, &options, format, pixels, bytes, eyes, p.stride, 0) ==
+              FXS_ERR_TARGET);
+        other = p;
+        other.stride = cameras[0].width * fxs_pixel_bytes(format) - 1;
+        CHECK(render(&other, &context, bytes, pixels) == FXS_ERR_TARGET && untouched(pixels, p.bytes));
+    }
     free(pixels);
     free(packed.data);
 }
 
-/* More slots than a band may have: one eye goes without a word, two have no bands. */
-/* A clock that runs on, faster each time, as it is looked at. */
+/* A clock that advances faster with each call. */
 typedef struct looked {
     uint64_t calls, first, last;
 } looked;
@@ -379,7 +284,7 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* The time of both eyes is that from the first look at the clock to the last one, and has that of all stages in it. */
+/* From the first clock call to the last, including all stages. */
 static void test_time(void)
 {
     fxs_scene scene;
@@ -392,21 +297,20 @@ static void test_time(void)
     const enum fxs_format format = random_pair(cameras, &options, ONE_PLACE);
     pair p = pair_of(&scene, cameras, &options, format);
     unsigned char *pixels = check_aligned(p.bytes);
-    for (int exact = 0; exact < 2; exact++) {
-        looked l = {0, 0, 0};
-        const fxs_config config = {.clock = look_at_clock, .clock_argument = &l};
-        uint64_t stages = 0;
-        fxs_init(&context, &config);
-        CHECK(!render(&p, &context, exact, bytes_of(&p, &context), pixels));
-        for (int i = 0; i < FXS_STAGES; i++)
-            stages += p.stats.nanoseconds[i];
-        CHECK(l.calls > 2 && p.stats.frame_nanoseconds == l.last - l.first);
-        CHECK(stages > p.stats.frame_nanoseconds / 2 && stages < p.stats.frame_nanoseconds);
-    }
+    looked l = {0, 0, 0};
+    const fxs_config config = {.clock = look_at_clock, .clock_argument = &l};
+    uint64_t stages = 0;
+    fxs_init(&context, &config);
+    CHECK(!render(&p, &context, bytes_of(&p, &context, 0), pixels));
+    for (int i = 0; i < FXS_STAGES; i++)
+        stages += p.stats.nanoseconds[i];
+    CHECK(l.calls > 2 && p.stats.frame_nanoseconds == l.last - l.first);
+    CHECK(stages > p.stats.frame_nanoseconds / 2 && stages < p.stats.frame_nanoseconds);
     free(pixels);
     free(packed.data);
 }
 
+/* More slots than a band may have: two eyes are drawn in bands, as one is. */
 static void test_too_many_slots(void)
 {
     static fxs_object objects[FXS_MAX_OBJECTS];
@@ -432,192 +336,20 @@ static void test_too_many_slots(void)
     CHECK(fxs_frame_bytes(&context, objects, FXS_MAX_OBJECTS, 256, 256, &memory) > 0 && memory.least < memory.total);
     CHECK(render_frame(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, pixels, 4096, &stats) ==
           FXS_ERR_MEMORY && stats.memory.least < memory.total);
-    CHECK(render_eyes(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, 0, pixels, 4096, 0) ==
-          FXS_ERR_OBJECT);
-    CHECK(render_eyes(&context, objects, FXS_MAX_OBJECTS - 4096, cameras, &options, targets, 0, pixels, 4096,
-                            0) == FXS_ERR_MEMORY);
+    CHECK(render_eyes(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, pixels, 4096, &stats) ==
+          FXS_ERR_MEMORY && stats.memory.least == memory.least);
     free(pixels);
     free(packed.data);
-}
-
-/* ---- The difference to each eye alone ---------------------------------------------------------------------------- */
-
-enum { WIDTH = 640, HEIGHT = 360 };
-static const double up[3] = {0, -1, 0};
-
-/* The eyes, 2 % of the distance to the middle of the scene apart; the left one turned right by `turn` degrees, the
-   right one left. */
-static int eyes_of(fxs_camera cameras[2], const fxs_file_view *view, const fxs_pack_report *report, double turn)
-{
-    fxs_message m;
-    double square = 0;
-    for (int i = 0; i < 3; i++)
-        square += pow((report->inner_low[i] + report->inner_high[i]) / 2 - view->position[i], 2);
-    for (int eye = 0; eye < 2; eye++) {
-        fxs_file_view beside = *view;
-        for (int i = 0; i < 3; i++)
-            beside.position[i] += (eye ? 0.01 : -0.01) * sqrt(square) * view->rotation[i];
-        fxs_view_orbit(&beside, beside.position, view->rotation + 3, (eye ? -1 : 1) * turn * 0.017453292519943295);
-        if (fxs_camera_from_view(&cameras[eye], &beside, &m))
-            return -1;
-    }
-    return 0;
-}
-
-static void copy_eye(uint8_t *eye, const pair *p, const unsigned char *pixels, int which)
-{
-    for (int y = 0; y < HEIGHT; y++)
-        memcpy(eye + y * WIDTH * 4, pixels + y * p->stride + which * WIDTH * 4, WIDTH * 4);
-}
-
-/* Returns the PSNR of the worse eye. */
-static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
-{
-    static uint8_t eyes[2][WIDTH * HEIGHT * 4];
-    fxs_context context;
-    fxs_options options;
-    struct fxs_metrics metrics;
-    double worse = INFINITY;
-    fxs_init(&context, 0);
-#ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
-#endif
-    fxs_options_init(&options);
-    pair p = pair_of(scene, cameras, &options, FXS_FORMAT_RGBA8);
-    unsigned char *shared = malloc(p.bytes), *alone = malloc(p.bytes);
-    CHECK(!render(&p, &context, 0, bytes_of(&p, &context), shared));
-    CHECK(!render(&p, &context, 1, bytes_of(&p, &context), alone));
-    for (int eye = 0; eye < 2; eye++) {
-        copy_eye(eyes[0], &p, shared, eye);
-        copy_eye(eyes[1], &p, alone, eye);
-        CHECK(!fxs_metrics_compare(eyes[0], eyes[1], WIDTH, HEIGHT, &metrics));
-        worse = fmin(worse, metrics.psnr);
-    }
-    free(shared);
-    free(alone);
-    return worse;
-}
-
-/* The eyes of a headset: the left one sees farther to the left, the right one to the right. */
-static void check_headset(const fxs_scene *scene, const fxs_file_view *view, const fxs_pack_report *report)
-{
-    static const double tangents[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}};
-    fxs_message m;
-    fxs_camera cameras[2];
-    for (int eye = 0; eye < 2; eye++) {
-        fxs_file_view wide = *view;
-        fxs_camera both[2];
-        CHECK(!fxs_view_set_tangents(&wide, tangents[eye], &m) && !eyes_of(both, &wide, report, 0));
-        cameras[eye] = both[eye];
-    }
-    CHECK(cameras[0].cx_q12 - cameras[1].cx_q12 > 40 << 12);
-    const double psnr = worse_psnr(scene, cameras);
-    printf("  %s, a headset: %.1f dB\n", view->name, psnr);
-    CHECK(psnr >= FLOOR);
-}
-
-static void check_view(const fxs_packed_scene *packed, const fxs_pack_report *report, const fxs_file_view *view)
-{
-    static const double turns[] = {0, 1, -5};
-    fxs_scene scene;
-    fxs_camera cameras[2];
-    CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes));
-    for (int i = 0; i < 3; i++) {
-        if (!CHECK(!eyes_of(cameras, view, report, turns[i])))
-            return;
-        double psnr = worse_psnr(&scene, cameras);
-        printf("  %s, turned %g degrees: %.1f dB\n", view->name, turns[i], psnr);
-        CHECK(psnr >= FLOOR);
-    }
-    check_headset(&scene, view, report);
-}
-
-static int pack(const char *path, fxs_packed_scene *packed, fxs_pack_report *report)
-{
-    fxs_message m;
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
-    if (fxs_scene_file_open(path, NULL, &file, &info, &m))
-        return -1;
-    int result = fxs_pack(file, &info, packed, report, NULL, &m);
-    fxs_scene_file_close(file);
-    return result;
-}
-
-static void test_captured_scene(void)
-{
-    char path[512];
-    fxs_message m;
-    fxs_packed_scene packed;
-    fxs_pack_report report;
-    fxs_file_view *views = 0;
-    const char *folder = getenv("FXS_SCENES");
-    folder = folder ? folder : "../shared/scenes";
-    snprintf(path, sizeof path, "%s/snowmiku/snowmiku.ply", folder);
-    if (access(path, R_OK))
-        SKIP("the scene is not here");
-    if (!CHECK(!pack(path, &packed, &report)))
-        return;
-    snprintf(path, sizeof path, "%s/snowmiku/cameras.json", folder);
-    long count = fxs_camera_file_read(path, &views, &m);
-    CHECK(count > 72);
-    for (long i = 8; i < count && i <= 72; i += 32) {
-        fxs_view_resize(&views[i], WIDTH, HEIGHT);
-        check_view(&packed, &report, &views[i]);
-    }
-    free(views);
-    fxs_packed_scene_free(&packed);
-}
-
-static int write_scene(const char *path, const char *name, uint64_t count)
-{
-    fxs_message m;
-    fxs_scene_writer *writer;
-    const fxs_procedural_scene *scene = fxs_procedural_find(name);
-    if (open_writer("ply", path, count, scene->sh_degree, 0, &writer, &m))
-        return -1;
-    for (uint64_t i = 0; i < count; i++) {
-        fxs_gaussian gaussian;
-        scene->gaussian(i, count, 1, &gaussian);
-        fxs_scene_writer_put(writer, &gaussian, 1, &m);
-    }
-    return close_writer(writer, &m);
-}
-
-static void check_procedural(const char *name, const double eye[3], const double look[3])
-{
-    char path[] = "/tmp/fixsplat-stereo-XXXXXX";
-    fxs_message m;
-    fxs_packed_scene packed;
-    fxs_pack_report report;
-    fxs_file_view view;
-    int fd = mkstemp(path);
-    if (CHECK(fd >= 0 && !close(fd) && !write_scene(path, name, 50000) && !pack(path, &packed, &report))) {
-        CHECK(!fxs_view_look_at(&view, eye, look, up, 50, WIDTH, HEIGHT, &m));
-        snprintf(view.name, sizeof view.name, "%s", name);
-        check_view(&packed, &report, &view);
-        fxs_packed_scene_free(&packed);
-    }
-    unlink(path);
-}
-
-static void test_procedural_scenes(void)
-{
-    check_procedural("knot", (const double[3]){0.9, -2.6, -12.8}, (const double[3]){0, 0.42, 0});
-    check_procedural("landscape", (const double[3]){4.6, -1.9, -12.7}, (const double[3]){0, -2.2, 0});
 }
 
 int main(void)
 {
     RUN(test_random_pairs);
-    RUN(test_unseen_splats_are_not_looked_for);
     RUN(test_eye_turned_to_any_side);
     RUN(test_eyes_with_other_principal_points);
     RUN(test_near_planes);
     RUN(test_arguments);
     RUN(test_time);
     RUN(test_too_many_slots);
-    RUN(test_procedural_scenes);
-    RUN(test_captured_scene);
     return check_report();
 }

@@ -1,5 +1,5 @@
-/* Frames that are stopped, at each place where they ask: FXS_ERR_STOPPED, nothing else is lost, and a frame whose stop
- * says no has the bytes of one without. With --threads only the test of several threads, for ThreadSanitizer. */
+/* Frames stopped at every place that polls the stop callback: FXS_ERR_STOPPED, and no other damage. A callback that
+ * always says no leaves the bytes unchanged. --threads runs only the test of several threads, for ThreadSanitizer. */
 #include <fixsplat/strip.h>
 #include <fixsplat/pool.h>
 #include "check.h"
@@ -8,7 +8,7 @@
 
 enum { SIDE = 100, THREADS = 4 };
 
-/* Says yes once, the `at`-th time that it is asked. */
+/* Says stop once, at call number `at`. */
 typedef struct asked {
     int times, at;
 } asked;
@@ -54,7 +54,7 @@ static int draw_depth(bench *b)
 static int draw_eyes(bench *b)
 {
     const fxs_targets targets[2] = {targets_of(b, 0), targets_of(b, 1)};
-    return render_eyes(&b->context, &b->object, 1, b->cameras, &b->options, targets, 0, b->memory, b->bytes, 0);
+    return render_eyes(&b->context, &b->object, 1, b->cameras, &b->options, targets, b->memory, b->bytes, 0);
 }
 
 static int pick_middle(bench *b)
@@ -83,7 +83,7 @@ static int draw_strips(bench *b)
     return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
-/* `room` of what a frame takes over the least, in sixteenths. */
+/* `room`: memory above the minimum, in sixteenths of the memory for a whole frame. */
 static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;
@@ -99,8 +99,7 @@ static void bench_init(bench *b, uint64_t seed, int room)
     b->cameras[1] = b->cameras[0];
     b->cameras[1].position_q32[0] += 1 << 20;
     const size_t whole = fxs_frame_bytes(&b->context, &b->object, 1, SIDE, SIDE, &sizes);
-    b->bytes = room < 16 ? sizes.least + (whole - sizes.least) / 16 * (size_t)room
-                         : fxs_stereo_bytes(&b->context, &b->object, 1, SIDE, SIDE);
+    b->bytes = room < 16 ? sizes.least + (whole - sizes.least) / 16 * (size_t)room : whole;
     b->memory = check_aligned(b->bytes);
 }
 
@@ -110,8 +109,8 @@ static void bench_free(bench *b)
     free(b->packed.data);
 }
 
-/* Draws without a stop, with one that says no, with one that says yes at each place or some 50 of them, and with none
-   again. Returns at how many places it was asked. */
+/* Draws without a stop, with one that says no, with stops at each call (or 50 of them), and again without. Returns
+   the number of calls. */
 static int stop_everywhere(bench *b, draw_fn *draw)
 {
     asked a = {0, 0};
@@ -156,7 +155,6 @@ static void test_stopped_by_a_byte(void)
     bench_free(&b);
 }
 
-/* Bands, and slices of tile rows. */
 static void test_stopped_in_little_memory(void)
 {
     static bench b;
@@ -174,7 +172,7 @@ static void test_stopped_in_little_memory(void)
 
 /* ---- Threads ------------------------------------------------------------------------------------------------------- */
 
-/* Yes by chance, one time in so many; each thread has a series of its own, so that nothing is shared. */
+/* Stops at random, once in *argument calls; each thread has its own series, so nothing is shared. */
 static int stop_by_chance(void *argument)
 {
     static __thread uint32_t series;

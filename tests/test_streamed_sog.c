@@ -1,4 +1,4 @@
-/* Streamed SOG that is written: its levels as they are read again, its index, and what stays after an error. */
+/* Written streamed SOG: its levels read back, its index, and that errors leave no files. */
 #include <sys/stat.h>
 
 #include <fixsplat/formats.h>
@@ -59,7 +59,6 @@ static long read_level(const char *name, int level)
     return n < 0 ? n : count;
 }
 
-/* Files and folders below a folder. */
 static int files_in(const char *name)
 {
     char command[256];
@@ -90,7 +89,6 @@ static void finest_level(void)
     CHECK(off == 0);
 }
 
-/* What a level has of the scene. */
 typedef struct sums {
     double weight, middle[3], dc[3];
 } sums;
@@ -112,8 +110,8 @@ static void has_the_middle(const sums *s, double off)
     }
 }
 
-/* Half as many each time, and as much of the scene: its middle and its colours, weighted by optical depth, and by
-   opacity too but for the coarsest level, where most are as opaque as may be, and what stands for more is no more so. */
+/* Each level has half the Gaussians of the one before, with the same middle and colours, weighted by optical depth
+   and by opacity. At the coarsest level opacity saturates, so only optical depth is compared. */
 static void coarser_levels(void)
 {
     long before = COUNT;
@@ -142,7 +140,7 @@ static double number(const cJSON *object, const char *name, int i)
     return (i < 0 ? item : cJSON_GetArrayItem(item, i))->valuedouble;
 }
 
-/* The bounds of a node hold those of its children; errors grow with the level. Returns the leaves. */
+/* Checks bounds and errors of a node and its children. Returns the number of leaves. */
 static int check_node(const cJSON *node, const double low[3], const double high[3])
 {
     const cJSON *bound = cJSON_GetObjectItemCaseSensitive(node, "bound"), *child;
@@ -206,7 +204,6 @@ static int stop(void *calls, double done)
     return ++*(int *)calls == 30;
 }
 
-/* After an error nothing is left. */
 static void faults(void)
 {
     int calls = 0;

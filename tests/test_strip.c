@@ -1,5 +1,6 @@
-/* Pictures in strips, and the turntable, against fxs_render: byte for byte. With arguments it prints what a board's
- * firmware should: test_strip SCENE.fxs WIDTH HEIGHT FRAMES [BUDGET]. Or the hash of a screen's picture: test_strip SCREEN.ppm. */
+/* Pictures in strips, and the turntable, must equal fxs_render byte for byte. test_strip SCENE.fxs WIDTH HEIGHT FRAMES
+ * [BUDGET] prints the hashes that a board's firmware should print. test_strip SCREEN.ppm prints the hash of a screen's
+ * picture. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,12 +18,11 @@
 
 static fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
-/* A picture put together from strips. */
 typedef struct collected {
     unsigned char *pixels;
     int32_t row_bytes, next, strips;
-    void *other;                   /* where the strip after this one goes; null: where this one is */
-    int error;                     /* to answer with, at the second strip */
+    void *other;                   /* buffer for the next strip; null: the same one */
+    int error;                     /* returned at the second strip */
 } collected;
 
 static int collect(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
@@ -72,7 +72,7 @@ static void bench_free(bench *b)
     free(b->strip.pixels);
 }
 
-/* A frame of the object into b->want, and in strips, within so much memory. Returns the latter's answer. */
+/* Renders to b->want, and in strips within `bytes` of memory; returns the latter's result. */
 static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camera, void *memory, size_t whole,
                      size_t bytes, fxs_stats *stats)
 {
@@ -91,7 +91,7 @@ static int same(const bench *b, const fxs_camera *camera)
            !memcmp(b->got.pixels, b->want, (size_t)(b->got.row_bytes * camera->height));
 }
 
-/* A larger picture, of splats of so many tiles each that lists do not fit. */
+/* A larger picture, with splats on too many tiles for the lists to fit. */
 static void enlarge(packed_scene *scene, fxs_camera *camera)
 {
     for (uint32_t c = 0; c < scene->scene.chunk_count; c++)
@@ -102,8 +102,8 @@ static void enlarge(packed_scene *scene, fxs_camera *camera)
     camera->cy_q12 = camera->height * 2048;
 }
 
-/* Random scenes in every format, in strips of 16 rows and more, with one buffer and two, at once and in less and less
-   memory. */
+/* Random scenes in every format, in strips of at least 16 rows, with one buffer and two, at once and with less and
+   less memory. */
 static void test_strips_are_the_picture(void)
 {
     int banded = 0, sliced = 0;
@@ -140,7 +140,6 @@ static void test_strips_are_the_picture(void)
     CHECK(banded > 10 && sliced > 5);
 }
 
-/* A strip that is not one, and one whose receiver fails. */
 static void test_wrong_strips(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_DEFAULT, 500);
@@ -180,7 +179,7 @@ static void test_wrong_strips(void)
     bench_free(&b);
 }
 
-/* At step 0 the object is the scene as it is; after a quarter of a turn x is where z was; a whole turn is none. */
+/* Step 0 is the untransformed scene; after a quarter turn x is where z was; a whole turn equals step 0. */
 static void test_turntable_turns(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_SMALL, 500);
@@ -209,7 +208,6 @@ static void test_turntable_turns(void)
     free(scene.data);
 }
 
-/* The whole of the box is before the camera at every step, whatever its shape and size. */
 static void test_turntable_frames(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_SMALL, 500);
@@ -237,7 +235,7 @@ static void test_turntable_frames(void)
     free(scene.data);
 }
 
-/* ---- What a board prints ----------------------------------------------------------------------------------------- */
+/* ---- A board's output -------------------------------------------------------------------------------------------- */
 
 static uint64_t fnv1a64(const unsigned char *bytes, size_t count)
 {
@@ -247,7 +245,7 @@ static uint64_t fnv1a64(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* "step N hash H" of whole pictures, as the firmware prints of its strips. */
+/* As the firmware prints for its strips. */
 static int print_hashes(char **arguments)
 {
     fxs_mapping file;
@@ -277,7 +275,6 @@ static int print_hashes(char **arguments)
     return error != 0 || check_faults;
 }
 
-/* The hash of the RGB565 that a screen has shown with its lowest bits 0. */
 static int print_screen(const char *path)
 {
     int width, height, most;

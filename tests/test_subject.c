@@ -1,4 +1,4 @@
-/* What cameras look at, and a fit that is cropped to it. */
+/* Finds the subject of the cameras, and crops a fit to it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static void aim(int i, const double eye[3], const double target[3])
     photos[i].pixels = pixels;
 }
 
-/* Cameras around a place that see distance * 24 / 60 units to their upper and lower edges; points near it and beyond. */
+/* Cameras around `middle` that see distance * 24 / 60 units up and down; points near it and beyond. */
 static void set_up(const double middle[3], const double distances[PHOTOS])
 {
     for (int i = 0; i < PHOTOS; i++) {
@@ -40,7 +40,7 @@ static void set_up(const double middle[3], const double distances[PHOTOS])
         }
 }
 
-/* The first cameras look the other way, along the same axes. */
+/* Turns the first cameras around, on the same axes. */
 static void turn_back(int count)
 {
     for (int i = 0; i < count; i++)
@@ -80,7 +80,7 @@ static double reach_of(const fxs_gaussian *g, const double middle[3])
     return sqrt(square) + exp((double)fmaxf(fmaxf(g->scale[0], g->scale[1]), g->scale[2]));
 }
 
-/* With `steps` of 20 it is coded in the last two. */
+/* With 20 steps, the last two fit codes. */
 static void cropped(uint32_t steps)
 {
     static const double middle[3] = {2, -3, 5};
@@ -102,7 +102,7 @@ static void cropped(uint32_t steps)
     const size_t left = read_all(fit, after);
     CHECK(inside > 50 && inside < count - 50 && left == inside && subject.dropped == count - inside);
     for (size_t i = 0; i < left; i++)
-        CHECK(reach_of(&after[i], middle) < 4.01);     /* coded anew in other chunks */
+        CHECK(reach_of(&after[i], middle) < 4.01);
     CHECK(!fxs_fit_pack(fit, &scene, &report, &message) && report.packed == left);
     fxs_packed_scene_free(&scene);
     CHECK(!fxs_fit_crop_to_subject(fit, &subject, &message) && subject.dropped <= left / 20);
@@ -137,36 +137,36 @@ static void no_subject(void)
     turn_back(PHOTOS / 4 + 1);
     refuses("do not look at one thing: 8 of 12 photographs");
     set_up(middle, NULL);
-    turn_back(PHOTOS);                          /* as in a room */
+    turn_back(PHOTOS);                          /* cameras look outward, as in a room */
     for (int i = 0; i < POINTS; i++)
         points[i].position[2] *= 10;
     refuses("do not look at one thing: 0 of 12 photographs");
-    for (int i = 0; i < PHOTOS; i++) {          /* one step to the side after the other, past something far away */
+    for (int i = 0; i < PHOTOS; i++) {          /* cameras side by side, looking at something far away */
         const double eye[3] = {0.05 * i, 0, 0};
         aim(i, eye, far);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* around it, but past it to the side, by 0.4 of the distance for 0.53 */
+    for (int i = 0; i < PHOTOS; i++) {          /* around it, but aimed 0.4 of the distance to its side */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {-0.4 * eye[2], 0, 0.4 * eye[0]};
         aim(i, eye, target);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* over it and under it in turn, by 0.3 for 0.4 */
+    for (int i = 0; i < PHOTOS; i++) {          /* aimed 0.3 of the distance above and below in turn */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {0, i % 2 ? 3 : -3, 0};
         aim(i, eye, target);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < POINTS; i++)            /* nothing there, but above and below */
+    for (int i = 0; i < POINTS; i++)            /* points only above and below */
         points[i].position[1] += i % 2 ? 60 : -60;
     refuses("no Gaussian lies where the cameras look");
 }
 
-/* Half of the photographs show the sphere whole. */
+/* The radius is that which half of the photographs show whole. */
 static void radius_of_the_median(void)
 {
     static const double middle[3] = {0, 0, 0};

@@ -1,5 +1,5 @@
-/* Depths, ids, coverage, occluders and backdrops: against a loop over every pixel and every splat in order, without
- * tiles and parts, exactly; against the double-precision reference; and against each other. */
+/* Depths, ids, coverage, occluders and backdrops: equal to a loop over every pixel and splat in order, close to the
+ * double-precision reference, and consistent with each other. */
 #include "src/core/frame.h"
 #include "one_scene.h"
 #include "random_scene.h"
@@ -69,11 +69,11 @@ static void collect(const fxs_object *objects, uint32_t count, const fxs_camera 
         qsort(all.order, all.count, sizeof *all.order, by_depth);
 }
 
-/* A pixel while it is blended. */
+/* A pixel during blending. */
 typedef struct brute {
     int t_q15, sum_q13[3], most_q15, weights;
     uint32_t median, largest;
-    double depths, error;          /* sum of weight * depth; by how much that of the renderer may be off */
+    double depths, error;          /* sum of weight * depth; the renderer's tolerance for it */
 } brute;
 
 static double depth_of(uint32_t key)
@@ -81,7 +81,7 @@ static double depth_of(uint32_t key)
     return ldexp((double)(1u << 26 | (key & 0x3ffffff)), (int)(key >> 26) - 32 - 26);
 }
 
-/* The renderer's depth within its octave is off by a code of 2^-15, and each product of it and a weight is rounded. */
+/* The renderer rounds a depth within its octave to 2^-15, and each product with a weight. */
 static void add_depth(brute *b, uint32_t key, int weight_q15)
 {
     const double octave = ldexp(1, (int)(key >> 26) - 32);
@@ -106,7 +106,6 @@ static void blend(brute *b, uint32_t slot, int x, int y)
         b->sum_q13[c] = fxs_accumulate_q13(b->sum_q13[c], weight, s->colour_q13[c]);
 }
 
-/* Those of row y, in order. Returns how many. */
 static uint32_t splats_of_row(int y, uint32_t *row)
 {
     uint32_t count = 0;
@@ -118,7 +117,7 @@ static uint32_t splats_of_row(int y, uint32_t *row)
     return count;
 }
 
-/* Whether a splat's breadth, and two pixels, reach a column. */
+/* True if the splat's width plus two pixels reaches column x. */
 static int may_touch(uint32_t slot, int x)
 {
     const fxs_bounds *b = &all.bounds[slot];
@@ -136,8 +135,8 @@ static brute brute_pixel(const uint32_t *row, uint32_t count, int x, int y, uint
 }
 
 static struct {
-    double largest;                /* relative error of a mean depth */
-    long pixels, hidden;           /* with a mean; where the occluder hides something */
+    double largest;                /* largest relative error of a mean depth */
+    long pixels, hidden;           /* pixels with a mean depth; pixels where the occluder hides something */
 } tally;
 
 static int same_mean(const brute *b, uint32_t mean, int bits)
@@ -171,7 +170,7 @@ static uint32_t expected_median(const brute *b, int bits)
     return depth < FXS_NOTHING - 1 ? (uint32_t)depth : FXS_NOTHING - 1;
 }
 
-/* A depth as the renderer compares it: a key with 26 bits behind the leading one. */
+/* A depth as the renderer compares it: 26 bits after the leading one. */
 static uint32_t key_of(uint32_t depth, int bits)
 {
     int exponent;
@@ -181,7 +180,6 @@ static uint32_t key_of(uint32_t depth, int bits)
     return (uint32_t)(exponent - 1 + 32) << 26 | ((uint32_t)ldexp(mantissa, 27) & 0x3ffffff);
 }
 
-/* Every target of a pixel of a picture of RGBA8. */
 static int same_pixel(const picture *p, const fxs_options *options, int i, const brute *b, int bits)
 {
     const fxs_id none = {FXS_NOTHING, FXS_NOTHING}, id = picture_id(p, i);
@@ -193,7 +191,6 @@ static int same_pixel(const picture *p, const fxs_options *options, int i, const
            CHECK(coverage == (int)floor((FXS_CLEAR_Q15 - b->t_q15) * 255 / 32768.0 + 0.5));
 }
 
-/* Of the world that was collected: every `step`-th row and column. */
 static void check_pixels(const picture *p, const fxs_options *options, int step)
 {
     const fxs_targets *t = &p->targets;
@@ -213,7 +210,6 @@ static void check_pixels(const picture *p, const fxs_options *options, int step)
     free(row);
 }
 
-/* Two or three objects of random scenes. */
 typedef struct scenario {
     packed_scene scenes[3];
     fxs_object objects[3];
@@ -248,7 +244,8 @@ static int draw_in(const fxs_context *context, const scenario *s, size_t bytes, 
                    fxs_stats *stats)
 {
     void *memory = check_aligned(bytes);
-    const int error = render_frame(context, s->objects, s->count, &s->camera, &s->options, targets, memory, bytes, stats);
+    const int error = render_frame(context, s->objects, s->count, &s->camera, &s->options, targets, memory, bytes,
+                                   stats);
     free(memory);
     return error;
 }
@@ -263,7 +260,7 @@ static int draw(const scenario *s, const fxs_targets *targets)
     return draw_in(&plain, s, bytes_of(&plain, s), targets, 0);
 }
 
-/* Depths that are those of splats, near them, anything, nothing and 0. */
+/* Random depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
 static uint32_t *random_occluder(const scenario *s, int bits)
 {
     const int pixels = s->camera.width * s->camera.height;
@@ -310,7 +307,7 @@ static void test_every_target_pixel_by_pixel(void)
 
 enum { WIDTH = 400, HEIGHT = 260, PIXELS = WIDTH * HEIGHT };
 
-/* What a comparison leaves out as a tie, and what of the rest differs; parts of the pixels that have one. */
+/* Shares of pixels: with a value, ties (skipped), and wrong. */
 typedef struct shares {
     double with, ties, wrong;
 } shares;
@@ -343,7 +340,7 @@ static void check_median(const picture *p, const reference_world *r)
     CHECK(s.wrong <= 0.001);
 }
 
-/* The two largest weights within 1/1024 are a tie. */
+/* Two largest weights within 1/1024 are a tie. */
 static void check_id(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};
@@ -369,7 +366,7 @@ static int by_size(const void *left, const void *right)
     return (l > r) - (l < r);
 }
 
-/* Where at least 1/64 of the light is taken. */
+/* Compares pixels where at least 1/64 of the light is absorbed. */
 static void check_mean(const picture *p, const reference_world *r)
 {
     static double errors[PIXELS];
@@ -491,7 +488,7 @@ static void test_captured_against_reference(void)
 
 /* ---- A mesh in between ------------------------------------------------------------------------------------------- */
 
-/* A slanted wall through a point: the depth at which a pixel's ray meets it; nothing at every 37th pixel. */
+/* A slanted wall through a point, as depths along the pixels' rays; FXS_NOTHING at every 37th pixel. */
 static void make_wall(const fxs_camera *camera, double through, uint32_t *depths, double *in_doubles)
 {
     const fxs_file_view view = view_of(camera);
@@ -565,7 +562,7 @@ static void fill(uint32_t *depths, int count, uint32_t depth)
         depths[i] = depth;
 }
 
-/* Nothing in between: the frame without; at once before the camera: the background. */
+/* An occluder of FXS_NOTHING gives the frame without one; directly before the camera, the background. */
 static void test_empty_and_full_occluders(void)
 {
     state = 33;
@@ -603,7 +600,8 @@ static fxs_image *image_of(fxs_targets *t, int i)
     return images[i];
 }
 
-/* More at the occluder's depth than one part of a tile's list holds: all of it is seen, and from one depth less none. */
+/* More splats at the occluder's depth than one part of a tile's list holds: all are visible, and one depth nearer
+   none is. */
 static void test_many_at_the_limit(void)
 {
     enum { SIZE = 16, BITS = 26 };
@@ -642,7 +640,7 @@ static void test_many_at_the_limit(void)
     free(flat.data);
 }
 
-/* Any of them alone or together are the bytes of all. */
+/* Any subset of targets gives the bytes of all together. */
 static void test_every_subset(void)
 {
     state = 34;
@@ -679,7 +677,6 @@ static void test_every_subset(void)
     }
 }
 
-/* A frame of one colour target without padding. */
 static unsigned char *colour_of(const scenario *s, enum fxs_format format, const fxs_image *backdrop)
 {
     const ptrdiff_t stride = (ptrdiff_t)s->camera.width * fxs_pixel_bytes(format);
@@ -691,7 +688,7 @@ static unsigned char *colour_of(const scenario *s, enum fxs_format format, const
     return pixels;
 }
 
-/* Of 16 bits the sum can be told, and from that the 8 bits. */
+/* The 16-bit colour determines the sum, and the sum the 8-bit colour. */
 static int same_wide(const uint16_t *wide, const uint8_t *rgba)
 {
     int same = 1;
@@ -745,7 +742,7 @@ static void test_formats_against_each_other(void)
     }
 }
 
-/* Each pixel of a backdrop is the background of that pixel; it may lie in the colour target itself. */
+/* A backdrop pixel is the background of its pixel. The backdrop may be the colour target itself. */
 static void test_backdrops(void)
 {
     static const enum fxs_format formats[] = {FXS_FORMAT_RGBA8, FXS_FORMAT_RGB565, FXS_FORMAT_BGRA8,
@@ -767,7 +764,7 @@ static void test_backdrops(void)
             memcpy(backdrop + 4 * k, colours[k % 3 == 0], 3);
             backdrop[4 * k + 3] = (uint8_t)next();
         }
-        s.options.background[1] = (uint8_t)~s.options.background[1];   /* not seen */
+        s.options.background[1] = (uint8_t)~s.options.background[1];   /* unused */
         unsigned char *mixed = colour_of(&s, formats[i % 4], &(fxs_image){backdrop, width * 4});
         for (int k = 0; k < width * height; k++)
             CHECK(!memcmp(mixed + bytes * k, of_colour[k % 3 == 0] + bytes * k, (size_t)bytes));
@@ -784,7 +781,7 @@ static void test_backdrops(void)
     }
 }
 
-/* An image of `width` pixels of `bytes` bytes in rows that are longer, maybe bottom up, in a block of guard bytes. */
+/* An image with padded rows, maybe bottom up, in a block of guard bytes. */
 typedef struct padded {
     unsigned char *block;
     size_t bytes;
@@ -807,7 +804,7 @@ static padded padded_new(int width, int height, int bytes, int alignment)
     return p;
 }
 
-/* The rows are those without padding, and all else is untouched. */
+/* The rows equal the unpadded ones; the padding is untouched. */
 static int same_padded(const padded *p, const unsigned char *tight, int height)
 {
     unsigned char *expected = malloc(p->bytes);
@@ -859,7 +856,6 @@ static void test_strides_and_guards(void)
     }
 }
 
-/* Two targets side by side in the rows of one image. */
 static void test_interlaced_targets(void)
 {
     scenario s;
@@ -879,7 +875,7 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    for (int side = -4; side <= 4; side += 8) {      /* into the row before, or the row after */
+    for (int side = -4; side <= 4; side += 8) {      /* overlaps the row before, or after */
         t.colour.pixels = both + 4 * width + side;
         CHECK(draw(&s, &t) == FXS_ERR_TARGET);
     }
@@ -890,7 +886,6 @@ static void test_interlaced_targets(void)
 
 /* ---- Picking ----------------------------------------------------------------------------------------------------- */
 
-/* The position lies on the pixel's ray, at the Gaussian's depth. */
 static int is_on_ray(const fxs_pick_result *r, const fxs_camera *camera, int x, int y)
 {
     const fxs_file_view v = view_of(camera);
@@ -932,8 +927,8 @@ static void test_pick(void)
             const int x = between(0, s.camera.width - 1), y = between(0, s.camera.height - 1);
             const fxs_id id = picture_id(&p, y * s.camera.width + x);
             fxs_pick_result r;
-            const int found = pick_pixel(&plain, s.objects, s.count, &s.camera, &s.options, i % 2 ? &p.targets : 0, x, y,
-                                       room, bytes, &r);
+            const int found = pick_pixel(&plain, s.objects, s.count, &s.camera, &s.options, i % 2 ? &p.targets : 0, x,
+                                         y, room, bytes, &r);
             if (found == FXS_ERR_MEMORY && i % 3 == 0)
                 break;
             misses += found == 0;
@@ -992,7 +987,8 @@ static void check_image(const fxs_targets *fit, int i, int bytes, int alignment)
     }
 }
 
-/* Every pair in the same place, or one's first row in the other's last; but the backdrop may be the colour target. */
+/* Every pair of images is refused if they share a place, or one's first row overlaps the other's last. Only the
+   backdrop may be the colour target. */
 static void check_overlaps(const fxs_targets *fit)
 {
     const int last = good.camera.height - 1;
@@ -1008,7 +1004,6 @@ static void check_overlaps(const fxs_targets *fit)
             }
 }
 
-/* What is only read may lie in the same place. */
 static void check_shared_input(const fxs_targets *fit)
 {
     fxs_targets t = *fit;
@@ -1046,7 +1041,7 @@ static void test_bad_targets(void)
     for (int i = 0; i < 4; i++) {
         static const int formats[] = {6, -1, FXS_FORMAT_RGBA8_COVERAGE, FXS_FORMAT_RGBA16_COVERAGE};
         fxs_targets t = fit;
-        t.format = (enum fxs_format)formats[i];    /* no such format, or one that has no backdrop */
+        t.format = (enum fxs_format)formats[i];    /* an unknown format, or one without backdrops */
         refuses("format", &t);
     }
     check_overlaps(&fit);

@@ -1,4 +1,4 @@
-/* What is promised to several threads: one context and one pool for all, memory of its own for each.
+/* Thread safety: threads share one context and one pool, and each has its own memory.
    tests/scripts/threads_and_cpus.sh runs this under ThreadSanitizer too. */
 #ifdef __linux__
 #define _GNU_SOURCE                        /* sched_setaffinity */
@@ -27,7 +27,7 @@ typedef struct frame {
 static frame frames[FRAMES];
 static fxs_context shared;
 
-/* Returns whether the pixels are those expected; without any, draws those. */
+/* Draws. Returns true if the pixels are the expected ones; with `fill`, stores them as expected. */
 static int draw(const fxs_context *context, frame *f, int fill)
 {
     unsigned char *pixels = fill ? f->expected : calloc(1, sizeof f->expected);
@@ -65,7 +65,6 @@ static void *draw_frames(void *argument)
     return (void *)wrong;
 }
 
-/* Runs body(i) on CALLERS threads at once; returns what they return, added up. */
 static uintptr_t call_at_once(void *(*body)(void *))
 {
     pthread_t threads[CALLERS];
@@ -154,7 +153,7 @@ static void test_processors_are_those_allowed(void)
 
 int main(void)
 {
-    alarm(LIMIT_SECONDS);          /* callers that wait for each other for ever end here */
+    alarm(LIMIT_SECONDS);
     RUN(test_processors_are_those_allowed);
     RUN(test_jobs_of_several_callers_that_run_jobs);
     RUN(test_a_context_for_several_threads);

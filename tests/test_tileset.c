@@ -1,4 +1,4 @@
-/* Reads of tilesets made here: refinement, transforms, nesting, the globe; faulty ones; limits of the import. */
+/* Reads tilesets made here: refinement, transforms, nesting, the globe; faulty ones; limits of the import. */
 #include <math.h>
 
 #include <fixsplat/scene_file.h>
@@ -28,7 +28,7 @@ static uint8_t *put_floats(uint8_t *to, int count, const float *values)
     return to;
 }
 
-/* Gaussian i of a file of that number. */
+/* Gaussian i of file `number`. */
 static void values_of(int number, int i, float row[14])
 {
     const float made[14] = {(float)number, 0.25f * (float)i, -1, 0, 0, 0.6f, 0.8f, 0.5f, 0.125f, 0.25f, 0.5f,
@@ -36,7 +36,7 @@ static void values_of(int number, int i, float row[14])
     memcpy(row, made, sizeof made);
 }
 
-/* A .glb of `count` Gaussians, one row of 14 floats each; none is a scene without Gaussians. */
+/* A .glb of `count` Gaussians, each a row of 14 floats; 0: a scene without Gaussians. */
 static void make_glb(int number, int count)
 {
     static const struct { const char *name, *type; int offset; } attributes[] = {
@@ -75,7 +75,6 @@ static void put_glb(const char *name, int number, int count)
     put_file(name, glb, glb_size);
 }
 
-/* A tileset of these tiles as JSON. */
 static void put_tiles(const char *name, const char *tiles)
 {
     length = 0;
@@ -88,7 +87,7 @@ static void put_tiles(const char *name, const char *tiles)
 
 /* ---- Reading --------------------------------------------------------------------------------------------------- */
 
-/* Reads it twice, `step` Gaussians at a time. Returns their number, or -1 and the message. */
+/* Reads twice, `step` Gaussians at a time. Returns their number, or -1 and the message. */
 static long read_step(const char *name, const fxs_scene_file_options *options, size_t step)
 {
     static fxs_gaussian again[MOST];
@@ -126,9 +125,9 @@ static void check_fails(const char *words)
         printf("  said: %s\n  not:  %s\n", message.text, words);
 }
 
-/* ---- What is drawn --------------------------------------------------------------------------------------------- */
+/* ---- Refinement ------------------------------------------------------------------------------------------------ */
 
-/* Which files were read, by the numbers of theirs that come with their first Gaussians: 3 and 1 are 10. */
+/* The set of files read: bit n for file n, which stores its number in dc. */
 static int numbers_read(const char *tiles)
 {
     int bits = 0;
@@ -162,7 +161,7 @@ static void refinement(void)
           == 1);
     CHECK(numbers_read("{" BOX CONTENT("0.glb") ",\"children\":[{" BOX "\"children\":[{" BOX CONTENT("1.glb") "}]}]}")
           == 2);
-    /* inherited, and changed below */
+    /* inherited, then changed below */
     CHECK(numbers_read("{" BOX "\"refine\":\"REPLACE\"," CONTENT("0.glb") ",\"children\":[{" BOX "\"refine\":\"add\","
                        CONTENT("1.glb") ",\"children\":[{" BOX CONTENT("2.glb") ",\"children\":[{" BOX CONTENT("3.glb")
                        "}]}]},{" BOX CONTENT("4.glb") "}]}") == 30);
@@ -189,7 +188,6 @@ static void forms_of_content(void)
     CHECK(read_scene("tileset.json") == 1);
 }
 
-/* As if the content had been opened alone. */
 static void same_as_its_content(void)
 {
     static fxs_gaussian alone[MOST];
@@ -202,7 +200,7 @@ static void same_as_its_content(void)
     CHECK(read_scene("tileset.json") == 20 && memcmp(out, alone, 20 * sizeof *out) == 0);
 }
 
-/* The position (x, y, z) in the tileset's frame, z up, comes as (-x, -z, -y). */
+/* The tileset's (x, y, z), z up, is read as (-x, -z, -y). */
 static int is_at(const fxs_gaussian *g, double x, double y, double z)
 {
     const int is_there = fabs((double)g->position[0] + x) < 1e-5 && fabs((double)g->position[1] + z) < 1e-5 &&
@@ -213,9 +211,9 @@ static int is_at(const fxs_gaussian *g, double x, double y, double z)
 }
 
 #define MOVE(x, y, z) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," #x "," #y "," #z ",1],"
-#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* by 90 degrees around z, twice the size */
+#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* 90 degrees around z, twice the size */
 
-/* Gaussian 1 of a file lies at (number, 0.25, -1) of a glTF, which is (number, 1, 0.25) with z up. */
+/* Gaussian 1 lies at (number, 0.25, -1) in glTF, which is (number, 1, 0.25) with z up. */
 static void transforms(void)
 {
     put_glb("1.glb", 1, 2);
@@ -235,7 +233,7 @@ static void transforms(void)
     CHECK(read_scene("tileset.json") == 2 && is_at(&out[1], 2, 2.25, 2));
 }
 
-/* At the radius of the Earth the frame is that of the tile there; what is below it keeps its place to the float. */
+/* A tile at the Earth's radius defines the frame; tiles below it keep their place to float precision. */
 static void globe(void)
 {
     put_glb("1.glb", 1, 2);
@@ -251,7 +249,7 @@ static void globe(void)
     check_fails("tileset.json: the transform of a tile has no inverse");
 }
 
-/* A tileset in a folder: names are from there, its transform comes on top, and it has an up axis of its own. */
+/* A nested tileset: names relative to its folder, its transform on top, its own up axis. */
 static void nested(void)
 {
     mkdir(in_folder("sub"), 0700);
@@ -263,7 +261,7 @@ static void nested(void)
               CONTENT("3.glb") "}]}");
     put_tiles("tileset.json", "{" BOX "\"refine\":\"REPLACE\"," CONTENT("1.glb") ",\"children\":[{" BOX TURN
               CONTENT("sub/more.json") "}]}");
-    if (CHECK(read_scene("tileset.json") == 4)) {   /* y up in the nested tileset's place is not turned twice */
+    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset is y up and must not be turned twice */
         CHECK(is_at(&out[1], 5 - 2, 6 + 6, 7 + 6.5));
         CHECK(is_at(&out[3], 5 - 2, 6 + 4, 7 + 6.5));
     } else {
@@ -279,7 +277,7 @@ static const char good[] =
 
 static void faulty_tilesets(void)
 {
-    static const char *const cases[][3] = {   /* what is replaced, by what, the message */
+    static const char *const cases[][3] = {   /* old text, new text, message */
         {"\"1.1\"", "\"2.0\"", "tileset.json: not 3D Tiles 1"}, {"\"1.1\"", "1.1", "not 3D Tiles 1"},
         {"\"asset\"", "\"assets\"", "not 3D Tiles 1"}, {"\"root\"", "\"rood\"", "a tile that is not an object"},
         {"\"version\"", "\"gltfUpAxis\":\"X\",\"version\"", "a \"gltfUpAxis\" that is neither Y nor Z"},
@@ -345,7 +343,7 @@ static void faulty_tilesets(void)
 
 #define MOVED(x) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," x ",0,0,1],"
 
-/* A file that several tiles have, by one name or by several, is there once for each. */
+/* Several tiles with one file, under one name or several, each get their copy. */
 static void repeated_contents(void)
 {
     static const char *const names[] = {"1.glb", ".//1.glb", "link.glb", "hard.glb", "sub\\\\1.glb",
@@ -367,7 +365,7 @@ static void repeated_contents(void)
     }
 }
 
-/* Tilesets that name the next one twice: 2^20 contents from 20 files. */
+/* Tilesets that each name the next one twice: 2^20 contents from 20 files. */
 static void doubling(void)
 {
     char name[32], tiles[256];
@@ -383,7 +381,6 @@ static void doubling(void)
     check_fails("more than 16384 contents of tiles");
 }
 
-/* Tilesets within each other, `depth` of them, each in a folder of its own. */
 static void deep_nesting(void)
 {
     char path[256] = "nest", tiles[64];
@@ -416,7 +413,7 @@ static void put_many(void)
     put_tiles("tileset.json", tiles);
 }
 
-/* More contents than are kept open, and in little memory; a limit that is exact. */
+/* More contents than may stay open, with little memory; an exact limit. */
 static void many_contents(void)
 {
     const long count = TILES / 5 * 15;
@@ -435,7 +432,7 @@ static void many_contents(void)
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
-/* The bytes of a content count once, though its file is opened several times. */
+/* A content's bytes count once, however often it is opened. */
 static void bytes_count_once(void)
 {
     char words[64];

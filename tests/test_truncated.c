@@ -1,5 +1,5 @@
-/* Every file that is read, cut short at every length: refused in words, or read where it cannot be told from a whole
-   one. A row is a kind of file: the files of one, its reader, and the result of each length. */
+/* Every file format cut short at every length: refused with a message, or read if it looks complete. Each row is a
+   kind of file: the files of one scene, its reader, and the result for each length. */
 #include <limits.h>
 #include <sys/stat.h>
 
@@ -13,12 +13,11 @@
 #include "jpeg_bytes.h"
 #include "packed_scene.h"
 
-#define EITHER LONG_MIN            /* it may be read or refused */
+#define EITHER LONG_MIN            /* reading and refusing are both allowed */
 
 static char folder[] = "/tmp/fixsplat-truncated-XXXXXX";
-static const char *words;          /* of a length that is refused: what the message says; null: there is no message */
+static const char *words;          /* message expected for a refused length; null: none */
 
-/* The bytes of a file are the next file. */
 static void add_file_of(const char *from, const char *name)
 {
     FILE *stream = fopen(from, "rb");
@@ -79,7 +78,7 @@ static long of_ply(const struct made_file *f, size_t length)
     return fault(length < 3 ? "not a scene file" : length < ply_header(f) ? "no end_header" : text);
 }
 
-/* Only a cut within the last number cannot be told: the number is read as it stands. */
+/* A cut within the last number is undetectable: the shorter number is read. */
 static long of_ascii_ply(const struct made_file *f, size_t length)
 {
     size_t last = f->size - 2;
@@ -109,7 +108,6 @@ static void make_ascii_ply(void)
     add_file("a.ply");
 }
 
-/* `count` zeros of `width` bytes, or in ASCII. */
 static void put_zeros(int encoding, int count, int width)
 {
     for (int i = 0; i < (encoding ? count * width : count); i++)
@@ -119,8 +117,8 @@ static void put_zeros(int encoding, int count, int width)
             put("0 ");
 }
 
-/* With lists, the last of them the row's last property: the size by the header is only a lower bound. `encoding` 0:
-   ASCII, 1: little-endian, 2: big-endian. */
+/* With lists, the last of them the last property: the header gives only a lower bound of the size. `encoding`: 0
+   ASCII, 1 little-endian, 2 big-endian. */
 static void make_lists_ply(int encoding)
 {
     static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -147,14 +145,14 @@ static void make_ascii_lists(void) { make_lists_ply(0); }
 static void make_little_lists(void) { make_lists_ply(1); }
 static void make_big_lists(void) { make_lists_ply(2); }
 
-/* Whole records are a file. */
+/* Whole records are a valid file. */
 static long of_splat(const struct made_file *f, size_t length)
 {
     (void)f;
     return length && length % 32 == 0 ? (long)length / 32 : fault("not a scene file of a known format");
 }
 
-/* Of SH degree 1, in three sections of one Gaussian; those that are compressed have a bucket each. */
+/* SH degree 1, three sections of one Gaussian; compressed ones have one bucket each. */
 static void make_compressed_ksplat(int level)
 {
     const size_t gaussian = level == 0 ? 44 + 36 : level == 1 ? 24 + 18 : 24 + 9;
@@ -192,14 +190,14 @@ static long of_ksplat(const struct made_file *f, size_t length)
                  : "of 3: the file ends before its last Gaussian");
 }
 
-/* Without its extension, of 12 bytes, it is whole too. */
+/* Also whole without its 12-byte extension. */
 static long of_plain_spz(const struct made_file *f, size_t length)
 {
     return length == f->size - 12 ? GAUSSIANS : FXS_ERR_FILE;
 }
 
 #ifdef FXS_WITH_CJSON
-/* Whole cells of the index and whole Gaussians of the sky are a file: the scene has two cells of one each. */
+/* Whole index cells and sky Gaussians are valid; the scene has two cells of one Gaussian. */
 static long of_lcc(const struct made_file *f, size_t length)
 {
     static char text[128];
@@ -230,7 +228,7 @@ static long of_zip(const struct made_file *f, size_t length)
 
 /* ---- Packed scenes --------------------------------------------------------------------------------------------- */
 
-/* A file in memory of its own, so that a sanitizer sees a read beyond it. */
+/* Allocated exactly, so that a sanitizer detects reads beyond the end. */
 static void *file_of(const char *name, size_t *length)
 {
     struct stat about;
@@ -295,7 +293,7 @@ static void put_doubles(int count, double first, double more)
     }
 }
 
-/* A model of COLMAP: a camera, and a view of two points. */
+/* A COLMAP model: one camera, one view with two points. */
 static void make_colmap(void)
 {
     put_u64(1);
@@ -460,7 +458,7 @@ static long read_saved_fit(const char *name)
     return error;
 }
 
-/* Without a part of its checksum, no more is missing than a checksum that is wrong. */
+/* A truncated checksum is reported as a wrong one. */
 static long of_saved_fit(const struct made_file *f, size_t length)
 {
     return fault(length < 4 ? "not a saved fit" : length < f->size - 8 ? "it ends early" : "damaged");
@@ -471,8 +469,9 @@ static long of_saved_fit(const struct made_file *f, size_t length)
 static const struct row {
     const char *name;
     void (*make)(void);
-    long (*read)(const char *name);                                  /* 0 or more, or an error */
-    long (*result)(const struct made_file *f, size_t length);        /* of f cut to a length; it may set `words` */
+    long (*read)(const char *name);
+    long (*result)(const struct made_file *f, size_t length);        /* expected result for f cut to length; may set
+                                                                        `words` */
 } rows[] = {
     {"ply", make_ply, read_scene, of_ply},
     {"ply in ASCII", make_ascii_ply, read_scene, of_ascii_ply},

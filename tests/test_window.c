@@ -1,4 +1,4 @@
-/* Camera motion, the overlay, and the viewer with events pushed to SDL, on its driver without a screen. */
+/* The viewer: camera motion, the overlay, and the window, fed with SDL events on SDL's driver without a screen. */
 #include <fixsplat/camera.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
@@ -22,7 +22,7 @@ static fxs_file_view a_view(void)
     return view;
 }
 
-/* The pixel of a point; returns its depth. */
+/* Returns the depth. */
 static double see(const fxs_file_view *view, const double point[3], double pixel[2])
 {
     double seen[3] = {0, 0, 0};
@@ -57,7 +57,7 @@ static void test_orbit_keeps_the_pivot(void)
     CHECK(near(see(&view, pivot, pixel), 7));
     CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
     see(&view, front, pixel);
-    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* what is in front goes with the pointer */
+    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* the object follows the pointer */
 }
 
 static void test_orbit_stops_at_the_poles(void)
@@ -67,7 +67,7 @@ static void test_orbit_stops_at_the_poles(void)
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
         CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
-        CHECK(near(view.rotation[1], 0));                                              /* right, still level */
+        CHECK(near(view.rotation[1], 0));                                              /* to the right, still level */
     }
 }
 
@@ -129,7 +129,7 @@ static void test_parallel_rays(void)
     CHECK(!memcmp(view.position, before.position, sizeof view.position));
 }
 
-/* The rays of the upper and the lower edge are the same in every size. */
+/* The vertical field of view does not depend on the window's size. */
 static void test_height_stays(void)
 {
     fxs_file_view view = a_view();
@@ -172,7 +172,6 @@ static fxs_picture blank(int width, int height)
     return (fxs_picture){dots, width, height};
 }
 
-/* Pixels of a colour, 0xRRGGBBAA. */
 static int pixels_of(const fxs_picture *picture, uint32_t colour)
 {
     const uint8_t rgba[4] = {(uint8_t)(colour >> 24), (uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour};
@@ -216,7 +215,6 @@ static void test_panels_have_round_corners(void)
     fxs_panel_free(&panel);
 }
 
-/* The colours 0xRRGGBBAA of two pixels. */
 static int differ(const fxs_picture *picture, int a, int b)
 {
     return memcmp(picture->rgba + 4 * a, picture->rgba + 4 * b, 4) != 0;
@@ -250,7 +248,7 @@ static void test_ids_have_colours(void)
     CHECK(pixels_of(&picture, 0x000000ff) == 1);
 }
 
-/* Words in both themes on their panels: each in its place, as wide as it says, and of enough contrast. */
+/* Words in both themes on their panels: in place, as wide as reported, with enough contrast. */
 static void test_words(void)
 {
     fxs_words *words;
@@ -285,7 +283,6 @@ static void test_words(void)
     fxs_words_close(words);
 }
 
-/* Pixels of a colour within one column of bars. */
 static int column_of(const fxs_picture *picture, int x, uint32_t colour)
 {
     int found = 0;
@@ -324,7 +321,7 @@ static void test_graph_shows_the_times(void)
 #include <fixsplat/image_file.h>
 #include "tools/viewer.h"
 
-/* In the place of SDL's: a screen whose pixels are finer than its points. */
+/* Replaces SDL's function: a screen with several pixels per point. */
 static int pixels_a_point = 1;
 
 void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
@@ -334,7 +331,7 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-/* Where lists of recent scenes are kept: below the folder of this variable. */
+/* The environment variable that names the folder for the list of recent scenes. */
 #ifdef _WIN32
 #define KEPT_BELOW "APPDATA"
 #else
@@ -372,7 +369,7 @@ static frame_options small_options(void)
     return options;
 }
 
-/* From in front of the box, so that its x axis points to the right. */
+/* Options that look at the box from the front, with its x axis to the right. */
 static frame_options framed_options(void)
 {
     frame_options options = small_options();
@@ -389,7 +386,7 @@ static int open_file(viewer *v, const frame_options *options, const char *path, 
     return viewer_open(v, &all, screenshot, 0);
 }
 
-/* Steps until all that was asked for is done. */
+/* Steps until all requested work is done. */
 static void settle(viewer *v)
 {
     do
@@ -397,7 +394,7 @@ static void settle(viewer *v)
     while (viewer_busy(v) && !v->quit);
 }
 
-/* Until the picture is whole. */
+/* Steps until the picture is complete. */
 static void rest(viewer *v)
 {
     do
@@ -413,7 +410,7 @@ static int start(viewer *v, const frame_options *options)
     return status;
 }
 
-/* Events that are there already are handled in one step. */
+/* One step handles all pending events. */
 static void push_key(int symbol)
 {
     SDL_Event event = {0};
@@ -492,7 +489,7 @@ static void drop(viewer *v, const char *path)
     settle(v);
 }
 
-/* Whether the viewer's picture is the renderer's of that view. */
+/* True if the picture is the renderer's of that view. */
 static int shows(const viewer *v, fxs_file_view view, int width, int height)
 {
     renderer r;
@@ -526,7 +523,7 @@ static void test_keys(void)
     CHECK(v.graph && v.help && v.rate && v.light && shows(&v, v.views[0], 64, 48));
     key(&v, 'v');
     CHECK(v.divisor == 4);
-    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* those here, in turn */
+    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {
         key(&v, 'b');
         CHECK(shows(&v, v.views[0], 64, 48));
     }
@@ -594,7 +591,7 @@ static int frames_taken(const viewer *v)
     return count;
 }
 
-/* A whole picture that takes a while, by plain C, is not waited for when the view moves. */
+/* A slow picture, rendered by plain C, is stopped when the view moves. */
 static void test_frame_is_stopped(void)
 {
     viewer v;
@@ -620,7 +617,6 @@ static void test_frame_is_stopped(void)
     viewer_close(&v);
 }
 
-/* By the file's own name. */
 static int says_why(const viewer *v, const char *path)
 {
     const char *name = viewer_file_name(path);
@@ -648,7 +644,7 @@ static void test_dropped_files(void)
     char given[sizeof other];
     snprintf(given, sizeof given, "%s", other);
 #ifdef _WIN32
-    for (char *c = given; *c; c++)                               /* as Windows gives them */
+    for (char *c = given; *c; c++)                               /* as Windows passes paths */
         *c = *c == '/' ? '\\' : *c;
 #endif
     drop(&v, given);
@@ -666,7 +662,7 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
-    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* from the scene's size */
+    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* near plane from the scene's size */
     CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
@@ -743,7 +739,7 @@ static void test_screenshot(void)
     viewer_close(&v);
 }
 
-/* In the current folder, beside what is there. */
+/* Screenshots go to the current folder and never overwrite a file. */
 static void test_numbered_screenshots(void)
 {
     viewer v;
@@ -765,7 +761,7 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
-/* Bytes of a file, -1 where it is not there; its first line. */
+/* Bytes of a file, or -1 if it does not exist; also its first line. */
 static long size_of(const char *path, char line[80])
 {
     FILE *file = fopen(path, "r");
@@ -808,9 +804,9 @@ static void test_films(void)
     viewer_close(&v);
 }
 
-/* ---- What the window waits for ----------------------------------------------------------------------------------- */
+/* ---- Waiting ----------------------------------------------------------------------------------------------------- */
 
-/* In a small window: the panel leaves its edges free. */
+/* Help fits a small window: the panel leaves the window's edges free. */
 static int help_fits(viewer *v)
 {
     static const int places[5][2] = {{160, 120}, {0, 120}, {319, 120}, {160, 0}, {160, 239}};
@@ -848,7 +844,7 @@ static void test_empty_window(void)
     viewer_close(&v);
 }
 
-/* Keys are taken while a scene is read; of files dropped meanwhile the last one is next. */
+/* Keys work while a scene loads. Of files dropped meanwhile, the last opens next. */
 static void test_events_while_loading(void)
 {
     viewer v;
@@ -868,7 +864,7 @@ static void test_events_while_loading(void)
     push_drop(other);
     viewer_step(&v, 0);
     CHECK(v.loading.on);
-    viewer_close(&v);                                            /* and the reading stops */
+    viewer_close(&v);
     if (!CHECK(!open_file(&v, &options, other, 0)))
         return;
     push_key(SDLK_ESCAPE);
@@ -878,9 +874,9 @@ static void test_events_while_loading(void)
     remove(other);
 }
 
-/* ---- What is seen ------------------------------------------------------------------------------------------------ */
+/* ---- Depths and ids ---------------------------------------------------------------------------------------------- */
 
-/* Whether the viewer's picture is that of depths or ids. */
+/* True if the picture shows depths or ids. */
 static int shows_painted(const viewer *v, int draws)
 {
     renderer r;
@@ -902,7 +898,6 @@ static int shows_painted(const viewer *v, int draws)
 
 /* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
-/* A knot of 20,000 Gaussians as an .fxs with a tree. */
 static void make_levels(char *path)
 {
     static char many[] = "20000";
@@ -924,7 +919,7 @@ static int is_picture_of(const viewer *v, const picture *p)
            !memcmp(v->picture.pixels, p->pixels, (size_t)p->width * (size_t)p->height * 4);
 }
 
-/* The keys of the budget and of the colours; without levels they say so. */
+/* The keys for budget and level colours. Without levels they show a note. */
 static void test_levels(void)
 {
     static char path[sizeof knot];
@@ -953,7 +948,8 @@ static void test_levels(void)
     CHECK(v.options.render.budget == 0 && is_picture_of(&v, &whole));
     key(&v, 'o');
     CHECK(v.options.render.show_levels && !is_picture_of(&v, &whole) && shows(&v, v.view, 64, 48));
-    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white: of one brightness */
+    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white, so each pixel is a
+                                                                                grey */
         CHECK(v.picture.pixels[i] == v.picture.pixels[i + 1] && v.picture.pixels[i] == v.picture.pixels[i + 2]);
     key(&v, 'o'), key(&v, 'f');
     CHECK(is_picture_of(&v, &whole));
@@ -962,7 +958,7 @@ static void test_levels(void)
     viewer_close(&v);
 }
 
-/* The budget follows the time of frames, in motion alone and only where it was asked for. */
+/* The budget follows the frame time, in motion only and only on request. */
 static void test_rate(void)
 {
     static char path[sizeof knot];
@@ -980,7 +976,7 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* so few are in sight that the budget is no limit */
+    viewer_follow_rate(&v, 10000000, 5000);                 /* too few are visible for the budget to limit */
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
@@ -996,7 +992,7 @@ static void test_rate(void)
     viewer_close(&v);
 }
 
-/* From a pool: frame after frame, until nothing is missing; then it is the picture of the mapped file. */
+/* Paging: frames follow until no chunk is missing; the last equals the picture of the mapped file. */
 static void test_pool(void)
 {
     static char path[sizeof knot];
@@ -1040,7 +1036,7 @@ static void test_depths_and_ids(void)
     viewer_close(&v);
 }
 
-/* The first pixel from there on with something at it. */
+/* The first pixel from `from` on that shows a Gaussian. */
 static int find_seen(viewer *v, int from, int *x, int *y)
 {
     fxs_pick_result pick;
@@ -1104,7 +1100,6 @@ static void test_measure(void)
 
 /* ---- The crop box ------------------------------------------------------------------------------------------------ */
 
-/* Drags a handle by so many pixels. */
 static void drag_handle(viewer *v, int face, int dx, int dy)
 {
     double point[3], pixel[2];
@@ -1123,7 +1118,6 @@ static void drag_handle(viewer *v, int face, int dx, int dy)
     rest(v);
 }
 
-/* How many Gaussians are drawn: all lie in the view. */
 static uint32_t drawn(const viewer *v)
 {
     renderer r;
@@ -1135,7 +1129,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Enter writes a file of that name beside the scene; how many Gaussians it has. */
+/* Writes with Enter, in the scene's folder. Returns the number of Gaussians. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1176,7 +1170,7 @@ static void test_crop(void)
     write_text(first, "knot-cropped-001.ply", "mine");
     CHECK(write_cropped(&v, "knot-cropped-002.ply") == left);
     CHECK(!remove(first) && write_cropped(&v, "knot-cropped-001.ply") == left);
-    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* those here, in turn */
+    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {
         key(&v, 'b');
         CHECK(drawn(&v) == left && shows(&v, v.views[0], 64, 48));
     }
@@ -1185,7 +1179,7 @@ static void test_crop(void)
     key(&v, SDLK_ESCAPE);
     CHECK(!v.quit && !v.crop.on && !v.world.objects->crop_count && drawn(&v) == 2000 && shows(&v, v.views[0], 64, 48));
     key(&v, 'c');
-    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);      /* it is as it was left */
+    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);      /* the crop box is kept */
     drop(&v, cubes);
     CHECK(!v.crop.on && drawn(&v) == 300);
     key(&v, SDLK_ESCAPE);
@@ -1193,7 +1187,7 @@ static void test_crop(void)
     viewer_close(&v);
 }
 
-/* The handle stays below the pointer, wherever the camera is, of parallel rays too. */
+/* A dragged handle stays below the pointer from every camera, orthographic ones included. */
 static void test_crop_handles(void)
 {
     viewer v;
@@ -1220,7 +1214,7 @@ static void test_crop_handles(void)
     }
 }
 
-/* Boxes of the world become the objects' own, within those that they have. */
+/* World crop boxes are written as boxes of the objects, inside the objects' own. */
 static void test_crop_of_objects(void)
 {
     static const char text[] =
@@ -1257,7 +1251,7 @@ static void test_crop_of_objects(void)
     remove(other);
 }
 
-/* A packed scene is written cropped too, as a .ply; what was begun is dropped by escape. */
+/* A cropped packed scene is written as .ply. Escape cancels the writing. */
 static void test_crop_not_written(void)
 {
     viewer v;
@@ -1332,7 +1326,7 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
-    setenv(KEPT_BELOW, "/proc/none", 1);                   /* where nothing can be written */
+    setenv(KEPT_BELOW, "/proc/none", 1);                   /* a folder that cannot be written */
     if (!start(&v, &options))
         CHECK(v.path && !v.quit && v.loading.unkept == 1);
     viewer_close(&v);
@@ -1354,12 +1348,13 @@ static void test_recent_by_click(void)
         move_to(&v, 0, 320, y + 2);
         CHECK(v.recent_marked == 1);
         click(&v, 1, 320, y + 2);
-        CHECK(v.path && !strcmp(v.path, knot));                  /* the one before the last */
+        CHECK(v.path && !strcmp(v.path, knot));                  /* the second to last */
     }
     viewer_close(&v);
 }
 
-/* Below another folder: on POSIX by HOME, where XDG_STATE_HOME is no whole path. Null: there is none. */
+/* Sets the folder that the list is kept below. On POSIX it is set by HOME, since XDG_STATE_HOME is not absolute
+   here. Null: none. */
 static void keep_below(const char *home)
 {
 #ifdef _WIN32
@@ -1373,7 +1368,7 @@ static void keep_below(const char *home)
 #endif
 }
 
-/* Ten, each once; nowhere where there is no folder. */
+/* The list keeps ten scenes, each once. Without a folder it is not kept. */
 static void test_recent_list(void)
 {
     fxs_message message;
@@ -1414,7 +1409,7 @@ static void test_recent_list(void)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* Of a window of 64 x 48 pixels, which are half a point: the pointer's points are those of the picture twice. */
+/* On a screen of two pixels per point, pointer positions are doubled to find the picture's pixel. */
 static void test_fine_pixels(void)
 {
 #if SDL_VERSION_ATLEAST(2, 26, 0)
@@ -1448,7 +1443,7 @@ static void test_fine_pixels(void)
 #endif
 }
 
-/* By what lies near: slower the closer the camera is. */
+/* The speed follows the nearest geometry: slower the closer the camera is. */
 static void test_speed(void)
 {
     viewer v;
@@ -1465,7 +1460,7 @@ static void test_speed(void)
     viewer_close(&v);
 }
 
-/* Side by side: each half of the window is an eye, and so of the screenshot. */
+/* Side by side stereo: each half of the window, and of the screenshot, shows one eye. */
 static void test_two_eyes(void)
 {
     viewer v;
@@ -1485,7 +1480,7 @@ static void test_two_eyes(void)
     viewer_close(&v);
 }
 
-/* Foveated, of an asymmetric field of view: in motion the gaze and the radii are those of the smaller picture. */
+/* Foveated, with an asymmetric field of view: in motion, gaze and radii are scaled to the smaller picture. */
 static void test_foveated(void)
 {
     const double tangents[4] = {-1.38, 1.19, 1.0, -1.2}, gaze[5] = {40, 20, 6, 12, 2};
@@ -1515,7 +1510,7 @@ static void test_foveated(void)
     viewer_close(&v);
 }
 
-/* The window comes first; without its scene it closes, with the status. */
+/* The window opens first. If its scene fails to load, it closes with the status. */
 static int fails_to_open(const frame_options *options, const char *path)
 {
     viewer v;
@@ -1584,14 +1579,14 @@ int main(void)
     RUN(test_graph_shows_the_times);
 #ifdef FXS_WITH_SDL
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* as the list of recent scenes has it */
+    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* absolute, like the entries of the list */
     if (!whole)
         return 1;
     snprintf(folder, sizeof folder, "%s", whole);
     free(whole);
     snprintf(state, sizeof state, "%s/state", folder);
 #ifdef _WIN32
-    mkdir(state, 0700);                                          /* which Windows has made */
+    mkdir(state, 0700);                                          /* Windows creates it itself */
 #endif
     setenv(KEPT_BELOW, state, 1);
     RUN(test_files_are_made);

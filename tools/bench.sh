@@ -51,27 +51,31 @@ growth() {
         [ $count = 1000000 ] || [ $count = 10000000 ] || rm "$work/$count.ply"
     done
     row '10000000 at 1920x1080' "$work/10000000.ply" --threads $two --size 1920x1080
-    row '1000000 at 1920x1080' "$work/1000000.ply" --threads $two --size 1920x1080
     rm "$work/10000000.ply"
+}
+
+frame_of() {
+    json=$("$B/fixsplat" bench --json "$@")
+    echo "$json" | field frame_ms
 }
 
 scene_rows() {
     name=$1 file=$2
     shift 2
-    row "$name, C, 1 thread" "$file" --cpu c --threads 1 --size 1280x720 "$@"
-    plain=$frame
-    row "$name, 1 thread" "$file" --threads 1 --size 1280x720 "$@"
-    single=$frame
-    row "$name, $two threads" "$file" --threads $two --size 1280x720 "$@"
-    ratios="$ratios$(awk "BEGIN {printf \"| %s | %.1f | %.2f | %.0f |\", \"$name\", $plain / $frame, $single / $frame, 1000 / $frame}")
-"
-    row "$name, $two threads, 1920x1080" "$file" --threads $two --size 1920x1080 "$@"
+    row "$name" "$file" --threads $two --size 1280x720 "$@" >"$work/row"
+    large=$(frame_of "$file" --threads $two --size 1920x1080 "$@")
+    single=$(frame_of "$file" --threads 1 --size 1280x720 "$@")
+    plain=$(frame_of "$file" --cpu c --threads 1 --size 1280x720 "$@")
+    awk -v frame="$frame" -v large="$large" -v single="$single" -v plain="$plain" '
+        { printf "%s %s | %s | %s | %.2f | %.1f | %.0f |\n", $0, large, single, plain, single / frame, plain / frame,
+                 1000 / frame }' "$work/row"
 }
 
 scenes() {
-    printf '### Scenes\n\n1280x720 unless said otherwise, milliseconds.\n\n'
-    ratios=
-    head_row 'scene'
+    printf '### Scenes\n\n1280x720, %s threads, milliseconds; then frames at 1920x1080, by 1 thread, by 1 thread in plain C; ' $two
+    printf 'ratios to %s threads.\n\n' $two
+    printf '| scene | project | shade | sort | bin | blend | resolve | frame | 1920x1080 | 1 thread | C, 1 thread | '
+    printf 'times 1 thread | times C | frames a second |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
     landscape 1000000
     scene_rows 'landscape 1,000,000, all in view' "$work/1000000.ply"
     scene_rows 'landscape 1,000,000, from the shore' "$work/1000000.ply" \
@@ -89,7 +93,6 @@ scenes() {
         scene_rows donut "$SCENES/donut/donut.ply" --up 0,0,1
         scene_rows fruit-drops "$SCENES/fruit-drops/fruit_drops_minimal.ply"
     fi
-    printf '\n| scene | times C, 1 thread | times 1 thread | frames a second, 1280x720 |\n|---|---|---|---|\n%s' "$ratios"
 }
 
 # import_row NAME FILE: import time by one thread and by two, milliseconds, median of three.
@@ -128,34 +131,30 @@ cutoff_rows() {
             eval "blend_$cpu=$(echo "$json" | field blend)"
         done
         json=$("$B/fixsplat" render "$file" --size 1280x720 --cutoff $cutoff -o "$work/$cutoff.png" --stats=pairs "$@")
-        printf '| %s, %s | %s | %s | %s | %s | %s |\n' "$name" $cutoff "$(echo "$json" | sed 's/bytes.*//' | field entries)" \
-            "$(echo "$json" | field pairs_evaluated)" "$(echo "$json" | field pairs_blended)" "$blend_c" "$blend_all"
+        distance=-
+        [ $cutoff = mahalanobis ] || distance=$("$B/fixsplat" compare "$work/mahalanobis.png" "$work/square.png" |
+            sed 's/PSNR \([0-9.]*\) dB.*/\1/')
+        printf '| %s, %s | %s | %s | %s | %s | %s | %s |\n' "$name" $cutoff "$(echo "$json" | sed 's/bytes.*//' | field entries)" \
+            "$(echo "$json" | field pairs_evaluated)" "$(echo "$json" | field pairs_blended)" "$blend_c" "$blend_all" \
+            "$distance"
     done
-    distances="$distances- $name: $("$B/fixsplat" compare "$work/mahalanobis.png" "$work/square.png")
-"
 }
 
 cutoffs() {
-    printf '### The cut-offs\n\n1280x720, blend in milliseconds, one thread.\n\n'
-    printf '| scene, cut-off | tile entries | pairs evaluated | pairs blended | blend, C | blend |\n|---|---|---|---|---|---|\n'
-    distances=
+    printf '### The cut-offs\n\n1280x720, blend in milliseconds, one thread; PSNR of the square against mahalanobis.\n\n'
+    printf '| scene, cut-off | tile entries | pairs evaluated | pairs blended | blend, C | blend | PSNR, dB |\n'
+    printf '|---|---|---|---|---|---|---|\n'
     landscape 1000000
     cutoff_rows 'landscape 1,000,000' "$work/1000000.ply"
-    if [ -d "$SCENES" ]; then
-        for view in 8 40 72; do
-            cutoff_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
-                --cameras "$SCENES/snowmiku/cameras.json" --view $view
-        done
-        cutoff_rows statue-st-peter "$SCENES/statue-st-peter/st-peter.ply"
-    fi
-    printf '\nBetween the two pictures:\n\n%s' "$distances"
+    [ ! -d "$SCENES" ] || cutoff_rows 'snowmiku, view 8' "$SCENES/snowmiku/snowmiku.ply" \
+        --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
 # gles_rows NAME FILE OPTION...: times of the OpenGL ES back ends and their difference from the CPU, for one camera.
 gles_rows() {
     name=$1 file=$2
     shift 2
-    for backend in cpu gles gles-fetch gles-quads; do
+    for backend in cpu gles gles-fetch; do
         json=$("$B/fixsplat" bench --json "$file" --threads $two --size 1280x720 --backend $backend "$@")
         "$B/fixsplat" render "$file" --size 1280x720 --backend $backend -o "$work/$backend.ppm" "$@"
         printf '| %s, %s | %s | %s | %s | %s |\n' "$name" $backend "$(echo "$json" | field frame_ms)" \
@@ -210,74 +209,40 @@ limits() {
     printf '|---|---|---|---|---|---|---|---|\n'
     landscape 1000000
     limit_rows 'landscape 1,000,000, all in view' "$work/1000000.ply"
-    limit_rows 'landscape 1,000,000, from the shore' "$work/1000000.ply" --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
-    if [ -d "$SCENES" ]; then
-        for view in 8 40; do
-            limit_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" --cameras "$SCENES/snowmiku/cameras.json" \
-                --view $view
-        done
-    fi
+    [ ! -d "$SCENES" ] || limit_rows 'snowmiku, view 8' "$SCENES/snowmiku/snowmiku.ply" \
+        --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
-# Rows from test_quality.
+# Rows from test_quality, without those of the pixel stage alone.
 sizes() {
     printf '960x640, 8-bit pictures against double precision from the floats of the file: mean (worst) of four views.\n\n'
-    FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|'
-    printf '\n### Time of each profile\n\nFrom the .fxs file, mapped, 1280x720, two threads, milliseconds.\n\n'
-    head_row 'scene, profile'
-    for profile in default compact small; do
-        if [ -d "$SCENES" ]; then
-            "$B/fixsplat" convert "$SCENES/snowmiku/snowmiku.ply" "$work/s.fxs" --profile $profile
-            row "snowmiku, view 8, $profile" "$work/s.fxs" --threads $two --size 1280x720 \
-                --cameras "$SCENES/snowmiku/cameras.json" --view 8
-        fi
-    done
-    [ ! -d "$SCENES" ] || row 'snowmiku, view 8, packed from the .ply in memory' "$SCENES/snowmiku/snowmiku.ply" \
-        --threads $two --size 1280x720 --cameras "$SCENES/snowmiku/cameras.json" --view 8
-    mapped
+    FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|' | grep -v 'pixel stage alone'
 }
 
-# The first stages read only visible chunks.
-mapped() {
-    printf '\n### A large scene from its file\n\nlandscape of 10,000,000, .fxs of the profile default, mapped; 1920x1080, %s threads, milliseconds.\n\n' $two
-    head_row view
-    landscape 10000000
-    "$B/fixsplat" convert "$work/10000000.ply" "$work/large.fxs"
-    rm "$work/10000000.ply"
-    row 'all in view' "$work/large.fxs" --threads $two --size 1920x1080
-    row 'a meadow, close up' "$work/large.fxs" --threads $two --size 1920x1080 --eye 14,-2.2,-6 --look 15.2,-1.6,-5.2 \
-        --fov 40
-    rm "$work/large.fxs"
-}
-
-# One row: two exact frames, then both eyes with shared order and colours, and the pictures' difference from exact. The
-# two variants alternate and the fastest of three runs counts, because they differ by less than a busy machine's noise.
+# One row: one eye, both eyes, and their ratio. The two alternate and the fastest of three runs counts, because a busy
+# machine only slows them.
 stereo_row() {
-    name=$1 file=$2
-    shift 2
-    set -- "$@" --size 1280x720
+    name=$1 file=$2 apart=$3
+    shift 3
     rm -f "$work"/turn-*
-    for exact in --stereo-exact '' --stereo-exact '' --stereo-exact ''; do
-        "$B/fixsplat" bench --json "$file" --threads 1 --frames 20 $exact "$@" | field frame_ms_min >>"$work/turn-$exact"
+    for stereo in '' "--stereo $apart" '' "--stereo $apart" '' "--stereo $apart"; do
+        "$B/fixsplat" bench --json "$file" --threads 1 --frames 20 --size 1280x720 $stereo "$@" | field frame_ms_min \
+            >>"$work/turn-${stereo%% *}"
     done
-    "$B/fixsplat" render "$file" "$@" --stereo-exact -o "$work/exact.png"
-    "$B/fixsplat" render "$file" "$@" -o "$work/shared.png"
-    "$B/fixsplat" compare "$work/exact.png" "$work/shared.png" >"$work/far"
-    awk -v name="$name" -v two="$(sort -n "$work/turn---stereo-exact" | head -n 1)" \
-        -v both="$(sort -n "$work/turn-" | head -n 1)" \
-        '{ printf "| %s | %s | %s | %.2f | %.1f |\n", name, two, both, both / two, $2 }' "$work/far"
+    awk -v name="$name" -v one="$(sort -n "$work/turn-" | head -n 1)" -v two="$(sort -n "$work/turn---stereo" | head -n 1)" \
+        'BEGIN { printf "| %s | %s | %s | %.2f |\n", name, one, two, two / one }'
 }
 
 stereo() {
-    printf '1280x720 an eye, eyes 2 %% of the distance to the middle of the scene apart; milliseconds of both, the fastest of 60 frames, one thread.\n\n'
-    printf '| view | exact | shared | ratio | PSNR, dB |\n|---|---|---|---|---|\n'
+    printf '1280x720 an eye, eyes 2 %% of the distance to the middle of the scene apart; milliseconds, the fastest of 60 frames, one thread.\n\n'
+    printf '| view | one eye | two eyes | ratio |\n|---|---|---|---|\n'
     landscape 1000000
-    stereo_row 'landscape 1,000,000, all in view' "$work/1000000.ply" --stereo 2.6
-    stereo_row 'landscape 1,000,000, from the shore' "$work/1000000.ply" --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52 --stereo 0.27
+    stereo_row 'landscape 1,000,000, all in view' "$work/1000000.ply" 2.6
+    stereo_row 'landscape 1,000,000, from the shore' "$work/1000000.ply" 0.27 --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
     if [ -d "$SCENES" ]; then
         for view in 8 40 72; do
-            stereo_row "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
-                --cameras "$SCENES/snowmiku/cameras.json" --view $view --stereo 0.1
+            stereo_row "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" 0.1 \
+                --cameras "$SCENES/snowmiku/cameras.json" --view $view
         done
     fi
 }
@@ -311,11 +276,8 @@ foveated() {
     landscape 1000000
     for backend in ${FOVEATED:-cpu gles}; do
         for size in 1280x720 $([ "$backend" = gles ] || echo 2064x2208); do
-            for view in 8 40; do
-                foveated_row "snowmiku, view $view" "$backend" "$size" "$SCENES/snowmiku/snowmiku.ply" \
-                    --cameras "$SCENES/snowmiku/cameras.json" --view $view
-            done
-            foveated_row kitchen-marble "$backend" "$size" "$SCENES/kitchen-marble/kitchen-marble.ply"
+            foveated_row 'snowmiku, view 8' "$backend" "$size" "$SCENES/snowmiku/snowmiku.ply" \
+                --cameras "$SCENES/snowmiku/cameras.json" --view 8
             foveated_row statue "$backend" "$size" "$SCENES/statue-st-peter/st-peter.ply"
             foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
                 --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52

@@ -205,7 +205,7 @@ static const char *column_name(int column)
 
 #define SCENES_ROOM 4096
 #define CAMERA_ROOM 640
-#define FACTS 20
+#define FACTS 19
 
 typedef struct bench_facts {
     bench_fact facts[FACTS];
@@ -265,8 +265,8 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
         {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_MARKED},
         {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
         {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
-        {"stereo", 0, o->frame.stereo, FACT_SAME}, {"stereo_exact", 0, o->frame.stereo_exact, FACT_SAME},
-        {"foveation", f->foveation, 0, FACT_SAME}, {"draws", 0, o->draws, FACT_SAME},
+        {"stereo", 0, o->frame.stereo, FACT_SAME}, {"foveation", f->foveation, 0, FACT_SAME},
+        {"draws", 0, o->draws, FACT_SAME},
         {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME}, {"budget", 0, o->frame.render.budget, FACT_MARKED},
         {"detail", 0, o->frame.render.detail_q8 / 256.0, FACT_MARKED},
         {"max_memory", 0, (double)o->frame.max_memory, FACT_MARKED}, {"processor", f->processor, 0, FACT_MARKED}};

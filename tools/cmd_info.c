@@ -353,7 +353,7 @@ static void print_backends(void)
 
 static void print_can_json(unsigned can)
 {
-    static const char *const names[] = {"exact", "trace", "compose", "share_eyes", "devices", "part"};   /* FXS_CAN_* */
+    static const char *const names[] = {"trace", "compose", "devices", "part"};   /* FXS_CAN_* */
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++)
         printf("%s\"%s\": %s", i ? ", " : "\"can\": {", names[i], can >> i & 1 ? "true" : "false");
     printf("}");
@@ -437,8 +437,8 @@ static const option_row own_rows[] = {
      "and worst_psnr, worst_ssim and worst_view. A PSNR is null for equal pictures"},
     {"backends", 0, FLAG(backends), .help =
      "print which back ends run on this machine, and why others cannot. With --json: an array of objects with name, "
-     "does, devices, here, why_not (null if here) and can: exact (same bytes), trace (depths, ids), compose (meshes, "
-     "coverage), share_eyes, devices (several), part (scenes partly in memory)"},
+     "does, devices, here, why_not (null if here) and can: trace (depths, ids), compose (meshes, coverage), devices "
+     "(several), part (scenes partly in memory)"},
     {0}
 };
 

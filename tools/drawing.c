@@ -22,15 +22,6 @@ void picture_free(picture *p)
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
-/* If the back end cannot share order and colours between the eyes, renders each exactly; notes that once. */
-static void choose_eyes(renderer *r, const frame_options *options)
-{
-    static int said;
-    r->stereo_exact = options->stereo_exact || !(r->backend->can & FXS_CAN_SHARE_EYES);
-    if (r->stereo > 0 && r->stereo_exact && !options->stereo_exact && !said++)
-        note("--backend %s: each eye is rendered by itself, as by --stereo-exact", options->backend);
-}
-
 int renderer_open(renderer *r, const frame_options *options)
 {
     fxs_backend_options how;
@@ -45,8 +36,6 @@ int renderer_open(renderer *r, const frame_options *options)
     int status = choose_backend(options, devices[0], &r->backend, &how);
     if (!status && r->backend->open(&r->self, &how, &why))
         status = fail(EXIT_FAILED, "--backend %s: %s", options->backend, why.text);
-    if (!status)
-        choose_eyes(r, options);
     if (!status && r->foveate.on && options->threads > 1 && !(r->pool = fxs_pool_create(options->threads))) {
         renderer_close(r);
         status = fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", options->threads);
@@ -319,7 +308,6 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     fxs_request_init(&request, w->objects, w->count);
     request.options = *options;
     request.eyes = (uint32_t)eyes;
-    request.exact = r->stereo_exact;
     if (renderer_camera(r, view, &request.cameras[0]) ||
         camera_beside(&request.cameras[1], view, r->stereo / 2, r->mirrored) ||
         make_room(r, out, eyes * request.cameras->width, request.cameras->height))

@@ -24,7 +24,6 @@ typedef struct renderer {
     const fxs_backend *backend;
     void *self;                             /* the back end's state; null: closed */
     double stereo;                          /* as in frame_options */
-    int stereo_exact;
     size_t max_memory;
     enum fxs_format format;
     int draws;                              /* DRAW_*; at most one kind of depth */

@@ -146,10 +146,8 @@ const option_row camera_rows[] = {
      "picture size, each 1 to 16384 pixels (default: the size of the view, else 1280x720; panorama 2048x1024). A view "
      "of a camera file is scaled by the ratio of the widths, with its principal point"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
-     "render two eyes side by side, DISTANCE scene units apart (above 0). Order and colours are computed once for "
-     "both"},
-    {"stereo-exact", 0, FLAG(stereo_exact), .help =
-     "render each eye independently, byte for byte a mono picture; --backend gles-compute always does"},
+     "render two eyes side by side, DISTANCE scene units apart (above 0), each byte for byte as its own camera renders "
+     "it"},
     {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
      "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
      "full resolution within R1 pixels of the gaze X,Y, half up to R2, a quarter beyond; edges blend over BAND pixels. "
@@ -173,8 +171,8 @@ const option_row frame_rows[] = {
     {"cpu", "LIST", TEXT(cpu), .help =
      "instruction sets to use: all (default), c for none, or a list out of sse41,avx2,avx512,neon"},
     {"backend", "NAME", TEXT(backend), .basic = 1, .help =
-     "renderer: cpu, cuda, gles, gles-fetch, gles-compute or osmesa, all with the same bytes, or gles-quads, which is "
-     "inexact. auto (default) is cpu. fixsplat help backends describes them"},
+     "renderer: cpu, cuda, gles, gles-fetch, gles-compute or osmesa, all with the same bytes; auto (default) is cpu. "
+     "fixsplat help backends describes them"},
     {"device", "LIST", take_devices, 0, .help =
      "GPUs of --backend cuda: numbers from 0, separated by commas, or all (default 0). render --view all shares its "
      "views among them; other commands use the first"},
@@ -258,8 +256,6 @@ int frame_options_check(const frame_options *options)
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
     if (options->auto_up && options->up.given)
         return fail(EXIT_USAGE, "--auto-up and --up: give one");
-    if (options->stereo_exact && options->stereo <= 0)
-        return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
     if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents ||
                               options->foveate.on))
         return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, --ortho, --tangents, --foveate");

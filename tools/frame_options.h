@@ -31,7 +31,6 @@ typedef struct frame_options {
     int has_tangents;
     double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
     double stereo;                          /* distance of the two eyes, scene units; 0: mono */
-    int stereo_exact;
     foveate_options foveate;
     fxs_options render;
     const char *cpu, *backend;

@@ -16,8 +16,8 @@ static const command *const commands[] = {
 enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
 static const char backends_help[] =
-    "--backend chooses the renderer; auto is cpu. All except gles-quads give the same bytes. fixsplat info --backends\n"
-    "lists the back ends of this machine, and why others cannot run; --json lists them for a program.\n\n";
+    "--backend chooses the renderer; auto is cpu. All give the same bytes. fixsplat info --backends lists the back\n"
+    "ends of this machine, and why others cannot run; --json lists them for a program.\n\n";
 
 static void help_backends(void)
 {

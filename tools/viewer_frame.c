@@ -286,7 +286,7 @@ static void print_eyes(const viewer *v)
 {
     const foveate_options *o = &v->options.foveate;
     if (v->options.stereo > 0)
-        printf(" --stereo %.17g%s", v->options.stereo, v->options.stereo_exact ? " --stereo-exact" : "");
+        printf(" --stereo %.17g", v->options.stereo);
     if (o->on)
         printf(" --foveate");
     for (int i = 0; i < o->given; i++)

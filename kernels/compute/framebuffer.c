@@ -206,7 +206,7 @@ int fxs_compute_draw(fxs_compute *c, const fxs_request *request, const fxs_compu
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
     fxs_request own = *request;
     int error = fxs_gl_check_target(target);
-    error = error ? error : target->fetch || target->quads ? FXS_ERR_UNSUPPORTED : 0;
+    error = error ? error : target->fetch ? FXS_ERR_UNSUPPORTED : 0;
     if (error)
         return fxs_plan_say(why, error, fxs_strerror(error), "");
     own.eyes = 1;

@@ -159,8 +159,8 @@ static int place_objects(fxs_plan *p)
 static int choose_chunks(fxs_plan *p, void *memory)
 {
     fxs_cut cut = {.objects = p->request->objects, .object_count = p->request->count,
-                   .options = &p->request->options, .eye_count = 1, .cameras = {p->request->cameras},
-                   .views = {p->objects}, .room = p->cut_room, .memory = memory};
+                   .options = &p->request->options, .camera = p->request->cameras, .views = p->objects,
+                   .room = p->cut_room, .memory = memory};
     const int error = fxs_cut_find(&cut);
     p->drawn = cut.drawn;
     p->places = cut.count;

@@ -3,9 +3,8 @@
  *
  * Each frame runs in a slot: two streams, events and device buffers. Kernel order: find the cut (scenes with a tree
  * and a budget or detail), project, start_lists, fill_lists, sort_lists, blend. Long lists are blended on the slot's
- * second stream while the first one sorts the rest. Two eyes that share colours and order are projected together,
- * then drawn in two slots. A frame whose tile lists overflowed is rendered again by fxs_cuda_finish, with larger
- * buffers. */
+ * second stream while the first one sorts the rest. A frame whose tile lists overflowed is rendered again by
+ * fxs_cuda_finish, with larger buffers. */
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
@@ -38,11 +37,7 @@ struct slot_sizes {
 
 enum { PLANES = 7 };
 
-/* ALONE: a mono frame. LEFT, RIGHT: two eyes that share colours and order; LEFT holds all shared results. */
-enum frame_kind { ALONE, LEFT, RIGHT };
-
 struct frame {
-    frame_kind kind;
     fxs_view view;                 /* world to camera; plain frame: object to camera */
     fxs_scene scene;               /* plain frame: the only scene, with device pointers */
     fxs_targets targets;
@@ -55,14 +50,12 @@ struct frame {
     uint64_t staged;               /* offset of its objects in fxs_cuda.staged */
     bool plain;                    /* one object, not scaled, cropped or tinted; no cut, no pool */
     bool pooled;                   /* a scene is only partly on the device (pool.cuh) */
-    bool own_order;                /* right eye only: its lists are sorted by its own depths, not by the left eye's */
 };
 
 }
 
 struct fxs_cuda {                  /* in pinned host memory, so that kernels can write `needs` */
     int device, timed;
-    int eyes_share;                /* frames 2 i and 2 i + 1 are two eyes that share colours and order */
     float milliseconds;
     int dense;                     /* 1: blend_dense fits the device and blends the long lists */
     uint32_t processors, slot_count;
@@ -96,30 +89,12 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Frames that are projected together, each in its own slot. */
-uint32_t frames_at_once(const fxs_cuda *cuda)
-{
-    return cuda->eyes_share ? 2 : 1;
-}
-
-/* The number of slots that this many frames use. With a pooled scene, frames (or pairs) run one after the other, as
-   each may evict rows that the previous one reads. */
+/* The number of slots that this many frames use. With a pooled scene, frames run one after the other, as each may evict
+   rows that the previous one reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
-    const uint32_t least = frames_at_once(cuda), slots = cuda->scenes.pools ? least : cuda->slot_count / least * least;
+    const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
     return frames < slots ? frames : slots;
-}
-
-/* True if this frame runs the search for a cut; a right eye uses the left one's. */
-bool has_cut(const frame *of)
-{
-    return of->cut_room && of->kind != RIGHT;
-}
-
-/* Eyes that this frame's cut is for: 0 to 2. */
-uint32_t cut_eyes(const frame *of)
-{
-    return !has_cut(of) ? 0 : of->kind == LEFT ? 2 : 1;
 }
 
 struct plane {
@@ -161,7 +136,7 @@ uint64_t cut_views_at(const frame *of)
 
 uint64_t drawn_at(const frame *of)
 {
-    return cut_views_at(of) + cut_eyes(of) * of->object_count * sizeof(fxs_view);
+    return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
 }
 
 /* Divides a slot's memory up for a frame. Sets the bytes that it needs of objects, splats and tiles in *sizes. The
@@ -174,7 +149,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     const uint64_t gaussians = (uint64_t)of->chunks * FXS_CHUNK;
     f.objects = (const fxs_object_view *)objects;
     f.object_count = of->object_count;
-    f.drawn = has_cut(of) ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
+    f.drawn = of->cut_room ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
     f.drawn_count = nullptr;
     f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
     f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
@@ -190,7 +165,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.capacity = s->entries.bytes / sizeof *f.entries;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
-    sizes->objects = drawn_at(of) + (has_cut(of) ? of->cut_room * sizeof(fxs_drawn) : 0);
+    sizes->objects = drawn_at(of) + of->cut_room * sizeof(fxs_drawn);
     sizes->splats = (uint64_t)(splats - (unsigned char *)s->splats.data);
     sizes->tiles = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
@@ -273,7 +248,7 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         uint64_t cleared, cut_bytes = 0;
         fxs_targets targets = f->targets;
         slot_buffers(&none, f, &of_frame);
-        if (has_cut(f))
+        if (f->cut_room)
             slot_cut(&none, f, &cuda->options, &cleared, &cut_bytes);
         s->cut = larger_of(s->cut, cut_bytes);
         s->pixels = larger_of(s->pixels, place_hosted(&targets, f, nullptr));
@@ -334,7 +309,7 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
     }
     error = fetch_scenes(scenes, memory, rows_most, error, cuda->slots[0].stream, why);
     if (!error && scenes->pools)
-        size_slots(cuda, count, sizes);    /* with pools, all frames share one slot (two with shared eyes) */
+        size_slots(cuda, count, sizes);    /* with pools, all frames share one slot */
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
@@ -430,27 +405,6 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
-/* Checks that two frames can be the eyes of one viewer. */
-int check_eyes(const fxs_cuda_frame *left, const fxs_cuda_frame *right, fxs_message *why)
-{
-    const fxs_camera *a = &left->camera, *b = &right->camera;
-    if (left->objects != right->objects || left->count != right->count)
-        return failed(why, FXS_ERR_ARGUMENT, "the eyes of a viewer have other objects");
-    if (a->width != b->width || a->height != b->height || a->projection != b->projection)
-        return failed(why, FXS_ERR_SIZE, "the pictures of two eyes differ in size or projection");
-    return fxs_targets_collide(&left->targets, &right->targets, a->width, a->height)
-               ? failed(why, FXS_ERR_TARGET, fxs_strerror(FXS_ERR_TARGET)) : 0;
-}
-
-/* Checks each pair of eyes, if eyes are shared. Each frame has been checked by itself. */
-int check_pairs(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
-{
-    int error = 0;
-    for (uint32_t i = 0; i < count && cuda->eyes_share && !error; i += 2)
-        error = check_eyes(&frames[i], &frames[i + 1], why);
-    return error;
-}
-
 /* Takes all frames, registers their scenes and reserves one staging area for all their objects. */
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
@@ -461,7 +415,6 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         slot_sizes sizes;
         const slot none = {};
         error = take_frame(f, &frames[i], &cuda->options, why);
-        f->kind = !cuda->eyes_share ? ALONE : i % 2 ? RIGHT : LEFT;
         if (!error && !are_aligned(f->targets))
             error = failed(why, FXS_ERR_TARGET, "a target is not aligned to its pixels");
         for (uint32_t k = 0; k < f->object_count && !error; k++)
@@ -473,7 +426,6 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         f->staged = staged;
         staged += sizes.objects;
     }
-    error = error ? error : check_pairs(cuda, frames, count, why);
     return error ? error : reserve_host(&cuda->staged, staged, why);
 }
 
@@ -521,8 +473,7 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-/* Finds the drawn chunks on the host and writes them to the staging area. `f` and `from`: a frame, or the left of two
-   eyes. */
+/* Finds the drawn chunks on the host and writes them to the staging area. */
 int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
 {
     fxs_cut cut = {};
@@ -532,59 +483,44 @@ int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *
     cut.objects = from->objects;
     cut.object_count = f->object_count;
     cut.options = &cuda->options;
-    cut.eye_count = cut_eyes(f);
-    for (uint32_t eye = 0; eye < cut.eye_count; eye++) {
-        cut.cameras[eye] = &from[eye].camera;
-        cut.views[eye] = staged_objects(cuda, &f[eye]);
-    }
+    cut.camera = &from->camera;
+    cut.views = staged_objects(cuda, f);
     cut.room = f->cut_room;
     cut.memory = cuda->cut.data;
     error = fxs_cut_find(&cut);
     if (error)
         return failed(why, error, fxs_strerror(error));
     memcpy((unsigned char *)cuda->staged.data + f->staged + drawn_at(f), cut.drawn, cut.count * sizeof *cut.drawn);
-    for (uint32_t eye = 0; eye < cut.eye_count; eye++)
-        f[eye].chunks = cut.count;
+    f->chunks = cut.count;
     return 0;
 }
 
 /* Stages the views for finding a cut on the device. */
 void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
 {
-    const uint32_t eyes = cut_eyes(f);
-    fxs_view *view = (fxs_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
-    for (uint32_t k = 0; k < f->object_count; k++)
-        for (uint32_t eye = 0; eye < eyes; eye++, view++) {
-            *view = staged_objects(cuda, &f[eye])[k].view;
-            if (!cuda->options.budget_of_window)
-                fxs_view_of_whole(view, &from[eye].camera);
-        }
+    fxs_view *views = (fxs_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
+    for (uint32_t k = 0; k < f->object_count; k++) {
+        views[k] = staged_objects(cuda, f)[k].view;
+        if (!cuda->options.budget_of_window)
+            fxs_view_of_whole(&views[k], &from->camera);
+    }
 }
 
-int stage_frames(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
+int stage_frame(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
-    const uint32_t eyes = frames_at_once(cuda);
-    int error = 0;
-    for (uint32_t eye = 0; eye < eyes && !error; eye++)
-        error = stage_objects(cuda, i + eye, &from[eye], why);
-    if (!error && has_cut(f) && f->cut_here)
-        error = find_cut(cuda, f, from, why);
-    else if (!error)
-        stage_cut_views(cuda, f, from);
+    const fxs_object_view *views = staged_objects(cuda, f);
+    const int error = stage_objects(cuda, i, from, why);
     if (error)
         return error;
-    if (f->kind == LEFT) {
-        share_eye(staged_objects(cuda, f), staged_objects(cuda, &f[1]), f->object_count);
-        f[1].own_order = has_own_order(&f->view, &f[1].view, &f[1].targets);
-    }
-    for (uint32_t eye = 0; eye < eyes; eye++) {
-        const fxs_object_view *views = staged_objects(cuda, &f[eye]);
-        f[eye].plain = !f->cut_room && !f->pooled && f->object_count == 1 && is_plain(views);
-        if (f[eye].plain) {
-            f[eye].view = views->view;
-            f[eye].scene = views->scene;
-        }
+    if (f->cut_room && f->cut_here)
+        return find_cut(cuda, f, from, why);
+    if (f->cut_room)
+        stage_cut_views(cuda, f, from);
+    f->plain = !f->cut_room && !f->pooled && f->object_count == 1 && is_plain(views);
+    if (f->plain) {
+        f->view = views->view;
+        f->scene = views->scene;
     }
     return 0;
 }
@@ -631,32 +567,27 @@ void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks
     cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
-template <uint32_t Eyes>
 void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
 {
     uint64_t cleared, bytes;
     const cut_buffers c = slot_cut(s, of, &cuda->options, &cleared, &bytes);
     const uint32_t chunks = c.chunks;
     cudaMemsetAsync(c.status, 0, cleared, s->on);
-    start(see_chunks<Eyes>, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
+    start(see_chunks, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
     launch(cuda, rank_nodes, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
     launch(cuda, find_stop, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
     launch(cuda, share_chunks, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
-    launch(cuda, list_drawn_chunks<Eyes>, chunks / LIST_CHUNKS + 1, CUT_THREADS, 0, s->on, *f, c);
+    launch(cuda, list_drawn_chunks, chunks / LIST_CHUNKS + 1, CUT_THREADS, 0, s->on, *f, c);
     f->drawn_count = &c.status->drawn;
 }
 
-template <bool Many, uint32_t Eyes>
-void project(const fxs_cuda *cuda, const frame *of, const eyes_buffers<Eyes> &f, uint32_t own_depths,
-             cudaStream_t stream)
+template <bool Many>
+void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
-    eyes_views<Eyes> views;
-    for (uint32_t eye = 0; eye < Eyes; eye++)
-        views.of[eye] = of[eye].view;
-    start(locate_chunks<Many, Eyes>, (of->chunks + 63) / 64, 64, 0, stream, views, of->scene, f, of->chunks);
+    start(locate_chunks<Many>, (of->chunks + 63) / 64, 64, 0, stream, of->view, of->scene, f, of->chunks);
     if (of->pooled)
-        start(fetch_chunks, of->chunks, FETCH_THREADS, 0, stream, f.of[0]);
-    launch(cuda, project_chunk<Many, Eyes>, of->chunks, FXS_CHUNK, 0, stream, views, of->scene, f, own_depths);
+        start(fetch_chunks, of->chunks, FETCH_THREADS, 0, stream, f);
+    launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
 /* Launches blend and resolve: sorted lists, then long lists if `groups` is not 0. */
@@ -720,15 +651,15 @@ slot *slot_of_frame(fxs_cuda *cuda, uint32_t i)
     return &cuda->slots[i % slots_of(cuda, SLOTS)];
 }
 
-/* Sets up frame i's buffers and clears them on `stream`. */
-frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
+/* Sets up frame i's buffers and clears them. */
+frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
 {
     const slot *s = slot_of_frame(cuda, i);
     const frame *of = &cuda->frames[i];
     slot_sizes sizes;
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
-    f.number = cuda->frame_number;
+    f.number = ++cuda->frame_number;
     if (fxs_targets_traced(&of->targets))                    /* traced pixels read depths to the end, so entries must
                                                                 not overwrite them */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
@@ -737,49 +668,47 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
         f.split_capacity = cuda->split_most;
     }
     const uint64_t cleared = (uint64_t)((unsigned char *)list_of(&f, of->tiles) - (unsigned char *)f.status);
-    cudaMemsetAsync(f.status, 0, cleared, stream);
+    cudaMemsetAsync(f.status, 0, cleared, s->on);
     return f;
 }
 
 /* Uploads the objects of frame i if a kernel reads them. */
-void copy_objects(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
+void copy_objects(fxs_cuda *cuda, uint32_t i)
 {
+    const slot *s = slot_of_frame(cuda, i);
     const frame *of = &cuda->frames[i];
     const slot none = {};
     slot_sizes sizes;
     slot_buffers(&none, of, &sizes);
     if (sizes.objects && (!of->plain || fxs_targets_traced(&of->targets)))
-        cudaMemcpyAsync(slot_of_frame(cuda, i)->objects.data, (unsigned char *)cuda->staged.data + of->staged,
-                        of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, stream);
+        cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged,
+                        of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, s->on);
 }
 
-/* Launches the cut, if any, and project for one frame or two eyes. */
-template <uint32_t Eyes>
-void project_frames(const fxs_cuda *cuda, const frame *of, const slot *s, eyes_buffers<Eyes> *f, uint32_t own_depths)
+/* Launches the cut, if any, and project. */
+void project_frame(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
 {
-    if (has_cut(of) && !of->cut_here)
-        start_cut<Eyes>(cuda, of, s, &f->of[0]);
+    if (of->cut_room && !of->cut_here)
+        start_cut(cuda, of, s, f);
     if (of->chunks && of->plain)
-        project<false, Eyes>(cuda, of, *f, own_depths, s->on);
+        project<false>(cuda, of, *f, s->on);
     else if (of->chunks)
-        project<true, Eyes>(cuda, of, *f, own_depths, s->on);
+        project<true>(cuda, of, *f, s->on);
 }
 
-/* Launches all kernels after project. `depths` are the depths that the lists are sorted by. */
-int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, uint32_t *depths, fxs_message *why)
+/* Launches all kernels after project. */
+int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
     const frame *of = &cuda->frames[i];
     const fxs_view &view = of->view;
     fxs_targets targets = of->targets;
-    frame_buffers listed = f;
-    listed.depths = depths;
     place_hosted(&targets, of, s->pixels.data);
     mark(cuda, s, 1);
     launch(cuda, start_lists, ((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on, f,
            (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
     if (of->chunks)
-        launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, listed);
+        launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, f);
     mark(cuda, s, 2);
     blend(cuda, s, view, f, target_of(&targets, &cuda->options));
     mark(cuda, s, 4);
@@ -791,55 +720,15 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, uint32_t *dep
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
-    eyes_buffers<1> f;
-    /* Only for a single frame: blocks that start early and wait take resources from other frames' kernels. */
-    cuda->early = cuda->frame_count == 1;
-    f.of[0] = begin_frame(cuda, i, s->on);
-    mark_start(cuda, s);
-    copy_objects(cuda, i, s->on);
-    project_frames(cuda, &cuda->frames[i], s, &f, 0);
-    return draw_frame(cuda, i, f.of[0], f.of[0].depths, why);
-}
-
-/* Launches the kernels of two eyes, frames i and i + 1: project in the left slot's stream, then each eye with drawn[]
-   set in its own. The right eye reads shared results in the left slot, so the left slot's next frame waits for it. */
-int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why)
-{
-    const slot *left = slot_of_frame(cuda, i), *right = slot_of_frame(cuda, i + 1);
-    const frame *of = &cuda->frames[i];
-    const bool own_order = of[1].own_order, traced = fxs_targets_traced(&of[1].targets);
-    eyes_buffers<2> f;
-    cuda->early = cuda->frame_count == 2;
-    cudaStreamWaitEvent(left->on, right->done, 0);
-    for (uint32_t eye = 0; eye < 2; eye++)
-        f.of[eye] = begin_frame(cuda, i + eye, left->on);
-    mark_start(cuda, left);
-    for (uint32_t eye = 0; eye < 2; eye++)
-        copy_objects(cuda, i + eye, left->on);
-    /* A traced right eye outputs its own depths, but its lists are sorted by the left eye's, which must then survive
-       the left eye's blend. */
-    uint32_t *depths = f.of[1].depths;
-    if (traced && !own_order) {
-        depths = f.of[0].depths;
-        f.of[0].split_capacity = (uint64_t)((uint64_t *)depths - f.of[0].boxes);
-    }
-    project_frames(cuda, of, left, &f, own_order || traced);
-    f.of[1].drawn = f.of[0].drawn;
-    cuda->early = false;
-    cudaEventRecord(left->listed, left->on);
-    cudaStreamWaitEvent(right->on, left->listed, 0);
-    mark(cuda, right, 0);
-    int error = drawn[0] ? draw_frame(cuda, i, f.of[0], f.of[0].depths, why) : 0;
-    return error || !drawn[1] ? error : draw_frame(cuda, i + 1, f.of[1], depths, why);
-}
-
-/* Starts frame i, or two eyes from frame i on; drawn[k]: whether eye k is drawn. */
-int start_frames(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why)
-{
     if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
-    cuda->frame_number++;
-    return cuda->eyes_share ? start_eyes(cuda, i, drawn, why) : start_frame(cuda, i, why);
+    /* Only for a single frame: blocks that start early and wait take resources from other frames' kernels. */
+    cuda->early = cuda->frame_count == 1;
+    frame_buffers f = begin_frame(cuda, i);
+    mark_start(cuda, s);
+    copy_objects(cuda, i);
+    project_frame(cuda, &cuda->frames[i], s, &f);
+    return draw_frame(cuda, i, f, why);
 }
 
 int wait(fxs_cuda *cuda, fxs_message *why)
@@ -876,8 +765,6 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     if (entries > ENTRIES_MAX)
         return failed(why, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
                       entries * sizeof(uint64_t));
-    const bool one[2] = {i % 2 == 0, i % 2 == 1};      /* the other eye is finished; its backdrop may have been
-                                                          overwritten by its own colour */
     int error = FXS_ERR_MEMORY;
     for (int spare = 1; spare >= 0 && error == FXS_ERR_MEMORY; spare--) {
         cuda->capacity = larger_of(capacity, entries + (spare ? entries / 8 : 0));
@@ -887,7 +774,7 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
                                   cuda->capacity * sizeof(uint64_t), 0, 0};
         error = reserve_slot(cuda, slot_of_frame(cuda, i), &sizes, why);
     }
-    error = error ? error : start_frames(cuda, i - i % frames_at_once(cuda), one, why);
+    error = error ? error : start_frame(cuda, i, why);
     error = error ? error : wait(cuda, why);
     if (!error && !frame_fitted(cuda, i))
         error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
@@ -1082,9 +969,8 @@ int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, b
 int check_arguments(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     fxs_message *why)
 {
-    if (!cuda || !frames || !options || count < 1 || count > FXS_CUDA_BATCH || !options_valid(options))
-        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
-    return count % frames_at_once(cuda) ? failed(why, FXS_ERR_ARGUMENT, "an eye without another one") : 0;
+    return !cuda || !frames || !options || count < 1 || count > FXS_CUDA_BATCH || !options_valid(options)
+               ? failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range") : 0;
 }
 
 }
@@ -1184,14 +1070,6 @@ float fxs_cuda_milliseconds(const fxs_cuda *cuda)
     return cuda->milliseconds;
 }
 
-int fxs_cuda_share_eyes(fxs_cuda *cuda, int on, fxs_message *why)
-{
-    if (!cuda || (on && cuda->slot_count < 2))
-        return failed(why, FXS_ERR_ARGUMENT, cuda ? "two eyes take two slots" : "an argument is null");
-    cuda->eyes_share = on != 0;
-    return 0;
-}
-
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_message *why)
 {
@@ -1203,12 +1081,11 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     cuda->options = *options;
     error = take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
-    for (uint32_t i = 0; i < count && !error; i += frames_at_once(cuda))
-        error = stage_frames(cuda, i, &frames[i], why);
+    for (uint32_t i = 0; i < count && !error; i++)
+        error = stage_frame(cuda, i, &frames[i], why);
     if (error)
         return error;
     cuda->frame_count = count;
-    const bool both[2] = {true, true};
     const uint32_t used = slots_of(cuda, count);
     if (count > 1)
         error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
@@ -1219,8 +1096,8 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
             error = check(why, cudaStreamWaitEvent(s->on, cuda->ready, 0));
     }
     cuda->began_marked = false;
-    for (uint32_t i = 0; i < count && !error; i += frames_at_once(cuda))
-        error = start_frames(cuda, i, both, why);
+    for (uint32_t i = 0; i < count && !error; i++)
+        error = start_frame(cuda, i, why);
     for (uint32_t i = 0; i < used && count > 1 && !error; i++)
         error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
     return error ? end_frames(cuda, error) : 0;
@@ -1257,7 +1134,6 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         error = take_frame(&checked, &frames[i], options, why);
         cuda->device_frames[i] = frames[i];
     }
-    error = error ? error : check_pairs(cuda, frames, count, why);
     if (error)
         return error;
     error = reserve(&cuda->memory, &cuda->pixels, place_targets(cuda->device_frames, count, nullptr), why);

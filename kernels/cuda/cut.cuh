@@ -66,7 +66,7 @@ struct cut_buffers {
     node_sight *sights;            /* one per chunk of all objects */
     uint64_t *candidates;
     fxs_drawn *drawn;
-    const fxs_view *views;         /* one view per object and eye, as for fxs_see */
+    const fxs_view *views;         /* one view per object, as for fxs_see */
     uint32_t chunks;               /* chunks and nodes of all objects */
     uint32_t whole_chunks;         /* chunks of objects without a tree */
     uint32_t room, detail_q8;
@@ -149,8 +149,7 @@ __device__ inline uint64_t order_of(int32_t key_q8, uint32_t chunk)
     return (uint64_t)place_of_key(key_q8) << 32 | chunk;
 }
 
-/* One thread per chunk of all objects: computes its fxs_sight, for two eyes from the nearer one. */
-template <uint32_t Eyes>
+/* One thread per chunk of all objects: computes its fxs_sight. */
 __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {
@@ -163,7 +162,7 @@ __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant_
     if (!o->visible || !o->scene.nodes)
         return;
     fxs_sight sight;
-    const int seen = fxs_see(&sight, &c.views[object * Eyes], Eyes, &o->scene, chunk - o->first_chunk, c.detail_q8);
+    const int seen = fxs_see(&sight, &c.views[object], &o->scene, chunk - o->first_chunk, c.detail_q8);
     store(&c.sights[chunk], stored(&sight, seen > 0, 0));
     if (seen > 0 && chunk - o->first_chunk == o->scene.chunk_count)
         atomicAdd(&c.status->roots, 1);
@@ -514,7 +513,6 @@ __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constan
 }
 
 /* One block per LIST_CHUNKS chunks: lists the drawn ones in order. */
-template <uint32_t Eyes>
 __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_constant__ frame_buffers f,
                                                                  const __grid_constant__ cut_buffers c)
 {
@@ -542,7 +540,7 @@ __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_co
         const fxs_object_view *o = &f.objects[object];
         fxs_sight sight = {0, 0, 0};
         if (o->scene.nodes && chunk - o->first_chunk >= o->scene.chunk_count)
-            fxs_see(&sight, &c.views[object * Eyes], Eyes, &o->scene, chunk - o->first_chunk, c.detail_q8);
+            fxs_see(&sight, &c.views[object], &o->scene, chunk - o->first_chunk, c.detail_q8);
         if (place < c.room)
             c.drawn[place] = fxs_drawn_of(chunk, c.shares_q8[chunk], sight.swell_q8);
     }

@@ -1,8 +1,7 @@
 /* project, shade and bin: from packed scenes to an unsorted list of splats per tile.
  *
  * A plain frame passes its view and scene as kernel parameters; otherwise objects are in device memory (template
- * parameter Many). Two eyes that share colours and order are projected together, as in src/core/eyes.c: a chunk that
- * either eye sees has the same index in both eyes' buffers. */
+ * parameter Many). */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -35,53 +34,34 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
     return error ? error : fxs_object_has_chunk(object, &header);
 }
 
-/* Per projected eye: the view (of the world, or of the only object), and the buffers. Shared results are in the first
-   eye's buffers. */
-template <uint32_t Eyes>
-struct eyes_views {
-    fxs_view of[Eyes];
-};
-
-template <uint32_t Eyes>
-struct eyes_buffers {
-    frame_buffers of[Eyes];
-};
-
-/* One thread per chunk: writes the views of chunks that an eye can see, and sets `damaged` for an invalid header. */
-template <bool Many, uint32_t Eyes>
-__global__ void locate_chunks(const __grid_constant__ eyes_views<Eyes> views, const __grid_constant__ fxs_scene scene,
-                              const __grid_constant__ eyes_buffers<Eyes> buffers, uint32_t chunks)
+/* One thread per chunk: writes the views of chunks that the camera can see, and sets `damaged` for an invalid
+   header. */
+template <bool Many>
+__global__ void locate_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
+                              const __grid_constant__ frame_buffers f, uint32_t chunks)
 {
-    const frame_buffers &f = buffers.of[0];
     const uint32_t at = blockIdx.x * blockDim.x + threadIdx.x;
-    fxs_chunk_view cv[Eyes];
+    fxs_chunk_view cv;
     uint32_t object = 0;
-    int seen[Eyes] = {};
+    int seen = 0;
     wait_for_last_kernel();
     if (Many && f.drawn_count)
         chunks = *f.drawn_count;
     if (Many && at < chunks) {
         const uint32_t chunk = chunk_at(&f, at);
         object = fxs_object_of(f.objects, f.object_count, chunk);
-        for (uint32_t eye = 0; eye < Eyes; eye++) {
-            seen[eye] = place_in_object(&cv[eye], &buffers.of[eye].objects[object],
-                                        chunk - f.objects[object].first_chunk, f.drawn ? f.drawn[at].grow_q8 : 0);
-            cv[eye].chunk = at;
-        }
+        seen = place_in_object(&cv, &f.objects[object], chunk - f.objects[object].first_chunk,
+                               f.drawn ? f.drawn[at].grow_q8 : 0);
+        cv.chunk = at;
     } else if (at < chunks) {
-        for (uint32_t eye = 0; eye < Eyes; eye++)
-            seen[eye] = fxs_chunk_view_init(&cv[eye], &views.of[eye], &scene, at);
+        seen = fxs_chunk_view_init(&cv, &view, &scene, at);
     }
-    const bool visible = seen[0] > 0 || seen[Eyes - 1] > 0;
-    if (seen[0] < 0)
+    if (seen < 0)
         f.status->damaged = 1;
-    const uint32_t place = take_number(&f.status->chunks, 0, visible);
-    for (uint32_t eye = 0; eye < Eyes && visible; eye++) {
-        if (Eyes > 1 && !seen[eye])
-            cv[eye].near = INT32_MAX;      /* this eye does not see the chunk */
-        buffers.of[eye].chunk_views[place] = cv[eye];
-    }
-    if (Many && visible) {
+    const uint32_t place = take_number(&f.status->chunks, 0, seen > 0);
+    if (seen > 0)
+        f.chunk_views[place] = cv;
+    if (Many && seen > 0) {
         const fxs_object_view *o = &f.objects[object];
         f.chunk_objects[place] = object;
         keep_place(&o->scene, chunk_at(&f, at) - o->first_chunk, f.number);
@@ -282,75 +262,51 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-/* One block per visible chunk: projects, shades and bins its splats. Two eyes: each splat is shaded once, with the left
-   eye's view. The right eye's splats get the left eye's depths, unless `own_depths` is set or the left eye does not see
-   them. */
-template <bool Many, uint32_t Eyes>
-__global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ eyes_views<Eyes> views,
+/* One block per visible chunk: projects, shades and bins its splats. */
+template <bool Many>
+__global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
                                                               const __grid_constant__ fxs_scene only_scene,
-                                                              const __grid_constant__ eyes_buffers<Eyes> buffers,
-                                                              uint32_t own_depths)
+                                                              const __grid_constant__ frame_buffers f)
 {
     __shared__ block_splats b;
-    __shared__ fxs_chunk_view right;
     wait_for_last_kernel();
-    const frame_buffers &f = buffers.of[0];
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
     const uint32_t place = cv->chunk;      /* loaded before the check, so that both loads overlap */
     if (blockIdx.x >= f.status->chunks)
         return;
-    const uint32_t number = Many ? f.chunk_objects[blockIdx.x] : 0;
-    const fxs_object_view *first = Many ? &f.objects[number] : nullptr;
-    const fxs_scene *scene = Many ? &first->scene : &only_scene;
-    const uint32_t chunk = Many ? chunk_at(&f, place) - first->first_chunk : place, g = threadIdx.x;
+    const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
+    const fxs_scene *scene = Many ? &object->scene : &only_scene;
+    const fxs_view *camera = Many ? &object->view : &view;
+    const uint32_t chunk = Many ? chunk_at(&f, place) - object->first_chunk : place, g = threadIdx.x;
     const uint32_t index = place * FXS_CHUNK + g;
     const uint32_t share_q8 = Many && f.drawn ? f.drawn[place].share_q8 : 256;
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
     fetch_chunk(&b, cv, fxs_header(scene, chunk), Many ? rows_of(scene, chunk) : fxs_rows(scene, chunk),
                 scene->chunk_bytes);
-    if (Eyes > 1 && g < sizeof right / sizeof(uint32_t))
-        ((uint32_t *)&right)[g] = ((const uint32_t *)&buffers.of[Eyes - 1].chunk_views[blockIdx.x])[g];
     await_part(&b, 0);
+    const fxs_codes codes = fxs_codes_of(scene, rows, g);
+    const uint32_t offset_q11 = offset_of_code_q11[b.view.opacity_law][codes.colour >> 24];
     fxs_splat splat;
-    uint32_t depth = 0;
-    bool seen = false;                     /* by an earlier eye */
-#pragma unroll 1                           /* unrolling would spill more registers */
-    for (uint32_t eye = 0; eye < Eyes; eye++) {
-        const fxs_object_view *object = Many ? &buffers.of[eye].objects[number] : nullptr;
-        const fxs_view *camera = Many ? &object->view : &views.of[eye], *view = &views.of[eye];
-        const frame_buffers *to = &buffers.of[eye];
-        cv = eye ? &right : &b.view;
-        const fxs_codes codes = fxs_codes_of(scene, rows, g);
-        const uint32_t offset_q11 = offset_of_code_q11[cv->opacity_law][codes.colour >> 24];
-        fxs_bounds bounds;
-        uint32_t own_depth;
-        bool visible = project_one(&splat, &bounds, &own_depth, camera, cv, scene->profile, &codes,
-                                   fxs_share_of_q11(offset_q11, share_q8));
-        if (Many && visible && !object->plain)
-            visible = fxs_object_change(object, &b.header, codes.position, &own_depth);
-        if (eye == 0)
-            await_part(&b, 1);
-        ellipse e;
-        if (visible) {
-            if (!seen) {
-                shade_one(&splat, Many ? &first->view : &views.of[0], scene, &b.header, rows, g);
-                if (Many)
-                    fxs_object_tint(first, &splat);
-                f.depths[index] = depth = own_depth;
-            }
-            store_splat(&to->splats[index], splat);
-            if (eye > 0)
-                to->depths[index] = own_depths ? own_depth : depth;
-            e = ellipse_of(view, &splat, &bounds);
-        }
-        list_splats(&b, to, view, index, &e, visible);
-        seen |= visible;
+    fxs_bounds bounds;
+    uint32_t depth;
+    bool visible = project_one(&splat, &bounds, &depth, camera, &b.view, scene->profile, &codes,
+                               fxs_share_of_q11(offset_q11, share_q8));
+    if (Many && visible && !object->plain)
+        visible = fxs_object_change(object, &b.header, codes.position, &depth);
+    await_part(&b, 1);
+    ellipse e;
+    if (visible) {
+        shade_one(&splat, camera, scene, &b.header, rows, g);
+        if (Many)
+            fxs_object_tint(object, &splat);
+        f.depths[index] = depth;
+        store_splat(&f.splats[index], splat);
+        e = ellipse_of(&view, &splat, &bounds);
     }
-    const int of_block = __syncthreads_count(seen);
+    list_splats(&b, &f, &view, index, &e, visible);
+    const int of_block = __syncthreads_count(visible);
     if (g == 0)
         atomicAdd(&f.status->visible, (uint32_t)of_block);
-    if (Eyes > 1 && blockIdx.x == 0 && g == 0)
-        buffers.of[Eyes - 1].status->chunks = f.status->chunks;
 }
 
 const uint32_t START_ROWS = 8;             /* tile rows per block of start_lists, one per warp */

@@ -30,7 +30,6 @@ namespace {
 #include "src/core/bin.c"
 #include "src/core/resolve.c"
 #include "src/core/targets.c"
-#include "src/core/stereo.c"
 }
 #undef static
 

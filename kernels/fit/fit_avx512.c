@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_stages.h) in AVX-512: 16 lanes. Adds vectors across lanes in trees, several at a
+/* The stages of the fit (src/fit/fit_isa.h) in AVX-512: 16 lanes. Adds vectors across lanes in trees, several at a
    time. */
 #include <immintrin.h>
 #define ISA avx512
@@ -44,4 +44,4 @@ static inline void add_vectors(const __m512 *v, float *sums)
 }
 
 #define ADD_PLACES(vectors, sums) add_vectors((const __m512 *)(vectors), sums)
-#include "src/fit/fit_stages.h"
+#include "src/fit/fit_isa.h"

@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_stages.h) in NEON (AArch64): 4 lanes. */
+/* The stages of the fit (src/fit/fit_isa.h) in NEON (AArch64): 4 lanes. */
 #include <arm_neon.h>
 #define ISA neon
 #define LANES 4
@@ -9,4 +9,4 @@
 #define ANY(which) (vmaxvq_u32((uint32x4_t)(which)) != 0)
 #define CHOOSE(which, a, b) ((real)vbslq_f32((uint32x4_t)(which), (float32x4_t)(a), (float32x4_t)(b)))
 #define BITS(which) vaddvq_u32((uint32x4_t)(which) & (uint32x4_t){1, 2, 4, 8})
-#include "src/fit/fit_stages.h"
+#include "src/fit/fit_isa.h"

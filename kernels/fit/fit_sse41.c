@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_stages.h) in SSE4.1: 4 lanes. */
+/* The stages of the fit (src/fit/fit_isa.h) in SSE4.1: 4 lanes. */
 #include <smmintrin.h>
 #define ISA sse41
 #define LANES 4
@@ -9,4 +9,4 @@
 #define ANY(which) (!_mm_testz_si128((__m128i)(which), (__m128i)(which)))
 #define CHOOSE(which, a, b) ((real)_mm_blendv_ps((__m128)(b), (__m128)(a), (__m128)(which)))
 #define BITS(which) ((uint32_t)_mm_movemask_ps((__m128)(which)))
-#include "src/fit/fit_stages.h"
+#include "src/fit/fit_isa.h"

@@ -10,19 +10,16 @@
 /* F(type's name, function's name) for each function */
 #define FXS_GL_FUNCTIONS(F) \
     F(ACTIVETEXTURE, ActiveTexture) F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) \
-    F(BINDATTRIBLOCATION, BindAttribLocation) F(BINDBUFFER, BindBuffer) F(BINDFRAMEBUFFER, BindFramebuffer) \
+    F(BINDBUFFER, BindBuffer) F(BINDFRAMEBUFFER, BindFramebuffer) \
     F(BINDRENDERBUFFER, BindRenderbuffer) F(BINDSAMPLER, BindSampler) F(BINDTEXTURE, BindTexture) \
     F(BINDVERTEXARRAY, BindVertexArray) F(BLENDEQUATIONSEPARATE, BlendEquationSeparate) \
-    F(BLENDFUNCSEPARATE, BlendFuncSeparate) F(BLITFRAMEBUFFER, BlitFramebuffer) F(BUFFERDATA, BufferData) \
-    F(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus) F(CLEARBUFFERFV, ClearBufferfv) \
-    F(CLEARBUFFERIV, ClearBufferiv) F(COLORMASK, ColorMask) \
+    F(BLENDFUNCSEPARATE, BlendFuncSeparate) F(BUFFERDATA, BufferData) \
+    F(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus) F(CLEARBUFFERIV, ClearBufferiv) F(COLORMASK, ColorMask) \
     F(COMPILESHADER, CompileShader) F(CREATEPROGRAM, CreateProgram) F(CREATESHADER, CreateShader) \
     F(DELETEBUFFERS, DeleteBuffers) F(DELETEFRAMEBUFFERS, DeleteFramebuffers) F(DELETEPROGRAM, DeleteProgram) \
     F(DELETEQUERIES, DeleteQueries) F(DELETERENDERBUFFERS, DeleteRenderbuffers) F(DELETESHADER, DeleteShader) \
     F(DELETETEXTURES, DeleteTextures) F(DELETEVERTEXARRAYS, DeleteVertexArrays) F(DISABLE, Disable) \
-    F(DRAWARRAYS, DrawArrays) F(DRAWARRAYSINSTANCED, DrawArraysInstanced) \
-    F(DRAWBUFFERS, DrawBuffers) F(ENABLE, Enable) \
-    F(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) F(ENDQUERY, EndQuery) \
+    F(DRAWARRAYS, DrawArrays) F(DRAWBUFFERS, DrawBuffers) F(ENABLE, Enable) F(ENDQUERY, EndQuery) \
     F(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer) F(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D) \
     F(GENBUFFERS, GenBuffers) F(GENFRAMEBUFFERS, GenFramebuffers) F(GENQUERIES, GenQueries) \
     F(GENRENDERBUFFERS, GenRenderbuffers) F(GENTEXTURES, GenTextures) F(GENVERTEXARRAYS, GenVertexArrays) \
@@ -34,8 +31,7 @@
     F(PIXELSTOREI, PixelStorei) F(READPIXELS, ReadPixels) F(RENDERBUFFERSTORAGE, RenderbufferStorage) \
     F(SCISSOR, Scissor) F(SHADERSOURCE, ShaderSource) F(TEXIMAGE2D, TexImage2D) F(TEXPARAMETERI, TexParameteri) \
     F(TEXSUBIMAGE2D, TexSubImage2D) F(UNIFORM1I, Uniform1i) F(UNIFORM2F, Uniform2f) F(UNIFORM4I, Uniform4i) \
-    F(UNMAPBUFFER, UnmapBuffer) F(USEPROGRAM, UseProgram) F(VERTEXATTRIBDIVISOR, VertexAttribDivisor) \
-    F(VERTEXATTRIBIPOINTER, VertexAttribIPointer) F(VIEWPORT, Viewport)
+    F(UNMAPBUFFER, UnmapBuffer) F(USEPROGRAM, UseProgram) F(VIEWPORT, Viewport)
 
 #define FXS_GL_MEMBER(type, name) PFNGL##type##PROC name;
 typedef struct fxs_gl {
@@ -77,7 +73,7 @@ enum { FXS_GL_UNITS = 10 };        /* texture units */
 
 /* Saved and restored state. */
 typedef struct fxs_gl_state {
-    GLint program, vertex_array, unpack_buffer, array_buffer, renderbuffer, draw_framebuffer, read_framebuffer;
+    GLint program, vertex_array, unpack_buffer, draw_framebuffer;
     GLint active_texture, textures[FXS_GL_UNITS], samplers[FXS_GL_UNITS], viewport[4], scissor[4], unpack[3];
     GLint blend[6];
     GLboolean switches[8], colour_mask[4];

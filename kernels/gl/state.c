@@ -22,10 +22,7 @@ void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *s)
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
-    gl->GetIntegerv(GL_ARRAY_BUFFER_BINDING, &s->array_buffer);
-    gl->GetIntegerv(GL_RENDERBUFFER_BINDING, &s->renderbuffer);
     gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw_framebuffer);
-    gl->GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &s->read_framebuffer);
     gl->GetIntegerv(GL_VIEWPORT, s->viewport);
     gl->GetIntegerv(GL_SCISSOR_BOX, s->scissor);
     gl->GetBooleanv(GL_COLOR_WRITEMASK, s->colour_mask);
@@ -49,10 +46,7 @@ void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *s)
     gl->UseProgram((GLuint)s->program);
     gl->BindVertexArray((GLuint)s->vertex_array);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)s->unpack_buffer);
-    gl->BindBuffer(GL_ARRAY_BUFFER, (GLuint)s->array_buffer);
-    gl->BindRenderbuffer(GL_RENDERBUFFER, (GLuint)s->renderbuffer);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->draw_framebuffer);
-    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)s->read_framebuffer);
     gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
     gl->Scissor(s->scissor[0], s->scissor[1], s->scissor[2], s->scissor[3]);
     gl->ColorMask(s->colour_mask[0], s->colour_mask[1], s->colour_mask[2], s->colour_mask[3]);

@@ -18,7 +18,6 @@
 enum {
     FXS_GLES_STATE,                /* tiles: T and sums after a part of a list, to continue from */
     FXS_GLES_INTEGER, FXS_GLES_NORMALISED,   /* tiles: pixels */
-    FXS_GLES_QUADS,                /* the inexact picture */
     FXS_GLES_BLOCKS,               /* tiles: masks */
     FXS_GLES_BLEND,                /* fetch: T and sums */
     FXS_GLES_LIMITED,              /* the same, with an occluder or the square cut-off */
@@ -41,9 +40,7 @@ enum {
 };
 enum {
     FXS_GLES_TARGET,               /* pixels as integers */
-    FXS_GLES_BLENDED, FXS_GLES_BYTES,   /* quads: blended, then as bytes */
-    FXS_GLES_TARGETS,
-    FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE,   /* CARRIED and NEXT */
+    FXS_GLES_FIRST_STATE, FXS_GLES_SECOND_STATE,   /* CARRIED and NEXT */
     FXS_GLES_WHOLE_STATE,          /* WHOLE */
     FXS_GLES_MASKED,               /* MASKS */
     FXS_GLES_FIRST_TRACED, FXS_GLES_SECOND_TRACED,             /* CARRIED and TRACES; NEXT and NEXT_TRACES */
@@ -55,8 +52,8 @@ typedef struct fxs_gles_program {
     GLint place, source, background, mesh, planes, size;   /* uniforms */
 } fxs_gles_program;
 
-/* Buffers: ring of uploads, read-back, instances of quads. */
-enum { FXS_GLES_UPLOADS = 3, FXS_GLES_DOWNLOAD = FXS_GLES_UPLOADS, FXS_GLES_INSTANCES, FXS_GLES_BUFFERS };
+/* Buffers: ring of uploads, read-back. */
+enum { FXS_GLES_UPLOADS = 3, FXS_GLES_DOWNLOAD = FXS_GLES_UPLOADS, FXS_GLES_BUFFERS };
 
 struct fxs_gles {
     fxs_gl gl;
@@ -70,18 +67,15 @@ struct fxs_gles {
     char no_fetch[FXS_GLES_MESSAGE];            /* why there is no fetch path; otherwise empty */
     int traced;                    /* depths and ids: 0 not made yet, 1 made, negative: the error */
     int timer, timing;             /* timer: the device can time draws; timing: it is doing so */
-    GLenum blended_format;         /* format of the quads' target */
     fxs_gles_program programs[FXS_GLES_PROGRAMS];
-    GLuint textures[FXS_GLES_TEXTURES], framebuffers[FXS_GLES_FRAMEBUFFERS], renderbuffers[FXS_GLES_TARGETS],
-        vertex_arrays[2];
+    GLuint textures[FXS_GLES_TEXTURES], framebuffers[FXS_GLES_FRAMEBUFFERS], renderbuffer, vertex_array;
     GLuint buffers[FXS_GLES_BUFFERS], query;
     GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
     unsigned turn;                 /* counter for the ring of uploads */
     int32_t columns, rows;         /* size of the texture of lists */
     int32_t record_rows, mask_rows, id_rows;    /* rows of the textures of records, masks, ids */
     int32_t occluder[2], backdrop[2], whole[2]; /* widths and heights of these textures */
-    int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
-    GLenum format[FXS_GLES_TARGETS];
+    int32_t width, height;         /* of TARGET */
     const fxs_gles_target *target; /* the caller's target, during fxs_gles_render */
     uint64_t nanoseconds;
 };
@@ -101,21 +95,20 @@ int fxs_gles_has(const fxs_gles *gles, const fxs_tile_run *run);
 /* Makes the context current. Returns 0 or FXS_ERR_DEVICE. */
 int fxs_gles_use(const fxs_gles *gles);
 
-/* Grows a render target of the back end to at least this size. Returns 0, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
-int fxs_gles_make_target(fxs_gles *gles, int target, GLenum format, int32_t width, int32_t height);
+/* Grows FXS_GLES_TARGET to at least this size. Returns 0, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
+int fxs_gles_make_target(fxs_gles *gles, int32_t width, int32_t height);
 
-/* Binds a buffer, grows it to at least `bytes`, and maps it for writing; loses its contents. Returns null if the device
-   fails. */
-void *fxs_gles_map(fxs_gles *gles, GLenum target, int buffer, GLsizeiptr bytes);
+/* Binds the next buffer for uploads, grows it to at least `bytes`, and maps it for writing; loses its contents. Returns
+   null if the device fails. */
+void *fxs_gles_map(fxs_gles *gles, GLsizeiptr bytes);
 
 /* If the device has a timer: starts it if it is not running; stops it, waits for the device and adds up the time. */
 void fxs_gles_start_timer(fxs_gles *gles);
 void fxs_gles_stop_timer(fxs_gles *gles);
 
-/* Reads the lower left corner of FXS_GLES_TARGET or FXS_GLES_BYTES, `width` x `height` pixels, to the run's pixels at
-   (x, y), only within the run's tiles. Returns 0, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
-int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
-                  int32_t height);
+/* Reads the lower left corner of FXS_GLES_TARGET, `width` x `height` pixels, to the run's pixels at (x, y), only within
+   the run's tiles. Returns 0, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
+int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int32_t x, int32_t y, int32_t width, int32_t height);
 
 static inline int fxs_gles_is_traced(const fxs_gles *gles)
 {

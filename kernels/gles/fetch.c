@@ -1,4 +1,4 @@
-/* The exact picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
+/* The picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
  * shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and writes the next state. A
  * second draw over the whole picture resolves the states. */
 #include <fixsplat/fixed.h>
@@ -155,8 +155,7 @@ static uint32_t take_splats(batch *b, uint32_t capacity)
 static int upload(fxs_gles *g, batch *b, uint32_t count)
 {
     const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;   /* whole rows */
-    b->records = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
-                              (GLsizeiptr)rows * (GLsizeiptr)width * 16);
+    b->records = fxs_gles_map(g, (GLsizeiptr)rows * (GLsizeiptr)width * 16);
     if (!b->records)
         return fxs_gl_failure(&g->gl);
     fxs_run(b->run->config, fill_part, b, PARTS);

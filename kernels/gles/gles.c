@@ -60,8 +60,6 @@ static int check_version(fxs_gles *g, char *message)
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
     g->points = is_es;             /* on desktop GL, state sets the size of points */
     g->timer = is_es && fxs_gl_has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
-    g->blended_format = !is_es || fxs_gl_has_extension(&g->gl, "GL_EXT_color_buffer_half_float") ||
-                        fxs_gl_has_extension(&g->gl, "GL_EXT_color_buffer_float") ? GL_RGBA16F : GL_RGB10_A2;
     return 0;
 }
 
@@ -126,8 +124,6 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
         error = compile(g, p->name, GL_FRAGMENT_SHADER, define, fragment, message);
     if (error)
         return error;
-    gl->BindAttribLocation(p->name, 0, "shape");
-    gl->BindAttribLocation(p->name, 1, "look");
     if (!fxs_gl_link(gl, p->name, log, sizeof log))
         return say(message, "the shaders do not link: ", log);
     p->place = gl->GetUniformLocation(p->name, "place");
@@ -151,8 +147,6 @@ static int make_programs(fxs_gles *g, char *message)
         error = make_program(g, FXS_GLES_NORMALISED, "", tiles_vert, tiles_frag, message);
     if (!error)
         error = make_program(g, FXS_GLES_BLOCKS, "", screen_vert, masks_frag, message);
-    if (!error)
-        error = make_program(g, FXS_GLES_QUADS, "", quads_vert, quads_frag, message);
     return error;
 }
 
@@ -217,8 +211,8 @@ static int make_objects(fxs_gles *g, char *message)
     const fxs_gl *gl = &g->gl;
     gl->GenTextures(FXS_GLES_TEXTURES, g->textures);
     gl->GenFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
-    gl->GenRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
-    gl->GenVertexArrays(2, g->vertex_arrays);
+    gl->GenRenderbuffers(1, &g->renderbuffer);
+    gl->GenVertexArrays(1, &g->vertex_array);
     gl->GenBuffers(FXS_GLES_BUFFERS, g->buffers);
     if (g->timer)
         gl->GenQueries(1, &g->query);
@@ -287,30 +281,29 @@ void fxs_gles_free(fxs_gles *g)
         fxs_gl_delete_programs(gl, 1, &g->programs[i].name);
     gl->DeleteTextures(FXS_GLES_TEXTURES, g->textures);
     gl->DeleteFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
-    gl->DeleteRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
-    gl->DeleteVertexArrays(2, g->vertex_arrays);
+    gl->DeleteRenderbuffers(1, &g->renderbuffer);
+    gl->DeleteVertexArrays(1, &g->vertex_array);
     gl->DeleteBuffers(FXS_GLES_BUFFERS, g->buffers);
     if (g->timer)
         gl->DeleteQueries(1, &g->query);
 }
 
-int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, int32_t height)
+int fxs_gles_make_target(fxs_gles *g, int32_t width, int32_t height)
 {
     const fxs_gl *gl = &g->gl;
-    if (width <= g->width[target] && height <= g->height[target] && format == g->format[target])
+    if (width <= g->width && height <= g->height)
         return 0;
-    g->width[target] = g->height[target] = 0;
-    g->format[target] = format;
-    gl->BindRenderbuffer(GL_RENDERBUFFER, g->renderbuffers[target]);
-    gl->RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
-    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[target]);
-    gl->FramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, g->renderbuffers[target]);
+    g->width = g->height = 0;
+    gl->BindRenderbuffer(GL_RENDERBUFFER, g->renderbuffer);
+    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8UI, width, height);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_TARGET]);
+    gl->FramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, g->renderbuffer);
     const GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
     const int error = status == GL_FRAMEBUFFER_COMPLETE ? fxs_gl_check(&g->gl) : fxs_gl_failure(&g->gl);
     if (error)
         return error;
-    g->width[target] = width;
-    g->height[target] = height;
+    g->width = width;
+    g->height = height;
     return 0;
 }
 
@@ -321,10 +314,10 @@ static void bind(fxs_gles *g, GLenum target, int buffer, GLsizeiptr bytes, GLenu
         g->gl.BufferData(target, g->buffer_bytes[buffer] = bytes, 0, use);
 }
 
-void *fxs_gles_map(fxs_gles *g, GLenum target, int buffer, GLsizeiptr bytes)
+void *fxs_gles_map(fxs_gles *g, GLsizeiptr bytes)
 {
-    bind(g, target, buffer, bytes, GL_STREAM_DRAW);
-    return g->gl.MapBufferRange(target, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    bind(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes, GL_STREAM_DRAW);
+    return g->gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
 }
 
 /* ---- Time -------------------------------------------------------------------------------------------------------- */
@@ -408,20 +401,18 @@ int fxs_gles_has(const fxs_gles *g, const fxs_tile_run *run)
                ? FXS_ERR_UNSUPPORTED : 0;
 }
 
-int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t x, int32_t y, int32_t width,
-                  int32_t height)
+int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int32_t x, int32_t y, int32_t width, int32_t height)
 {
     const fxs_gl *gl = &g->gl;
-    const GLenum format = framebuffer == FXS_GLES_TARGET ? GL_RGBA_INTEGER : GL_RGBA;
     GLint has_format = 0, has_type = 0;
-    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[framebuffer]);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_TARGET]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
     /* every device can read integers as words, most also as bytes */
-    const int wide = format == GL_RGBA_INTEGER && (has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE);
+    const int wide = has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE;
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
     bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);
-    gl->ReadPixels(0, 0, width, height, format, wide ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, 0);
+    gl->ReadPixels(0, 0, width, height, GL_RGBA_INTEGER, wide ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, 0);
     const unsigned char *read = gl->MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT);
     if (!read)
         return fxs_gl_failure(&g->gl);
@@ -440,19 +431,16 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *
     int error = fxs_gl_check_target(target);
     if (error)
         return error;
-    if ((target->fetch && g->no_fetch[0]) ||
-        (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop ||
-                           target->over)) ||
-        (target->depths_and_ids && (target->fetch || target->quads)) ||
+    if ((target->fetch && g->no_fetch[0]) || (target->depths_and_ids && target->fetch) ||
         request->cameras->width > FXS_TILE << g->shift || request->cameras->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
     fxs_request own = *request;
     own.eyes = 1;
     fxs_targets_init(own.targets);
-    drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : target->quads ? fxs_gles_draw_quads : fxs_gles_draw;
+    drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : fxs_gles_draw;
     drawing.config.draw_argument = g;
-    drawing.config.draw_unlisted = target->fetch || target->quads;
+    drawing.config.draw_unlisted = target->fetch;
     if (fxs_gles_use(g))
         return FXS_ERR_DEVICE;
     fxs_gl_save(&g->gl, &state);

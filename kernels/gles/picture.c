@@ -1,10 +1,10 @@
-/* Shared by both exact paths: windows of a picture, the caller's pictures as textures, draws to a surface. */
+/* Shared by both paths: windows of a picture, the caller's pictures as textures, draws to a surface. */
 #include <fixsplat/fixed.h>
 #include "device.h"
 
 void fxs_gles_set(const fxs_gles *g)
 {
-    fxs_gl_set(&g->gl, g->vertex_arrays[0], FXS_GLES_UNITS, g->textures);
+    fxs_gl_set(&g->gl, g->vertex_array, FXS_GLES_UNITS, g->textures);
     if (g->target && g->target->over)
         fxs_gl_blend_over(&g->gl);   /* the other targets are integers, which GL does not blend */
 }
@@ -136,7 +136,7 @@ static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_wind
     int error = draw(g, run, w);
     fxs_gles_stop_timer(g);
     error = error ? error : fxs_gl_check(&g->gl);
-    return error || g->target ? error : fxs_gles_read(g, run, FXS_GLES_TARGET, w->x, w->y, w->width, w->height);
+    return error || g->target ? error : fxs_gles_read(g, run, w->x, w->y, w->width, w->height);
 }
 
 int fxs_gles_draw_windows(fxs_gles *g, const fxs_tile_run *run, int32_t most, fxs_gles_draw_window_fn *draw)
@@ -147,7 +147,7 @@ int fxs_gles_draw_windows(fxs_gles *g, const fxs_tile_run *run, int32_t most, fx
     int error = fxs_gles_has(g, run);
     error = error ? error : fxs_gles_use(g);
     if (!error && !g->target)
-        error = fxs_gles_make_target(g, FXS_GLES_TARGET, GL_RGBA8UI, fxs_min(v->width, most), fxs_min(v->height, most));
+        error = fxs_gles_make_target(g, fxs_min(v->width, most), fxs_min(v->height, most));
     if (error)
         return error;
     g->nanoseconds = run->first_tile ? g->nanoseconds : 0;

@@ -1,4 +1,4 @@
-/* The exact picture with lists. As many tiles' lists as fit in the textures are uploaded and drawn, then the next ones.
+/* The picture with lists. As many tiles' lists as fit in the textures are uploaded and drawn, then the next ones.
  * A list that is too long for one draw is drawn in parts, and a texture keeps the tile's state in between. A splat has
  * one record per list, which saves an indirection per fetch and a pass over the lists. A first draw finds the blocks of
  * 4x4 pixels that each splat may touch, so that a pixel skips the other splats. Tiles are drawn in order of their
@@ -126,8 +126,8 @@ static int begin_batch(batch *b, int32_t first)
     const size_t chunks = ((size_t)(g->mask_rows + 3) / 4 * CHUNK) << g->shift;       /* whole rows */
     const size_t ids = fxs_gles_is_traced(g) ? ((size_t)g->id_rows << g->shift) * ID : 0;
     b->room = (amount){(uint32_t)g->record_rows << (g->shift - 1), (uint32_t)g->mask_rows << (g->shift - 2)};
-    b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
-                            (GLsizeiptr)(lists + chunks + ((size_t)g->record_rows << g->shift) * RECORD / 2 + ids));
+    b->lists = fxs_gles_map(
+        g, (GLsizeiptr)(lists + chunks + ((size_t)g->record_rows << g->shift) * RECORD / 2 + ids));
     if (!b->lists)
         return fxs_gl_failure(&g->gl);
     b->chunks = b->lists + lists / 4;

@@ -175,8 +175,6 @@ static int check_request(const fxs_request *r, fxs_message *why)
 {
     if (r->eyes < 1 || r->eyes > 2 || (r->count && !r->objects))
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%s", fxs_strerror(FXS_ERR_ARGUMENT));
-    if (r->eyes == 2 && !r->exact)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "compute shaders render each eye by itself: exact only");
     if (r->eyes == 2 && (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
                          r->cameras[0].projection != r->cameras[1].projection))
         return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
@@ -240,8 +238,8 @@ static const char *version(const void *self, enum fxs_stage stage)
 }
 
 const fxs_backend fxs_backend_gles_compute = {
-    .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE, .device = device_name, .open = open_device,
+    .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1",
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE, .device = device_name, .open = open_device,
     .render = render, .forget = forget,
     .version = version, .nanoseconds = nanoseconds, .close = close_device
 };

@@ -58,7 +58,7 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, const fxs_re
     out->gaussians = stats->gaussians / request->eyes;
     out->visible = stats->visible;
     out->entries = stats->entries;
-    out->bands = out->runs = request->exact ? request->eyes : 1;
+    out->bands = out->runs = request->eyes;
     out->memory.splats = (size_t)stats->memory.splats;
     out->memory.tiles = (size_t)stats->memory.tiles;
     out->memory.entries = (size_t)stats->memory.entries;
@@ -86,7 +86,6 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     int error = check_request(request, why);
     for (uint32_t i = 0; i < request->eyes && !error; i++)
         frames[i] = (fxs_cuda_frame){request->cameras[i], request->objects, request->count, request->targets[i]};
-    error = error ? error : fxs_cuda_share_eyes(b->cuda, request->eyes == 2 && !request->exact, why);
     error = error ? error : fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;
@@ -128,8 +127,8 @@ static const char *version(const void *self, enum fxs_stage stage)
 }
 
 const fxs_backend fxs_backend_cuda = {
-    .name = "cuda", .does = "whole frames on a GPU, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_SHARE_EYES | FXS_CAN_DEVICES,
+    .name = "cuda", .does = "whole frames on a GPU",
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
     .device = device_name, .open = open_device, .render = render, .forget = forget, .version = version,
     .nanoseconds = nanoseconds, .close = close_device
 };

@@ -1,6 +1,6 @@
 /* The OpenGL back ends. The processor runs the stages up to the tile lists; OpenGL replaces blend and resolve. Contexts
- * come from EGL or OSMesa. Drawing is exact, by lists or framebuffer fetch, or approximate, by quads. gles and osmesa
- * time both exact ways in their first frames, then use the faster. If fetch is missing or fails, lists draw. */
+ * come from EGL or OSMesa. Drawing is by lists or framebuffer fetch, with the same bytes. gles and osmesa time both in
+ * their first frames, then use the faster. If fetch is missing or fails, lists draw. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,8 +29,8 @@ typedef int fxs_gl_load_fn;
 #define OSMESA 0, 0, 0, 0
 #endif
 
-/* LISTS and FETCH give the same bytes; FASTER chooses one of them. QUADS is not exact. */
-enum way { LISTS, FETCH, QUADS, FASTER };
+/* FASTER chooses one of the other two. */
+enum way { LISTS, FETCH, FASTER };
 
 typedef struct kind {
     const char *name, *without;                /* without: the message of a build that cannot open it */
@@ -41,9 +41,8 @@ typedef struct kind {
     void (*close)(void *port);
 } kind;
 
-static const kind exact = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FASTER, EGL};
+static const kind faster = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FASTER, EGL};
 static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
-static const kind quads = {"gles-quads", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), QUADS, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
 /* Frames that FASTER measures: two to warm up (lists, fetch), then one timed frame of each. */
@@ -89,7 +88,7 @@ static void close_gles(gl_backend *b)
 
 static fxs_config drawing(const gl_backend *b, enum way way)
 {
-    static fxs_draw_fn *const draws[] = {fxs_gles_draw, fxs_gles_draw_fetch, fxs_gles_draw_quads};
+    static fxs_draw_fn *const draws[] = {fxs_gles_draw, fxs_gles_draw_fetch};
     return (fxs_config){.draw = draws[way], .draw_argument = b->gles, .draw_unlisted = way != LISTS};
 }
 
@@ -335,14 +334,14 @@ static const char *version(const void *self, enum fxs_stage stage)
     return stage == FXS_BLEND || stage == FXS_RESOLVE ? b->kind->name : b->processor.context.kernels.name[stage];
 }
 
-static int device_exact(int device, char *name, size_t size, fxs_message *why)
+static int device_faster(int device, char *name, size_t size, fxs_message *why)
 {
-    return device_of(&exact, device, name, size, why);
+    return device_of(&faster, device, name, size, why);
 }
 
-static int open_exact(void **self, const fxs_backend_options *options, fxs_message *why)
+static int open_faster(void **self, const fxs_backend_options *options, fxs_message *why)
 {
-    return open_kind(self, &exact, options, why);
+    return open_kind(self, &faster, options, why);
 }
 
 static int device_fetch(int device, char *name, size_t size, fxs_message *why)
@@ -353,16 +352,6 @@ static int device_fetch(int device, char *name, size_t size, fxs_message *why)
 static int open_fetch(void **self, const fxs_backend_options *options, fxs_message *why)
 {
     return open_kind(self, &fetch, options, why);
-}
-
-static int device_quads(int device, char *name, size_t size, fxs_message *why)
-{
-    return device_of(&quads, device, name, size, why);
-}
-
-static int open_quads(void **self, const fxs_backend_options *options, fxs_message *why)
-{
-    return open_kind(self, &quads, options, why);
 }
 
 static int device_osmesa(int device, char *name, size_t size, fxs_message *why)
@@ -379,21 +368,16 @@ static int open_osmesa(void **self, const fxs_backend_options *options, fxs_mess
                .pick = pick
 
 const fxs_backend fxs_backend_gles = {
-    .name = "gles", .does = "OpenGL ES 3.0 by EGL, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_exact, .open = open_exact, SHARED
+    .name = "gles", .does = "OpenGL ES 3.0 by EGL",
+    .can = FXS_CAN_PART, .device = device_faster, .open = open_faster, SHARED
 };
 
 const fxs_backend fxs_backend_gles_fetch = {
-    .name = "gles-fetch", .does = "the same device by framebuffer fetch, without lists: the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_fetch, .open = open_fetch, SHARED
-};
-
-const fxs_backend fxs_backend_gles_quads = {
-    .name = "gles-quads", .does = "the same device, quads blended by the hardware: inexact",
-    .can = FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_quads, .open = open_quads, SHARED
+    .name = "gles-fetch", .does = "the same device by framebuffer fetch, without lists",
+    .can = FXS_CAN_PART, .device = device_fetch, .open = open_fetch, SHARED
 };
 
 const fxs_backend fxs_backend_osmesa = {
-    .name = "osmesa", .does = "OpenGL by OSMesa, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES | FXS_CAN_PART, .device = device_osmesa, .open = open_osmesa, SHARED
+    .name = "osmesa", .does = "OpenGL by OSMesa",
+    .can = FXS_CAN_PART, .device = device_osmesa, .open = open_osmesa, SHARED
 };

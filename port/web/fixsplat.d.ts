@@ -246,15 +246,8 @@ export interface TargetOptions extends FrameOptions {
   depthBits?: number
 }
 
-/** Options of a stereo picture. */
-export interface StereoOptions extends FrameOptions {
-  /** True: each eye is byte for byte the picture that `render` draws with its camera, and both take the time of two
-      frames. False, the default: the colours of the Gaussians are computed once for both eyes, which is faster. */
-  exact?: boolean
-}
-
 /** Options of a stereo picture with named targets. */
-export interface StereoTargetOptions extends StereoOptions {
+export interface StereoTargetOptions extends FrameOptions {
   /** One value for both eyes, or one for each eye. The colours of both eyes must have the same format. */
   targets: Targets | readonly [Targets, Targets]
   /** The number of fraction bits of depths, 1 to 28; 16 by default. */
@@ -348,7 +341,7 @@ export class Scene {
   render(camera?: Camera, options?: FrameOptions): Pixels
   /** Draws this scene alone for two eyes; see the function `renderStereo`. */
   renderStereo(left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
-  renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Pixels, Pixels]
+  renderStereo(left: Camera, right: Camera, options?: FrameOptions): [Pixels, Pixels]
   /** Finds the Gaussian of this scene at a pixel; see the function `pick`. */
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
   /** Prefetches the parts of this scene for a camera; see the function `foresee`. */
@@ -370,12 +363,12 @@ export function end(): Promise<void>
 export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
 export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Pixels
 
-/** Draws objects for two eyes, in less time than two calls of `render`. Both pictures have the same size. `maxMemory`
-    must suffice for both whole frames at once. Returns the left and the right picture. */
+/** Draws objects for two eyes. Each picture is byte for byte what `render` draws with its camera; both have the same
+    size. Returns the left and the right picture. */
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
 export function renderStereo(
-  objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
+  objects: readonly Placed[], left: Camera, right: Camera, options?: FrameOptions,
 ): [Pixels, Pixels]
 
 /** Chooses a view of the objects, in the form of `Scene.first`. Takes about 0.2 seconds, once for the same objects. */
@@ -428,11 +421,11 @@ export interface ScreenOptions extends FrameOptions {
   targets?: IntoBuffers
   /** The number of fraction bits of depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
-  /** Draws into another target instead of the whole canvas. 'webgpu': see IntoTexture. The back ends of WebGL 2:
-      `framebuffer` is a framebuffer of the Screen's context; null, the default, is the canvas, which keeps its size.
-      `x` and `y` are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default.
-      `depth`, for 'webgl2' only, is the depth buffer of a perspective camera: a texture with the filter NEAREST,
-      aligned with the picture at the lower left corner, and its `planes` as in IntoTexture. */
+  /** Draws into another target instead of the whole canvas. 'webgpu': see IntoTexture. 'webgl2': `framebuffer` is a
+      framebuffer of the Screen's context; null, the default, is the canvas, which keeps its size. `x` and `y` are the
+      pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. `depth` is the depth buffer
+      of a perspective camera: a texture with the filter NEAREST, aligned with the picture at the lower left corner, and
+      its `planes` as in IntoTexture. */
   into?:
     | {
         framebuffer?: WebGLFramebuffer | null
@@ -441,23 +434,21 @@ export interface ScreenOptions extends FrameOptions {
         depth?: { texture: WebGLTexture; planes: readonly [number, number] }
       }
     | IntoTexture
-  /** A picture to draw instead of the background colour, as `Targets.backdrop`. Not possible with `alpha` or with
-      'webgl2-quads'. The other three back ends draw the same bytes. */
+  /** A picture to draw instead of the background colour, as `Targets.backdrop`. Not possible with `alpha`. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
-type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
+type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
 /** Draws any number of pictures on a canvas, in the page or in a Worker. A canvas keeps the kind of its context, so a
     Screen with another kind of context needs another canvas. After `free`, using the Screen throws an Error. */
 export class Screen {
   private constructor()
   /**
-   * Opens a Screen with a back end:
+   * Opens a Screen with a back end. All draw the same bytes:
    * - 'wasm' copies the picture of `render` to the canvas.
    * - 'webgpu' renders on the GPU. A scene is copied to the GPU once. It cannot draw streamed scenes.
    * - 'webgl2' prepares the picture on the processor and draws it on the GPU.
-   * - 'webgl2-quads' also draws on the GPU, but its picture is not exact. The other three draw the same bytes.
    *
    * The promise is rejected if the canvas already has a context of another kind. For all back ends except 'wasm', it is
    * also rejected without simd128 or without WebGPU or WebGL 2. The scenes to be drawn must be loaded with the same

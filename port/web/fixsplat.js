@@ -754,7 +754,7 @@ function memoryFor(plans, width, height) {
 
 /** Draws for the one or two cameras that were set. Returns the pixels, or the Frame with `targets`, of each eye. */
 function draw(core, width, height, eyes, options) {
-  const { depthBits = 16, exact = false, targets } = options
+  const { depthBits = 16, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
   const copies = memoryFor(plans, width, height)
   const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
@@ -769,7 +769,7 @@ function draw(core, width, height, eyes, options) {
     const places = Array(7 * eyes).fill(0)
     plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
     core.put(...places)
-    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(core, options))
+    core.draw('render', code, depthBits, ...valuesOf(core, options))
     const facts = { width, height, ...drawnBy(core) }
     const all = plans.map(taken)
     return all.map((parts) => (targets ? { ...facts, ...Object.fromEntries(parts) } : parts[0][1]))
@@ -861,22 +861,20 @@ class Copied {
 
 const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
 
-/** The back ends 'webgl2' and 'webgl2-quads': the module calls WebGL 2 on a canvas. */
+/** The back end 'webgl2': the module calls WebGL 2 on a canvas. */
 class Drawn {
   #core
   #functions
   #place
-  #quads
   #gone = false
 
-  constructor(canvas, core, Functions, quads) {
+  constructor(canvas, core, Functions) {
     this.gl = canvas.getContext('webgl2', CONTEXT)
     canvas.addEventListener('webglcontextlost', () => (this.#gone = true))
     if (!this.gl) throw new Error('there is no WebGL 2 here, or the canvas has a context of another kind')
     if (this.lost) throw new Error("the canvas's WebGL context is lost: take another canvas")
     if (!core.c.gl_open) throw new Error('the module without simd128 has no WebGL')
     this.#core = core
-    this.#quads = quads ? 1 : 0
     this.#functions = core.gl = new Functions(this.gl, core)
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
@@ -921,7 +919,7 @@ class Drawn {
     try {
       core.gl.call((gl) => {
         const names = [framebuffer, depth?.texture, texture].map((object) => gl.nameOf(object))
-        core.draw('gl_render', this.#place, this.#quads, ...names, ...values)
+        core.draw('gl_render', this.#place, ...names, ...values)
       })
     } catch (error) {
       failure = error
@@ -957,13 +955,13 @@ class Drawn {
   }
 }
 
-const BACKENDS = ['wasm', 'webgl2', 'webgl2-quads', 'webgpu']
+const BACKENDS = ['wasm', 'webgl2', 'webgpu']
 
 async function wayOf(canvas, backend, core, options) {
   if (backend === 'wasm') return new Copied(canvas)
   if (backend === 'webgpu') return (await import('./webgpu.js')).Computed.open(canvas, core, options, valuesOf)
   const { Functions } = await import('./webgl.js')
-  return new Drawn(canvas, core, Functions, backend === 'webgl2-quads')
+  return new Drawn(canvas, core, Functions)
 }
 
 export class Screen {

@@ -384,13 +384,12 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
 }
 
 /* Draws the objects. In: for each eye the 7 addresses of take_targets. Out: as fxs_web_frame_end. */
-EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_t background, int sh_degree,
-                                  int square, uint32_t budget, uint32_t detail_q8, size_t limit)
+EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t background, int sh_degree, int square,
+                                  uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
     if (fxs_web_frame_begin(&f, background, sh_degree, square, budget, detail_q8, limit))
         return FXS_ERR_MEMORY;
-    f.request.exact = exact;
     for (uint32_t eye = 0; eye < eyes; eye++)
         take_targets(&f.request.targets[eye], numbers + 7 * eye, format, depth_bits);
     return fxs_web_frame_end(&f, fxs_render(&context, &f.request, f.memory, f.bytes, &f.stats));

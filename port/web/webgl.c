@@ -15,24 +15,17 @@ typedef struct named {
     fxs_gl_function function;
 } named;
 
-/* WebGL 2 is OpenGL ES 3.0 with different names of the version and of extensions. */
+/* WebGL 2 is OpenGL ES 3.0 with another name of the version. */
 static const GLubyte *text(GLenum name)
 {
     return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 (WebGL 2.0)" : "WebGL");
-}
-
-/* GL_NUM_EXTENSIONS: one extension or none. */
-static const GLubyte *extension(GLenum name, GLuint i)
-{
-    (void)name, (void)i;
-    return (const GLubyte *)"GL_EXT_color_buffer_float";
 }
 
 static fxs_gl_function load(void *argument, const char *name)
 {
 #define ROW(type, function) {"gl" #function, (fxs_gl_function)gl##function},
     static const named functions[] = {
-        {"glGetString", (fxs_gl_function)text}, {"glGetStringi", (fxs_gl_function)extension}, FXS_GL_FUNCTIONS(ROW)
+        {"glGetString", (fxs_gl_function)text}, FXS_GL_FUNCTIONS(ROW)
     };
     (void)argument;
     const named *f = functions;
@@ -60,10 +53,9 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
 
 /* As `render`, into a framebuffer at (x, y). `depth`: the texture of a depth buffer, or 0; plane_0 and plane_1: its
    planes. `backdrop`: a texture to draw instead of the background, or 0. */
-EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, uint32_t depth,
-                                        uint32_t backdrop, int x, int y, float plane_0, float plane_1, int format,
-                                        uint32_t background, int sh_degree, int square, uint32_t budget,
-                                        uint32_t detail_q8, size_t limit)
+EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, uint32_t framebuffer, uint32_t depth, uint32_t backdrop,
+                                        int x, int y, float plane_0, float plane_1, int format, uint32_t background,
+                                        int sh_degree, int square, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
     fxs_gles_target target;
@@ -78,6 +70,5 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t fram
     target.plane_0 = plane_0;
     target.plane_1 = plane_1;
     target.format = (enum fxs_format)format;
-    target.quads = quads;
     return fxs_web_frame_end(&f, fxs_gles_render(gles, f.context, &f.request, &target, f.memory, f.bytes, &f.stats));
 }

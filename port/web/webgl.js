@@ -1,30 +1,24 @@
 // The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. The module in C names objects by
-// numbers, as in OpenGL; #objects maps these to WebGL objects. Buffers for uploads to textures are in the memory of the
-// module, which saves a copy.
+// numbers, as in OpenGL; #objects maps these to WebGL objects. All buffers are for uploads to textures, and in the
+// memory of the module, which saves a copy.
 
-const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
-const NUM_EXTENSIONS = 0x821d
+const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // RGBA_INTEGER, RG_INTEGER: all layouts that are uploaded, in words
+const NUM_EXTENSIONS = 0x821d // not a parameter of WebGL
 
 /** Functions that take the same numbers in WebGL. */
 const SAME = [
   'ActiveTexture',
   'BlendEquationSeparate',
   'BlendFuncSeparate',
-  'BlitFramebuffer',
   'CheckFramebufferStatus',
   'ColorMask',
   'Disable',
   'DrawArrays',
-  'DrawArraysInstanced',
   'Enable',
-  'EnableVertexAttribArray',
   'IsEnabled',
   'PixelStorei',
-  'RenderbufferStorage',
   'Scissor',
   'TexParameteri',
-  'VertexAttribDivisor',
-  'VertexAttribIPointer',
   'Viewport',
 ]
 
@@ -38,7 +32,6 @@ export class Functions {
   #locations = []
   #unpack = 0                  // number of the bound unpack buffer, which has no WebGL object
   #staging = { at: 0, bytes: 0 }                // memory that all unpack buffers share
-  #mapped
   #copies = false
   #isFull = false              // the module had no memory for a buffer
 
@@ -72,12 +65,6 @@ export class Functions {
 
   #words(at, count) {
     return new Int32Array(this.#core.c.memory.buffer, at >>> 0, count)
-  }
-
-  #data(type, at, count) {
-    const Type = type === this.#gl.UNSIGNED_INT ? Uint32Array : Uint8Array
-    const data = new Type(this.#core.c.memory.buffer, at >>> 0, count)
-    return this.#copies ? data.slice() : data
   }
 
   // ---- Objects ------------------------------------------------------------------------------------------------
@@ -131,10 +118,6 @@ export class Functions {
     this.#gl.bindFramebuffer(target, this.#objects[name])
   }
 
-  BindRenderbuffer(target, name) {
-    this.#gl.bindRenderbuffer(target, this.#objects[name])
-  }
-
   BindSampler(unit, name) {
     this.#gl.bindSampler(unit, this.#objects[name])
   }
@@ -145,10 +128,6 @@ export class Functions {
 
   BindVertexArray(name) {
     this.#gl.bindVertexArray(this.#objects[name])
-  }
-
-  FramebufferRenderbuffer(target, attachment, kind, name) {
-    this.#gl.framebufferRenderbuffer(target, attachment, kind, this.#objects[name])
   }
 
   FramebufferTexture2D(target, attachment, kind, name, level) {
@@ -199,10 +178,6 @@ export class Functions {
     this.#gl.attachShader(this.#objects[program], this.#objects[shader])
   }
 
-  BindAttribLocation(program, index, name) {
-    this.#gl.bindAttribLocation(this.#objects[program], index, this.#core.text(name))
-  }
-
   LinkProgram(name) {
     this.#gl.linkProgram(this.#objects[name])
   }
@@ -224,7 +199,7 @@ export class Functions {
 
   #parameter(what) {
     if (what === this.#gl.PIXEL_UNPACK_BUFFER_BINDING) return this.#unpack
-    if (what === NUM_EXTENSIONS) return this.#gl.getExtension('EXT_color_buffer_float') ? 1 : 0
+    if (what === NUM_EXTENSIONS) return 0
     const value = this.#gl.getParameter(what)
     return value instanceof Object && value.length === undefined ? this.nameOf(value) : value
   }
@@ -245,20 +220,13 @@ export class Functions {
     return error
   }
 
-  ClearBufferfv(buffer, index, at) {
-    this.#gl.clearBufferfv(buffer, index, new Float32Array(this.#core.c.memory.buffer, at >>> 0, 4).slice())
-  }
-
   // ---- Memory -------------------------------------------------------------------------------------------------
 
   BindBuffer(target, name) {
-    if (target === this.#gl.PIXEL_UNPACK_BUFFER) this.#unpack = name
-    else this.#gl.bindBuffer(target, this.#objects[name])
+    this.#unpack = name
   }
 
-  BufferData(target, bytes, data, use) {
-    if (target !== this.#gl.PIXEL_UNPACK_BUFFER) this.#gl.bufferData(target, bytes, use)
-  }
+  BufferData() {}
 
   MapBufferRange(target, offset, bytes) {
     if (this.#staging.bytes < bytes) {
@@ -269,13 +237,10 @@ export class Functions {
         this.#isFull = true
       }
     }
-    this.#mapped = bytes
     return this.#staging.at
   }
 
-  UnmapBuffer(target) {
-    if (target !== this.#gl.PIXEL_UNPACK_BUFFER)
-      this.#gl.bufferSubData(target, 0, this.#data(this.#gl.UNSIGNED_BYTE, this.#staging.at, this.#mapped))
+  UnmapBuffer() {
     return 1
   }
 
@@ -284,7 +249,8 @@ export class Functions {
   }
 
   TexSubImage2D(target, level, x, y, width, height, layout, type, at) {
-    const data = this.#data(type, this.#unpack ? this.#staging.at + at : at, width * height * COMPONENTS[layout])
-    this.#gl.texSubImage2D(target, level, x, y, width, height, layout, type, data)
+    const start = this.#unpack ? this.#staging.at + at : at
+    const data = new Uint32Array(this.#core.c.memory.buffer, start >>> 0, width * height * COMPONENTS[layout])
+    this.#gl.texSubImage2D(target, level, x, y, width, height, layout, type, this.#copies ? data.slice() : data)
   }
 }

@@ -13,8 +13,7 @@
 
 #define JOBS 8u                    /* most blocks of a plan per thread; with one thread, one block in all */
 #define KEYS 2u                    /* list keys per slot: the usual need */
-#define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
-#define SLOT_BYTES sizeof(uint32_t)            /* plus EYE_BYTES for each eye */
+#define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and space to sort it */
 #define SLICE_LEAST 128u           /* minimum splats of a slice */
 #define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
@@ -48,20 +47,19 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
     const fxs_config *config = &f->context->config;
-    const uint32_t chunks = f->chunk_count, tiles_y = (uint32_t)f->eye->view.tiles_y;
+    const uint32_t chunks = f->chunk_count, tiles_y = (uint32_t)f->view.tiles_y;
     const int planned = mode != FXS_FRAME_WHOLE;
     f->mode = mode;
     f->parts = config->run && config->threads > 1 ? config->threads : 1;
     const uint64_t blocks = f->parts > 1 ? JOBS * f->parts : 1;
-    f->tiles = (uint32_t)f->eye->view.tiles_x * tiles_y;
-    f->macros = fxs_macros(f->eye->view.tiles_x) * fxs_macros(f->eye->view.tiles_y);
+    f->tiles = (uint32_t)f->view.tiles_x * tiles_y;
+    f->macros = fxs_macros(f->view.tiles_x) * fxs_macros(f->view.tiles_y);
     f->block_chunks = FXS_BLOCK;
     while (planned && chunks > blocks * f->block_chunks)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
-    for (uint32_t eye = 0; eye < f->eye_count; eye++)          /* first: the layout after the cut keeps them */
-        f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
+    f->views = cut(&m, f->object_count * sizeof *f->views);    /* first: the layout after the cut keeps them */
     f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
@@ -87,12 +85,10 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
     slots = to_multiple_of_16(slots);
     f->pixels = cut(&m, f->slice_macros * FXS_MACRO * sizeof *f->pixels);
     f->nothing = cut(&m, f->slice_macros * sizeof *f->nothing);
-    for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
-        eye->splats = cut(&m, slots * sizeof *eye->splats);
-        eye->bounds = cut(&m, slots * sizeof *eye->bounds);
-        eye->boxes = cut(&m, slots * sizeof *eye->boxes);
-        eye->depths = cut(&m, slots * sizeof *eye->depths);
-    }
+    f->splats = cut(&m, slots * sizeof *f->splats);
+    f->bounds = cut(&m, slots * sizeof *f->bounds);
+    f->boxes = cut(&m, slots * sizeof *f->boxes);
+    f->depths = cut(&m, slots * sizeof *f->depths);
     f->indices = cut(&m, slots * sizeof *f->indices);
     uint64_t wanted = KEYS * slots + 16 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / LIST_BYTES;
     wanted = wanted < UINT32_MAX ? wanted : UINT32_MAX;
@@ -113,7 +109,7 @@ static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_sl
 {
     return slots > FXS_MAX_SLOTS ? UINT64_MAX
            : f->fixed_bytes +
-             to_multiple_of_16(slots) * (SLOT_BYTES + f->eye_count * EYE_BYTES + keys_a_slot * LIST_BYTES);
+             to_multiple_of_16(slots) * (SLOT_BYTES + keys_a_slot * LIST_BYTES);
 }
 
 /* Minimum memory for a whole frame, and for a plan; each for the current layout. One key per slot is enough for any
@@ -143,7 +139,7 @@ static uint64_t bytes_for_slices(const fxs_frame *f)
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
-    return (uint32_t)smaller(1 + more, fxs_macros(f->eye->view.tiles_x));
+    return (uint32_t)smaller(1 + more, fxs_macros(f->view.tiles_x));
 }
 
 /* Minimum memory of a frame that is laid out for a plan. */
@@ -168,7 +164,7 @@ uint64_t fxs_bands_measure(fxs_frame *f)
 
 static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
 {
-    return f->row_counts + (size_t)block * (uint32_t)(f->eye->view.tiles_y + 1);
+    return f->row_counts + (size_t)block * (uint32_t)(f->view.tiles_y + 1);
 }
 
 static void widen(fxs_span *a, fxs_span b)
@@ -179,17 +175,16 @@ static void widen(fxs_span *a, fxs_span b)
 
 void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t first, uint32_t count)
 {
-    const fxs_eye *eye = f->eye;
     fxs_row_counts *counts = row_counts_of(f, block);
-    fxs_extent e = {{eye->view.tiles_y, -1}, {eye->view.tiles_x, -1}, UINT32_MAX, 0};
+    fxs_extent e = {{f->view.tiles_y, -1}, {f->view.tiles_x, -1}, UINT32_MAX, 0};
     for (uint32_t slot = first; slot < first + count; slot++) {
-        const fxs_span rows = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
+        const fxs_span rows = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
         counts[rows.first + 1].started++;
         counts[rows.last + 1].ended++;
         widen(&e.rows, rows);
-        widen(&e.columns, fxs_bin_columns(&eye->view, &eye->bounds[slot]));
-        e.nearest = eye->depths[slot] < e.nearest ? eye->depths[slot] : e.nearest;
-        e.farthest = eye->depths[slot] > e.farthest ? eye->depths[slot] : e.farthest;
+        widen(&e.columns, fxs_bin_columns(&f->view, &f->bounds[slot]));
+        e.nearest = f->depths[slot] < e.nearest ? f->depths[slot] : e.nearest;
+        e.farthest = f->depths[slot] > e.farthest ? f->depths[slot] : e.farthest;
     }
     f->extents[place] = e;
 }
@@ -198,7 +193,7 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t first
 static void sum_rows(fxs_frame *f, uint32_t block)
 {
     fxs_row_counts *counts = row_counts_of(f, block);
-    for (int32_t row = 0; row < f->eye->view.tiles_y; row++) {
+    for (int32_t row = 0; row < f->view.tiles_y; row++) {
         counts[row + 1].started += counts[row].started;
         counts[row + 1].ended += counts[row].ended;
     }
@@ -228,7 +223,7 @@ static void begin_plan(fxs_frame *f)
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
     for (uint32_t block = 0; block < f->blocks; block++) {
         f->block_slots[block] = block * FXS_CHUNK;
-        memset(row_counts_of(f, block), 0, (uint32_t)(f->eye->view.tiles_y + 1) * sizeof *f->row_counts);
+        memset(row_counts_of(f, block), 0, (uint32_t)(f->view.tiles_y + 1) * sizeof *f->row_counts);
     }
 }
 
@@ -240,18 +235,17 @@ static uint64_t end_plan(fxs_frame *f)
         sum_rows(f, block);
         f->stats.visible += f->block_counts[block];
     }
-    for (int32_t row = 0; row < f->eye->view.tiles_y; row++) {
+    for (int32_t row = 0; row < f->view.tiles_y; row++) {
         const uint64_t bytes = band_bytes(f, row, row + 1, 1);
         most = bytes > most ? bytes : most;
     }
     return smaller(most, f->bytes_for_all);
 }
 
-/* True if the frame can be drawn in slices. Slices keep only colours, so depths, ids and occluders rule them out. */
-static int can_slice(const fxs_frame *f)
+int fxs_bands_can_slice(const fxs_frame *f)
 {
     return (f->draw_tile ? f->draw_tile == fxs_draw_tile : f->context->config.draw_blended) &&
-           !fxs_targets_traced(f->eye->targets);
+           !fxs_targets_traced(f->targets);
 }
 
 int fxs_bands_plan(fxs_frame *f)
@@ -263,7 +257,7 @@ int fxs_bands_plan(fxs_frame *f)
         return error;
     const uint64_t rows = end_plan(f);
     sizes->rows = (size_t)smaller(rows, SIZE_MAX);
-    if (!can_slice(f) && sizes->rows > sizes->least)
+    if (!fxs_bands_can_slice(f) && sizes->rows > sizes->least)
         sizes->least = sizes->rows;
     f->mode = FXS_FRAME_BAND;
     return f->memory_bytes < sizes->least ? FXS_ERR_MEMORY : 0;
@@ -272,6 +266,7 @@ int fxs_bands_plan(fxs_frame *f)
 int fxs_bands_init(fxs_frame *f)
 {
     f->end_row = 0;
+    f->slice_macros = 0;
     lay_out_frame(f, FXS_FRAME_WHOLE);
     f->bytes_for_all = bytes_for_all(f);
     if (f->memory_bytes >= f->bytes_for_all)
@@ -287,7 +282,7 @@ static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);
     const uint64_t fixed = f->fixed_bytes + f->slice_macros * SLICE_MACRO_BYTES;
-    const uint64_t slots = (f->memory_bytes - fixed) / (SLOT_BYTES + EYE_BYTES + LIST_BYTES) / 16 * 16;
+    const uint64_t slots = (f->memory_bytes - fixed) / (SLOT_BYTES + LIST_BYTES) / 16 * 16;
     f->slice_room = (uint32_t)smaller(slots, FXS_MAX_SLOTS) - FXS_CHUNK;
     lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
@@ -296,7 +291,7 @@ static void lay_out_slices(fxs_frame *f)
 static void lay_out_rows(fxs_frame *f)
 {
     uint32_t slots = 0;
-    while (f->end_row < f->eye->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, KEYS) <= f->memory_bytes)
+    while (f->end_row < f->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, KEYS) <= f->memory_bytes)
         f->end_row++;
     for (uint32_t block = 0; block < f->blocks; block++) {
         f->block_slots[block] = slots;
@@ -308,7 +303,7 @@ static void lay_out_rows(fxs_frame *f)
 
 int fxs_band_next(fxs_frame *f)
 {
-    const fxs_view *view = &f->eye->view;
+    const fxs_view *view = &f->view;
     if (f->end_row == view->tiles_y)
         return 0;
     f->first_row = f->end_row;
@@ -341,12 +336,11 @@ int fxs_band_has_chunk(const fxs_frame *f, uint32_t place)
 
 uint32_t fxs_band_keep(fxs_frame *f, uint32_t place, uint32_t first_slot, uint32_t count)
 {
-    const fxs_eye *eye = f->eye;
     uint32_t to = first_slot;
     if (is_whole(f, place))
         return count;
     for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
-        fxs_span rows = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
+        fxs_span rows = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
         if (rows.last < f->first_row || rows.first >= f->end_row)
             continue;
         fxs_frame_move(f, to++, slot);

@@ -4,12 +4,15 @@
 
 #include "frame.h"
 
-/* Returns the bytes of a frame with f->eye_count eyes; the result may exceed SIZE_MAX. Fills in stats.memory. */
+/* Returns the bytes of a frame; the result may exceed SIZE_MAX. Fills in stats.memory. */
 uint64_t fxs_bands_measure(fxs_frame *f);
 
 /* Lays out the memory and sets the mode: FXS_FRAME_WHOLE if the memory has a slot for every Gaussian, otherwise
    FXS_FRAME_PLAN. Returns 0, or FXS_ERR_MEMORY if the memory is below the minimum for any view. */
 int fxs_bands_init(fxs_frame *f);
+
+/* True if the frame can be drawn in slices. Slices keep only colours, so depths, ids and occluders rule them out. */
+int fxs_bands_can_slice(const fxs_frame *f);
 
 /* Projects the Gaussians to count the splats of each tile row. Returns 0, FXS_ERR_SCENE, FXS_ERR_STOPPED, or
    FXS_ERR_MEMORY if a tile row does not fit and slices are not possible. */

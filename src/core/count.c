@@ -15,7 +15,7 @@ static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
     int32_t x, y;
     (void)laps;
     fxs_tile_origin(f, tile, &x, &y);
-    fxs_blend_count(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels, &c->evaluated,
+    fxs_blend_count(&f->view, x, y, f->splats, list->entries, list->count, &pixels, &c->evaluated,
                     &c->blended);
 }
 
@@ -30,8 +30,7 @@ int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_byte
     int error = fxs_frame_init(&c.frame, &context, request, memory, memory_bytes);
     if (error)
         return error;
-    c.frame.eyes->targets = &c.targets;
-    c.frame.eye_count = 1;
+    c.frame.targets = &c.targets;
     c.frame.draw_tile = count_tile;
     error = fxs_frame_render(&c.frame);
     *evaluated = c.evaluated;

@@ -41,7 +41,7 @@ typedef struct search {
     uint32_t visit_room;
     fxs_fading fading;
     uint32_t viewed;               /* object of the last visited chunk; FXS_NOTHING before the first */
-    fxs_view views[2];             /* that object's view of each eye */
+    fxs_view view;                 /* that object's */
     int full, error;
 } search;
 
@@ -108,27 +108,26 @@ static uint32_t pop(search *s)
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
-/* Sets s->views for the chunks of an object. */
-static void set_views(search *s, uint32_t object)
+/* Sets s->view for the chunks of an object. */
+static void set_view(search *s, uint32_t object)
 {
     const fxs_cut *cut = s->cut;
-    for (uint32_t eye = 0; eye < cut->eye_count && s->viewed != object; eye++) {
-        s->views[eye] = cut->views[eye][object].view;
-        if (!cut->options->budget_of_window)
-            fxs_view_of_whole(&s->views[eye], cut->cameras[eye]);
-    }
+    if (s->viewed == object)
+        return;
     s->viewed = object;
+    s->view = cut->views[object].view;
+    if (!cut->options->budget_of_window)
+        fxs_view_of_whole(&s->view, cut->camera);
 }
 
-/* Adds a chunk if an eye sees it. */
+/* Adds a chunk if it is in view. */
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
     const fxs_scene *scene = cut->objects[object].scene;
     fxs_sight sight;
-    set_views(s, object);
-    const int found = s->error ? s->error : fxs_see(&sight, s->views, cut->eye_count, scene, chunk,
-                                                    cut->options->detail_q8);
+    set_view(s, object);
+    const int found = s->error ? s->error : fxs_see(&sight, &s->view, scene, chunk, cut->options->detail_q8);
     s->error = found < 0 ? found : 0;
     if (found <= 0)
         return;
@@ -275,7 +274,7 @@ static void list_drawn(search *s)
         const visit *parent = parent_of(s, v);
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
         if (v->needed && !v->hidden)
-            cut->drawn[cut->count++] = fxs_drawn_of(cut->views[0][v->object].first_chunk + v->chunk,
+            cut->drawn[cut->count++] = fxs_drawn_of(cut->views[v->object].first_chunk + v->chunk,
                                                     own_share_q8(s, v), v->sight.swell_q8);
     }
     sort_by_chunk(cut->drawn, cut->count);
@@ -298,7 +297,7 @@ static void add_whole(fxs_cut *cut)
             to += is_there(cut->objects[i].scene, k) ? 1 : 0;
     cut->count = to;
     for (uint32_t i = cut->object_count; i-- > 0 && to > from;) {
-        const uint32_t first = cut->views[0][i].first_chunk;
+        const uint32_t first = cut->views[i].first_chunk;
         while (from && cut->drawn[from - 1].chunk >= first)
             cut->drawn[--to] = cut->drawn[--from];
         for (uint32_t k = whole_chunks(cut, i); k-- > 0;)

@@ -15,9 +15,8 @@ typedef struct fxs_cut {
     const fxs_object *objects;     /* already checked */
     uint32_t object_count;
     const fxs_options *options;
-    uint32_t eye_count;
-    const fxs_camera *cameras[2];          /* of each eye */
-    const fxs_object_view *views[2];       /* objects in each eye's view; their scenes are not read */
+    const fxs_camera *camera;
+    const fxs_object_view *views;  /* objects as the camera sees them; their scenes are not read */
     uint32_t room;                 /* from fxs_cut_room */
     void *memory;                  /* fxs_cut_bytes(room) bytes, aligned to 8 */
 

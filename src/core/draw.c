@@ -14,12 +14,12 @@ void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *
     fxs_tile pixels;
     int32_t x, y;
     fxs_tile_origin(f, tile, &x, &y);
-    if (fxs_targets_traced(f->eye->targets))
+    if (fxs_targets_traced(f->targets))
         fxs_trace_tile(f, list, x, y, &pixels, 0);
     else if (!list->count)
         fxs_tile_clear(&pixels);
     else
-        f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels);
+        f->context->kernels.blend(&f->view, x, y, f->splats, list->entries, list->count, &pixels);
     fxs_lap(f, laps, FXS_BLENDED);
     fxs_resolve_targets(f, &pixels, x, y);
 }

@@ -21,12 +21,14 @@ const char *fxs_strerror(int error)
         "not a packed scene, or one that is cut short, damaged or changed while it was rendered",
         "a packed scene of another version",
         "the camera's focal length is not above 0, its rotation is not a rotation, or its position is too far out",
-        "a width or height is outside 1 to 16384, a part is outside its picture, or two eyes differ in size or projection",
+        "a width or height is outside 1 to 16384, a part is outside its picture, or two eyes differ in size or "
+        "projection",
         "too little memory: the working memory given (or it is not aligned to 64 bytes), or the device's",
         "not supported by this build or machine",
         "the back end's device is missing, failed or was lost",
         "an object's rotation, scale or another of its fields is out of range, or there are too many",
-        "a target is missing or not aligned, its rows are longer than its stride, it overlaps another, or its format does not allow it",
+        "a target is missing or not aligned, its rows are longer than its stride, it overlaps another, or its format "
+        "does not allow it",
         "a file is missing, cannot be read or written, or is not what it should be",
         "stopped by the caller",
     };

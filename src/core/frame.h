@@ -40,18 +40,6 @@ typedef struct fxs_extent {
     uint32_t nearest, farthest;
 } fxs_extent;
 
-/* One eye of the frame: camera, splats and targets. Two eyes share the rest of the frame. */
-typedef struct fxs_eye {
-    fxs_view view;                         /* in world space */
-    fxs_camera camera;
-    fxs_object_view *objects;              /* objects as this camera sees them */
-    fxs_splat *splats;                     /* by slot; each block has consecutive slots, in the order of the objects */
-    fxs_bounds *bounds;
-    fxs_box *boxes;
-    uint32_t *depths;                      /* depth keys */
-    const fxs_targets *targets;
-} fxs_eye;
-
 typedef struct fxs_frame {
     /* Arguments (setup.c). */
     const fxs_context *context;
@@ -64,9 +52,11 @@ typedef struct fxs_frame {
     uint64_t memory_bytes;
     fxs_tile_fn *draw_tile;                /* of draw.c, pick.c, count.c or slices.c; null: a back end draws */
     uint32_t only_tile;                    /* fxs_pick: the tile to draw; otherwise FXS_NOTHING */
-    uint32_t eye_count;                    /* eyes prepared together, in the same slots */
-    fxs_eye *eye;                          /* the eye being drawn */
-    const uint32_t *depths;                /* depth keys that its lists are sorted by */
+
+    /* The eye (fxs_frame_look). */
+    fxs_view view;                         /* in world space */
+    fxs_camera camera;
+    const fxs_targets *targets;
 
     /* Work and jobs (bands.c). A block of chunks is a job of project, shade and bin. A part of the blocks is a job that
        makes lists. A macro tile is a job of sort, blend and resolve. */
@@ -77,6 +67,7 @@ typedef struct fxs_frame {
 
     /* Arrays that live for the whole frame; fixed_bytes in all. */
     uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: minimum for FXS_FRAME_WHOLE */
+    fxs_object_view *views;                /* objects as the camera sees them */
     uint32_t *block_slots;                 /* first slot of each block, then the end of the last block */
     uint32_t *block_counts;                /* splats of each block, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds in project, shade and bin, per block */
@@ -91,10 +82,14 @@ typedef struct fxs_frame {
                                               the next key), and FXS_NEXT_MORE numbers */
     uint64_t *macro_times;                 /* nanoseconds in sort, bin, blend and resolve, per macro tile */
 
-    /* The band, and its arrays, in the rest of the memory with the eyes' splats. */
+    /* The band, and its arrays, in the rest of the memory. */
     int32_t first_row, end_row;            /* tile rows */
     int32_t first_column, end_column;      /* tile columns; all, except for slices */
     uint32_t count;                        /* splats that touch the band */
+    fxs_splat *splats;                     /* by slot; each block has consecutive slots, in the order of the objects */
+    fxs_bounds *bounds;
+    fxs_box *boxes;
+    uint32_t *depths;                      /* depth keys */
     uint32_t *indices;                     /* by slot: number of the Gaussian, counted in the chunks of all objects */
     fxs_key *keys, *spare;                 /* lists of macro tiles; scratch space for sorting and tile lists */
     uint32_t key_capacity;                 /* keys in each of the two */
@@ -110,32 +105,34 @@ typedef struct fxs_frame {
     int stopped;                           /* options.stop returned true: later jobs return at once */
 
     fxs_stats stats;
-    fxs_eye eyes[2];
 } fxs_frame;
 
 /* ---- setup.c ----------------------------------------------------------------------------------------------------- */
 
-/* Checks the arguments, then the memory. Returns 0 or an FXS_ERR_*. */
+/* Checks the arguments, then the memory, and looks from the first eye. Returns 0 or an FXS_ERR_*. */
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes);
+
+/* Sets the eye of the frame: 0 or 1. Returns 0, FXS_ERR_CAMERA, FXS_ERR_SIZE or FXS_ERR_TARGET; 0 for the eyes of an
+   initialised frame. */
+int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye);
 
 /* Lays out the memory, places the objects and chooses their chunks. If the memory has no slot for every Gaussian,
    counts the splats of each tile row. Returns 0, FXS_ERR_OBJECT, FXS_ERR_SCENE, FXS_ERR_STOPPED, or FXS_ERR_MEMORY if a
    tile row does not fit; stats.memory.least then has the minimum. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* Bytes of a frame of this size for a request; ignores its cameras. Returns 0 if an argument is out of range. *memory
-   may be null. */
-size_t fxs_measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
-                   fxs_frame_memory *memory);
+/* Finds the errors that fxs_frame_begin returns before a pixel is written, other than FXS_ERR_SCENE and
+   FXS_ERR_STOPPED, and sets stats.memory.least. */
+int fxs_frame_check(fxs_frame *f);
 
 /* ---- frame.c ----------------------------------------------------------------------------------------------------- */
 
-/* Lists the splats of f->eye, sorted by f->depths, and draws the band to its targets. Returns 0, FXS_ERR_STOPPED or a
-   back end's error. */
+/* Lists the splats of the band, sorted by depth, and draws them to the targets. Returns 0, FXS_ERR_STOPPED or a back
+   end's error. */
 int fxs_frame_draw(fxs_frame *f);
 
-/* Renders the whole frame of f->eye. Errors as in fxs_frame_begin and fxs_frame_draw. */
+/* Renders the whole frame. Errors as in fxs_frame_begin and fxs_frame_draw. */
 int fxs_frame_render(fxs_frame *f);
 
 /* ---- Everywhere -------------------------------------------------------------------------------------------------- */
@@ -175,28 +172,27 @@ static inline uint32_t fxs_frame_chunk(const fxs_frame *f, uint32_t place)
 
 static inline uint32_t fxs_frame_object(const fxs_frame *f, uint32_t chunk)
 {
-    return fxs_object_of(f->eye->objects, f->object_count, chunk);
+    return fxs_object_of(f->views, f->object_count, chunk);
 }
 
 static inline void fxs_frame_move(const fxs_frame *f, uint32_t to, uint32_t slot)
 {
-    const fxs_eye *eye = f->eye;
-    eye->splats[to] = eye->splats[slot];
-    eye->bounds[to] = eye->bounds[slot];
-    eye->depths[to] = eye->depths[slot];
+    f->splats[to] = f->splats[slot];
+    f->bounds[to] = f->bounds[slot];
+    f->depths[to] = f->depths[slot];
     f->indices[to] = f->indices[slot];
 }
 
 /* Number of tiles above a tile row. */
 static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
 {
-    return (uint32_t)(row * f->eye->view.tiles_x);
+    return (uint32_t)(row * f->view.tiles_x);
 }
 
 static inline void fxs_tile_origin(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
 {
-    *x = (int32_t)tile % f->eye->view.tiles_x * FXS_TILE;
-    *y = (int32_t)tile / f->eye->view.tiles_x * FXS_TILE;
+    *x = (int32_t)tile % f->view.tiles_x * FXS_TILE;
+    *y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
 }
 
 #endif

@@ -22,9 +22,8 @@ static uint32_t *notes_of(const fxs_frame *f, uint32_t part)
 /* Notes are stored in `spare`, which sorting uses later. */
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
 {
-    const fxs_eye *eye = f->eye;
     const uint32_t *notes = notes_of(f, part);
-    return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
+    return (fxs_lister){&f->view, f->splats, f->bounds, f->boxes, f->depths, f->context->kernels.spans,
                         f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
                         f->spare + notes[NOTES], notes[ROOM], 0, notes[NOTED], notes[FROM]};
 }
@@ -74,7 +73,7 @@ static void share_notes(fxs_frame *f)
 void fxs_lists_count(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);
-    const uint32_t across = fxs_macros(f->eye->view.tiles_x);
+    const uint32_t across = fxs_macros(f->view.tiles_x);
     f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
     f->last_macro = fxs_macros(f->end_row) * across - 1;
     share_notes(f);
@@ -91,7 +90,7 @@ void fxs_lists_count(fxs_frame *f)
 
 int fxs_lists_rows_fit(const fxs_frame *f)
 {
-    const uint32_t across = fxs_macros(f->eye->view.tiles_x);
+    const uint32_t across = fxs_macros(f->view.tiles_x);
     for (uint32_t row = f->first_macro; row <= f->last_macro; row += across) {
         uint32_t room = f->key_capacity;
         for (uint32_t macro = row; macro < row + across; macro++) {
@@ -106,7 +105,7 @@ int fxs_lists_rows_fit(const fxs_frame *f)
 /* A list has the keys of part 0, then part 1, and so on, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
-    const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
+    const uint32_t across = fxs_macros(f->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
     const uint64_t start = fxs_now(f);
     uint32_t used = 0, macro = f->first_macro;
     for (uint32_t room = f->key_capacity; macro < end && f->lengths[macro] <= room; macro++)
@@ -150,7 +149,7 @@ const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro)
 
 int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
 {
-    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x);
+    const int32_t across = (int32_t)fxs_macros(f->view.tiles_x);
     const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
     const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
     *tile = fxs_tiles_above(f, row) + (uint32_t)column;

@@ -23,7 +23,7 @@ static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_lap
     fxs_trace_tile(f, list, x, y, &pixels, slots);
     const uint32_t slot = slots[(p->y - y) * FXS_TILE + p->x - x];
     if (slot != FXS_NOTHING) {
-        p->key = f->eye->depths[slot];
+        p->key = f->depths[slot];
         p->index = f->indices[slot];
     }
 }
@@ -58,8 +58,8 @@ static void fill_in(const pick *p, const fxs_camera *camera, fxs_pick_result *re
     const fxs_frame *f = &p->frame;
     const uint32_t key = p->key, index = p->index;
     result->object = fxs_frame_object(f, index / FXS_CHUNK);
-    result->gaussian = index - f->eye->objects[result->object].first_chunk * FXS_CHUNK;
-    result->id = f->eye->objects[result->object].id;
+    result->gaussian = index - f->views[result->object].first_chunk * FXS_CHUNK;
+    result->id = f->views[result->object].id;
     result->depth_q32 = scaled_q32(1 << 26 | (key & 0x3ffffff), (int)(key >> 26));
     const int64_t offset_q32[3] = {across_q32(camera, p->x, camera->cx_q12, camera->fx_q12, key),
                                    across_q32(camera, p->y, camera->cy_q12, camera->fy_q12, key), result->depth_q32};
@@ -79,10 +79,9 @@ int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, 
         return error;
     p.targets.occluder = request->targets->occluder;
     p.targets.depth_bits = request->targets->depth_bits;
-    p.frame.eyes->targets = &p.targets;
-    p.frame.eye_count = 1;
+    p.frame.targets = &p.targets;
     p.frame.draw_tile = pick_tile;
-    p.frame.only_tile = (uint32_t)(y / FXS_TILE * p.frame.eye->view.tiles_x + x / FXS_TILE);
+    p.frame.only_tile = (uint32_t)(y / FXS_TILE * p.frame.view.tiles_x + x / FXS_TILE);
     error = fxs_frame_render(&p.frame);
     if (error || p.index == FXS_NOTHING)
         return error;

@@ -4,14 +4,12 @@
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "bands.h"
-#include "eyes.h"
 #include "prepare.h"
 #include "times.h"
 
 int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint32_t slot, uint32_t end_slot)
 {
-    fxs_eye *eye = f->eye;
-    const fxs_object_view *object = &eye->objects[number];
+    const fxs_object_view *object = &f->views[number];
     const uint32_t chunk = fxs_frame_chunk(f, place) - object->first_chunk;
     const uint32_t share_q8 = f->drawn ? f->drawn[place].share_q8 : 256;
     const uint32_t grow_q8 = f->drawn ? f->drawn[place].grow_q8 : 0;
@@ -20,10 +18,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
         return FXS_ERR_SCENE;
     if (!fxs_band_has_chunk(f, place))
         return 0;
-    int32_t count = f->eye_count > 1
-                        ? fxs_eyes_project(f, number, chunk, share_q8, grow_q8, slot)
-                        : fxs_object_project(object, &f->context->kernels, chunk, share_q8, grow_q8,
-                                             eye->splats + slot, eye->bounds + slot, indices, eye->depths + slot);
+    const int32_t count = fxs_object_project(object, &f->context->kernels, chunk, share_q8, grow_q8, f->splats + slot,
+                                             f->bounds + slot, indices, f->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)
         indices[i] += object->first_chunk * FXS_CHUNK;
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
@@ -53,32 +49,25 @@ static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat 
     }
 }
 
-/* Shades the first eye and copies its colours to the second. */
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
-    const fxs_object_view *object = &f->eye->objects[number];
+    const fxs_object_view *object = &f->views[number];
     const int error = fxs_object_shade(object, &f->context->kernels, chunk - object->first_chunk, f->indices + slot,
-                                       count, f->eye->splats + slot);
+                                       count, f->splats + slot);
     if (f->options->show_levels && !error)
-        show_level(object, chunk - object->first_chunk, f->eye->splats + slot, count);
-    for (uint32_t i = slot; i < slot + count && f->eye_count > 1; i++)
-        memcpy(f->eyes[1].splats[i].colour_q13, f->eyes[0].splats[i].colour_q13, sizeof f->eyes[0].splats->colour_q13);
+        show_level(object, chunk - object->first_chunk, f->splats + slot, count);
     return error;
 }
 
 void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count)
 {
-    for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
-        f->context->kernels.bin(&eye->view, eye->splats + slot, eye->bounds + slot, count, eye->boxes + slot);
-        if (f->eye_count > 1)
-            fxs_eyes_hide(eye->bounds + slot, count, eye->boxes + slot);
-    }
+    f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
 }
 
 /* Prefetches a chunk's rows from byte `from` to before `end`, or to their end. */
 static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
 {
-    const fxs_object_view *object = &f->eye->objects[number];
+    const fxs_object_view *object = &f->views[number];
     const unsigned char *rows = fxs_rows(&object->scene, chunk - object->first_chunk);
     for (; from < end && from < object->scene.chunk_bytes; from += 64)
         FXS_PREFETCH(rows + from);
@@ -170,7 +159,6 @@ int fxs_prepare_band(fxs_frame *f)
     static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
     const uint64_t start = fxs_now(f);
     const int error = fxs_prepare_blocks(f);
-    f->depths = f->eye->depths;
     if (error)
         return error;
     fxs_share_time(f, start, f->block_times, f->blocks, 3, stages);

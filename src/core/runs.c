@@ -67,13 +67,12 @@ static void list_macro(void *argument, uint32_t job)
 static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blended)
 {
     const fxs_config *config = &f->context->config;
-    const fxs_eye *eye = f->eye;
     const uint64_t start = fxs_now(f);
     const int listed = !visible && !blended;
-    const fxs_tile_run r = {config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, visible, f->count,
+    const fxs_tile_run r = {config, &f->view, f->options, f->splats, f->bounds, f->depths, visible, f->count,
                             listed ? (const uint32_t *)(const void *)f->spare : 0, listed ? f->tile_ends : 0,
-                            listed ? f->tile_counts : 0, f->first_tile, f->last_tile, blended, eye->targets,
-                            f->indices, eye->objects, f->object_count};
+                            listed ? f->tile_counts : 0, f->first_tile, f->last_tile, blended, f->targets,
+                            f->indices, f->views, f->object_count};
     const int error = fxs_frame_stopped(f) ? FXS_ERR_STOPPED : config->draw(config->draw_argument, &r);
     f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
     return error;
@@ -103,7 +102,7 @@ static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
 int fxs_runs_draw(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);
-    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x), tiles_x = f->eye->view.tiles_x;
+    const int32_t across = (int32_t)fxs_macros(f->view.tiles_x), tiles_x = f->view.tiles_x;
     const int32_t first = (int32_t)f->first_macro % across * FXS_MACRO;
     const int32_t last = fxs_min(((int32_t)f->last_macro % across + 1) * FXS_MACRO, tiles_x) - 1;
     const int32_t row = (int32_t)f->first_macro / across * FXS_MACRO;

@@ -34,12 +34,12 @@ static int check(const fxs_context *context, const fxs_request *request, const v
                ? FXS_ERR_ARGUMENT : 0;
 }
 
-static int eye_init(fxs_eye *eye, const fxs_request *request, uint32_t i)
+int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye)
 {
-    eye->camera = request->cameras[i];
-    eye->targets = &request->targets[i];
-    const int error = fxs_view_init(&eye->view, &eye->camera, &request->options);
-    return error ? error : fxs_targets_check(eye->targets, eye->camera.width, eye->camera.height);
+    f->camera = request->cameras[eye];
+    f->targets = &request->targets[eye];
+    const int error = fxs_view_init(&f->view, &f->camera, &request->options);
+    return error ? error : fxs_targets_check(f->targets, f->camera.width, f->camera.height);
 }
 
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
@@ -48,49 +48,41 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
     memset(f, 0, sizeof *f);
     int error = check(context, request, memory);
     error = error ? error : take_objects(f, request);
-    error = error ? error : eye_init(&f->eyes[0], request, 0);
-    if (!error && request->eyes == 2)
-        error = eye_init(&f->eyes[1], request, 1);
+    for (uint32_t eye = request->eyes; !error && eye > 0; eye--)
+        error = fxs_frame_look(f, request, eye - 1);
     if (error)
         return error;
     f->context = context;
     f->options = &request->options;
     f->memory = memory;
     f->memory_bytes = memory_bytes;
-    f->eye = f->eyes;
-    f->eye_count = request->eyes;
     f->draw_tile = context->config.draw ? 0 : fxs_draw_tile;
     f->only_tile = FXS_NOTHING;
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
+/* Lays out the memory, for any cut, and places the objects. */
 static int place_objects(fxs_frame *f)
 {
     uint32_t first_chunk = 0;
-    for (uint32_t i = 0; i < f->object_count; i++) {
+    f->chunk_count = f->cut_room ? f->cut_room : f->chunk_count;
+    int error = fxs_bands_init(f);
+    for (uint32_t i = 0; i < f->object_count && !error; i++) {
         const fxs_scene *scene = f->objects[i].scene;
         const uint32_t chunks = fxs_cut_chunks(scene, f->cut_room != 0);
-        for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
-            const int error = fxs_object_view_init(&eye->objects[i], &eye->view, &eye->camera, &f->objects[i]);
-            if (error)
-                return error;
-            eye->objects[i].first_chunk = first_chunk;
-            eye->objects[i].end_chunk = first_chunk + chunks;
-        }
+        error = fxs_object_view_init(&f->views[i], &f->view, &f->camera, &f->objects[i]);
+        f->views[i].first_chunk = first_chunk;
         first_chunk += chunks;
+        f->views[i].end_chunk = first_chunk;
     }
-    return 0;
+    return error;
 }
 
 /* Finds the cut, then lays out the memory again for the number of drawn chunks. */
 static int choose_chunks(fxs_frame *f)
 {
     fxs_cut cut = {.objects = f->objects, .object_count = f->object_count, .options = f->options,
-                   .eye_count = f->eye_count, .room = f->cut_room, .memory = f->cut_memory};
-    for (uint32_t i = 0; i < f->eye_count; i++) {
-        cut.cameras[i] = &f->eye[i].camera;
-        cut.views[i] = f->eye[i].objects;
-    }
+                   .camera = &f->camera, .views = f->views, .room = f->cut_room, .memory = f->cut_memory};
     const int error = fxs_cut_find(&cut);
     f->drawn = cut.drawn;
     f->chunk_count = cut.count;
@@ -102,25 +94,31 @@ int fxs_foresee(const fxs_context *context, const fxs_request *request, void *me
 {
     fxs_frame f;
     int error = fxs_frame_init(&f, context, request, memory, memory_bytes);
-    if (error || !f.cut_room)
-        return error;
-    error = fxs_bands_init(&f);
-    error = error ? error : place_objects(&f);
-    return error ? error : choose_chunks(&f);
+    for (uint32_t eye = 0; !error && f.cut_room && eye < request->eyes; eye++) {
+        error = fxs_frame_look(&f, request, eye);
+        error = error ? error : place_objects(&f);
+        error = error ? error : choose_chunks(&f);
+    }
+    return error;
 }
 
 int fxs_frame_begin(fxs_frame *f)
 {
-    f->chunk_count = f->cut_room ? f->cut_room : f->chunk_count;
-    int error = fxs_bands_init(f);
-    error = error ? error : place_objects(f);
+    int error = place_objects(f);
     error = error || !f->cut_room ? error : choose_chunks(f);
     f->stats.drawn = f->chunk_count * FXS_CHUNK;
     return error || f->mode == FXS_FRAME_WHOLE ? error : fxs_bands_plan(f);
 }
 
-size_t fxs_measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
-                   fxs_frame_memory *memory)
+int fxs_frame_check(fxs_frame *f)
+{
+    const int error = place_objects(f);
+    return error || f->mode == FXS_FRAME_WHOLE || fxs_bands_can_slice(f) ? error : fxs_frame_begin(f);
+}
+
+/* Bytes of a frame of this size for a request, whose cameras are not read. Returns 0 if an argument is out of range. */
+static size_t measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
+                      fxs_frame_memory *memory)
 {
     fxs_frame f;
     memset(&f, 0, sizeof f);
@@ -128,10 +126,8 @@ size_t fxs_measure(const fxs_context *context, const fxs_request *request, int32
         height > FXS_MAX_SIZE || take_objects(&f, request))
         return 0;
     f.context = context;
-    f.eye = f.eyes;
-    f.eye_count = request->eyes;
-    f.eyes[0].view.tiles_x = (width + FXS_TILE - 1) / FXS_TILE;
-    f.eyes[0].view.tiles_y = (height + FXS_TILE - 1) / FXS_TILE;
+    f.view.tiles_x = (width + FXS_TILE - 1) / FXS_TILE;
+    f.view.tiles_y = (height + FXS_TILE - 1) / FXS_TILE;
     if (fxs_bands_measure(&f) > SIZE_MAX)
         return 0;
     if (memory)
@@ -144,20 +140,11 @@ size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, ui
 {
     fxs_request request;
     fxs_request_init(&request, objects, count);
-    return fxs_measure(context, &request, width, height, memory);
-}
-
-size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                        int32_t height)
-{
-    fxs_request request;
-    fxs_request_init(&request, objects, count);
-    request.eyes = 2;
-    return fxs_measure(context, &request, width, height, 0);
+    return measure(context, &request, width, height, memory);
 }
 
 size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory)
 {
     return request && (request->eyes == 1 || request->eyes == 2)
-               ? fxs_measure(context, request, request->cameras->width, request->cameras->height, memory) : 0;
+               ? measure(context, request, request->cameras->width, request->cameras->height, memory) : 0;
 }

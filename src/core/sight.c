@@ -70,31 +70,21 @@ FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swel
     return (fxs_drawn){chunk, (uint16_t)((share_q8 * depth_q8 + 255) >> 8), (uint16_t)(swell_q8 / FXS_SWELL_OF_SIGMA)};
 }
 
-FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, const fxs_scene *scene, uint32_t chunk,
-                      uint32_t detail_q8)
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t detail_q8)
 {
     const int is_node = chunk >= scene->chunk_count;
-    int32_t pixels_q8 = INT32_MIN / 8;
+    fxs_chunk_view cv;
     fxs_chunk header;
     fxs_node node;
-    int seen = 0, error = fxs_chunk_read(&header, scene, chunk);
+    int error = fxs_chunk_read(&header, scene, chunk);
     if (!error && is_node)
         error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
     *out = (fxs_sight){0, 0, 0};
-    for (uint32_t eye = 0; eye < eyes && !error; eye++) {
-        fxs_chunk_view cv;
-        const int found = fxs_chunk_view_of(&cv, &views[eye], &header);
-        seen |= found;
-        if (!found || !is_node)
-            continue;
-        const int32_t pixels = log2_pixels_q8(&views[eye], &header);
-        if (pixels > pixels_q8)
-            out->swell_q8 = swell_of(&views[eye], &node, pixels);
-        pixels_q8 = pixels > pixels_q8 ? pixels : pixels_q8;
-    }
-    if (!seen || error || !is_node)
+    const int seen = error ? 0 : fxs_chunk_view_of(&cv, view, &header);
+    if (!seen || !is_node)
         return error ? error : seen;
-    const int32_t size_q8 = node.size_q8 + pixels_q8;
+    const int32_t pixels_q8 = log2_pixels_q8(view, &header), size_q8 = node.size_q8 + pixels_q8;
+    out->swell_q8 = swell_of(view, &node, pixels_q8);
     out->key_q8 = node.gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, size_q8 - BLURRED_Q8);
     out->room_q8 = detail_q8 ? size_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
     return 1;

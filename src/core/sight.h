@@ -22,11 +22,9 @@ typedef struct fxs_fading {
     int32_t last_key_q8, width_q8;
 } fxs_fading;
 
-/* Sees a chunk from the nearest of one or two eyes. The views are in the object's space. Visibility ignores growth, so
-   a node is visible whenever a descendant is; the error is below a pixel. Returns 1, 0 if no eye sees the chunk, or
-   FXS_ERR_SCENE. */
-FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, const fxs_scene *scene, uint32_t chunk,
-                      uint32_t detail_q8);
+/* Sees a chunk. The view is in the object's space. Visibility ignores growth, so a node is visible whenever a
+   descendant is; the error is below a pixel. Returns 1, 0 if the chunk is out of view, or FXS_ERR_SCENE. */
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t detail_q8);
 
 /* Limits a chunk's key and room to its parent's. */
 static inline void fxs_see_below(fxs_sight *sight, const fxs_sight *parent)

@@ -23,7 +23,7 @@ typedef struct slice {
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
 {
-    return FXS_KEY(f->eye->depths[slot], f->indices[slot]);
+    return FXS_KEY(f->depths[slot], f->indices[slot]);
 }
 
 /* From `count` splats projected after the slice's own, keeps those in its key range that touch the columns. */
@@ -31,7 +31,7 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
         const fxs_key key = key_of(f, slot);
-        const fxs_span columns = fxs_bin_columns(&f->eye->view, &f->eye->bounds[slot]);
+        const fxs_span columns = fxs_bin_columns(&f->view, &f->bounds[slot]);
         if (key >= s->first && key <= s->last && columns.last >= f->first_column && columns.first < f->end_column)
             fxs_frame_move(f, s->count++, slot);
     }
@@ -43,7 +43,7 @@ static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
     for (uint32_t slot = 0; slot < count; slot++)
-        f->keys[slot] = FXS_KEY(f->eye->depths[slot], slot << 4);
+        f->keys[slot] = FXS_KEY(f->depths[slot], slot << 4);
     f->context->kernels.sort(f->keys, f->spare, count);
     s->last = key_of(f, FXS_LISTED_SLOT(f->keys[left - 1]));
     s->more = 1;
@@ -117,14 +117,14 @@ static int next_slice(fxs_frame *f, slice *s)
    tile. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
-    const int32_t column = (int32_t)tile % f->eye->view.tiles_x - f->first_column;
+    const int32_t column = (int32_t)tile % f->view.tiles_x - f->first_column;
     fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to its arrays */
     int32_t x, y;
     nothing->which = 0;
     fxs_tile_origin(f, tile, &x, &y);
     for (uint32_t first = 0; first < list->count; first += INT16_MAX) {
         const uint32_t left = list->count - first, count = left < INT16_MAX ? left : INT16_MAX;
-        f->context->kernels.trace(&f->eye->view, x, y, f->eye->splats, list->entries + first, 0, 0, count,
+        f->context->kernels.trace(&f->view, x, y, f->splats, list->entries + first, 0, 0, count,
                                   &f->pixels[column], nothing);
     }
     fxs_lap(f, laps, FXS_BLENDED);
@@ -166,10 +166,9 @@ static int draw_columns(fxs_frame *f)
 
 int fxs_slices_draw(fxs_frame *f)
 {
-    const int32_t step = (int32_t)f->slice_macros * FXS_MACRO, tiles_x = f->eye->view.tiles_x;
+    const int32_t step = (int32_t)f->slice_macros * FXS_MACRO, tiles_x = f->view.tiles_x;
     fxs_tile_fn *const draw_tile = f->draw_tile;
     int error = 0;
-    f->depths = f->eye->depths;
     f->draw_tile = blend_on;
     for (f->first_column = 0; f->first_column < tiles_x && !error; f->first_column = f->end_column) {
         f->end_column = fxs_min(f->first_column + step, tiles_x);

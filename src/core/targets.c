@@ -172,9 +172,9 @@ static void resolve_over(const fxs_targets *t, const fxs_tile *tile, int32_t col
 
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y)
 {
-    const fxs_targets *t = f->eye->targets;
-    const int32_t columns = fxs_min(FXS_TILE, f->eye->view.width - x);
-    const int32_t rows = fxs_min(FXS_TILE, f->eye->view.height - y);
+    const fxs_targets *t = f->targets;
+    const int32_t columns = fxs_min(FXS_TILE, f->view.width - x);
+    const int32_t rows = fxs_min(FXS_TILE, f->view.height - y);
     unsigned char *colour = t->colour.pixels ? fxs_image_at(&t->colour, x, y, fxs_pixel_bytes(t->format)) : 0;
     if (colour && t->backdrop.pixels)
         resolve_over(t, tile, columns, rows, x, y, colour);

@@ -16,7 +16,7 @@ int fxs_targets_missing(const fxs_context *context, const fxs_request *request);
 /* True if tiles need `trace` instead of `blend`: for depths, ids or an occluder. */
 int fxs_targets_traced(const fxs_targets *targets);
 
-/* Writes the pixels of a tile at (x, y) to the colour and coverage targets of f->eye. */
+/* Writes the pixels of a tile at (x, y) to the colour and coverage targets of f. */
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y);
 
 /* fxs_resolve_c over an RGBA8 picture. */

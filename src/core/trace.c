@@ -36,7 +36,7 @@ static uint32_t slot_of(uint32_t entry)
 /* Finds the next part. If no depths are compared or summed, it is the rest of the stretch. */
 static void begin_part(tracer *t)
 {
-    const uint32_t *depths = t->f->eye->depths;
+    const uint32_t *depths = t->f->depths;
     const int one_octave = t->trace.which & FXS_TRACE_MEAN;
     const int needs_keys = t->trace.which & (FXS_TRACE_MEAN | FXS_TRACE_END);
     const uint32_t rest = t->count - t->first, most = needs_keys && rest > PART ? PART : rest;
@@ -109,14 +109,13 @@ static int end_part(tracer *t, const fxs_tile *tile)
 /* Blends a stretch. Returns whether any pixel is still open. */
 static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
 {
-    const fxs_eye *eye = t->f->eye;
     int open = 1;
     memset(t->trace.median, 0xff, sizeof t->trace.median);
     memset(t->trace.largest, 0xff, sizeof t->trace.largest);
     for (t->first = 0; t->first < t->count && open; t->first = t->end) {
         begin_part(t);
         reset_part(t, tile);
-        t->f->context->kernels.trace(&eye->view, x, y, eye->splats, t->list, t->codes_q15, t->first, t->end, tile,
+        t->f->context->kernels.trace(&t->f->view, x, y, t->f->splats, t->list, t->codes_q15, t->first, t->end, tile,
                                      &t->trace);
         open = end_part(t, tile);
     }
@@ -151,7 +150,7 @@ fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index,
 static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
     return slot == FXS_NOTHING ? (fxs_id){FXS_NOTHING, FXS_NOTHING}
-                               : fxs_id_of(f->eye->objects, f->object_count, f->indices[slot], object);
+                               : fxs_id_of(f->views, f->object_count, f->indices[slot], object);
 }
 
 static void write_row(const tracer *t, const fxs_tile *tile, int32_t x, int32_t y, int32_t columns, int first)
@@ -167,11 +166,11 @@ static void write_row(const tracer *t, const fxs_tile *tile, int32_t x, int32_t 
         uint32_t *medians = (uint32_t *)(void *)fxs_image_at(&targets->median_depth, x, y, 4);
         for (int32_t i = 0; i < columns; i++)
             medians[i] = transmittance_q15[i] >= FXS_HALF_Q15
-                             ? FXS_NOTHING : fxs_depth_of_key(t->f->eye->depths[t->median[first + i]], t->bits);
+                             ? FXS_NOTHING : fxs_depth_of_key(t->f->depths[t->median[first + i]], t->bits);
     }
     if (targets->id.pixels) {
         fxs_id *ids = (fxs_id *)(void *)fxs_image_at(&targets->id, x, y, 8);
-        const fxs_object_view *object = t->f->eye->objects;
+        const fxs_object_view *object = t->f->views;
         for (int32_t i = 0; i < columns; i++)
             ids[i] = id_of(t->f, t->largest[first + i], &object);
     }
@@ -186,11 +185,11 @@ static unsigned which_of(const fxs_targets *targets, const uint32_t *slots)
 void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots)
 {
     tracer t;
-    const fxs_view *view = &f->eye->view;
+    const fxs_view *view = &f->view;
     const int32_t columns = fxs_min(FXS_TILE, view->width - x), rows = fxs_min(FXS_TILE, view->height - y);
     int open = 1;
     t.f = f;
-    t.targets = f->eye->targets;
+    t.targets = f->targets;
     t.bits = fxs_depth_bits(t.targets);
     t.trace.which = which_of(t.targets, slots);
     fxs_tile_clear(pixels);

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H
 
-#include "far.h"
+#include "distant.h"
 #include "fit_gaussian.h"
 
 #define FXS_FIT_TINY 7.88860905e-31f    /* 2^-100 */

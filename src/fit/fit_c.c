@@ -1,2 +1,2 @@
 #define ISA c
-#include "fit_stages.h"
+#include "fit_isa.h"

@@ -166,7 +166,9 @@ typedef struct fxs_fit_chunk {
 } fxs_fit_chunk;
 
 typedef struct fxs_fit_grid {
-    int position_bits, scale_bits[3], rotation_bits, axis_bits_least, axis_bits_most, colour_bits[3];   /* fxs_axis_bits */
+    int position_bits, scale_bits[3], rotation_bits;
+    int axis_bits_least, axis_bits_most;   /* fxs_axis_bits */
+    int colour_bits[3];
     int sh_degree;                 /* SH are quantised by sh_step up to this degree; 0 with a palette */
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;

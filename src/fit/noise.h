@@ -3,7 +3,7 @@
 #ifndef FXS_FIT_NOISE_H
 #define FXS_FIT_NOISE_H
 
-#include "far.h"
+#include "distant.h"
 #include "fit_gaussian.h"
 
 #if LANES == 1

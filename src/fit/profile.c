@@ -273,7 +273,8 @@ static void set_grid(fxs_fit_profile *p)
 {
     const int small = p->profile == FXS_PROFILE_SMALL;
     p->grid = (fxs_fit_grid){small ? 11 : 16, {small ? 7 : 10, small ? 7 : 10, small ? 6 : 9},
-                             FXS_ROTATION_BITS(p->profile), FXS_AXIS_BITS_LEAST(p->profile), FXS_AXIS_BITS_MOST(p->profile),
+                             FXS_ROTATION_BITS(p->profile), FXS_AXIS_BITS_LEAST(p->profile),
+                             FXS_AXIS_BITS_MOST(p->profile),
                              {small ? 7 : 9, small ? 7 : 9, small ? 6 : 9},
                              p->profile == FXS_PROFILE_DEFAULT ? p->sh_degree : 0, p->steps};
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "src/base/run.h"
-#include "sharing.h"
+#include "relocate_one.h"
 
 /* Data of draws: prefix sums of opacities (Q24), and the number of draws of each Gaussian. */
 typedef struct draws {

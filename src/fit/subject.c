@@ -52,7 +52,8 @@ static double reach_at(const fxs_fit_camera *c, const double place[3])
     double at[3] = {0, 0, 0};
     for (int k = 0; k < 9; k++)
         at[k / 3] += (double)c->rotation[k] * (place[k % 3] - (double)c->eye[k % 3]);
-    const double across = at[2] * c->width / 2 / (double)c->focal[0], down = at[2] * c->height / 2 / (double)c->focal[1];
+    const double across = at[2] * c->width / 2 / (double)c->focal[0],
+                 down = at[2] * c->height / 2 / (double)c->focal[1];
     return fabs(at[0]) <= across / 2 && fabs(at[1]) <= down / 2 ? fmin(across, down) : 0;
 }
 

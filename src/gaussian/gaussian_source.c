@@ -18,8 +18,8 @@ static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scen
     r->from = *(const fxs_gaussian_source *)source->input.argument;
     r->name = source->path;
     if (!r->from.read || r->from.sh_degree < 0 || r->from.sh_degree > 3)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads, or SH degree %d, not 0 to 3", r->name,
-                           r->from.sh_degree);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads, or SH degree %d, not 0 to 3",
+                           r->name, r->from.sh_degree);
     for (int i = 0; i < 3; i++)
         if (!(fabs(r->from.origin[i]) <= FXS_ORIGIN_FARTHEST))
             return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: an origin beyond 2^26 units", r->name);

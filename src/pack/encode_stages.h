@@ -113,8 +113,8 @@ static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
 
 /* Codes position (16 bits) and base colour (9 bits); in profile small 11, and 7, 7, 6. Picks the code with low +
    code step nearest, where the code is extended to full width. */
-static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, fxs_row_codes *codes,
-                               fxs_loss *loss)
+static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
+                               fxs_row_codes *codes, fxs_loss *loss)
 {
     enum { LANES = 8 };
     static const int32_t wides[LANES] = {16, 16, 16, 9, 9, 9, 9, 9};

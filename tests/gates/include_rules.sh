@@ -1,10 +1,10 @@
 #!/bin/sh
-# Who may include whom. A room is a folder; each may include itself and those named behind it, and of the public headers
-# those of the same rooms. So no arrow goes up, and no two rooms hold each other.
+# Include rules. A room is a folder. Each room may include itself and the rooms listed after it, and those rooms' public
+# headers. So includes form no cycle of rooms.
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# room ALLOWED...: what a file of the room may include beside its own folder. The first that fits counts.
+# room ALLOWED...: what a file of the room may include in addition to its own folder. The first matching room counts.
 rooms='
 src/core
 src/base        src/core
@@ -53,7 +53,7 @@ files() {
     find "$@" -type f \( -name '*.[ch]' -o -name '*.inc' -o -name '*.cu' -o -name '*.cuh' \) 2>/dev/null
 }
 
-# Lines "FILE KIND NAME" of every include; a name without a folder is the file's own folder's.
+# Lines "FILE KIND NAME" for every include; a name without a folder is in the file's own folder.
 files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
     sed -E 's/^([^:]*):[^"<]*(["<])([^">]*).*/\1 \2 \3/' |
     ROOMS=$rooms PUBLIC=$public awk '
@@ -134,14 +134,14 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
 faults=$(cat "${TMPDIR:-/tmp}/include_rules.$$")
 rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
-# Quoted names without a folder are files beside; no way up in any.
+# No include path may start with a dot; names without a folder are files of the same folder.
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-# No name stands for two files of the product.
+# File names of the product are unique.
 twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 
-# core and kernels neither allocate nor print; all of src opens no file and starts no thread.
+# core and kernels must not allocate or print; src must not open files or start threads.
 calls='(^|[^A-Za-z0-9_>.])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
 calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack)' | cut -d: -f1,2 |
     tr '\n' ' ')

@@ -1,13 +1,13 @@
 #!/bin/sh
-# Every page (*.md) speaks of what is there: relative links and their anchors, paths from the root, and in backticks names
-# of files and of test programs. Code between fences is not looked at.
+# Pages (*.md) must refer to existing things: relative links and their anchors, paths from the root, and file and test
+# names in backticks. Fenced code is skipped.
 cd "$(dirname "$0")/../.." || exit 1
 kept='( -name .git -o -name build -o -name node_modules ) -prune -o'
 pages=$(find . $kept -name '*.md' -print | sed 's|^\./||' | sort)
 here=${TMPDIR:-/tmp}/links.$$
 find . $kept -print | sed 's|^\./||' >"$here"
 
-# Files that pages speak of as a reader's own.
+# File names that stand for a reader's own file.
 examples='golden.sh'
 
 faults=$(awk -v examples=" $examples " '

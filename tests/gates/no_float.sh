@@ -1,7 +1,7 @@
 #!/bin/sh
-# No floating point in src/core, its headers and kernels: no such type or number in the text (a GPU may carry integers in its float
-# registers, so its folders are left out; the fit is float, and no rendering path has it), no soft-float call in src/core on a processor without floating point, and no
-# vector or float register on AArch64.
+# No floating point in src/core, its headers and kernels: no such type or number in the text (GPU folders are skipped,
+# since a GPU may carry integers in float registers; the fit is float, but not part of rendering), no soft-float call in
+# src/core on a processor without floating point, and no vector or float register on AArch64.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
@@ -12,8 +12,8 @@ fail() {
     exit 1
 }
 
-# build NAME COMPILER [FLAG...]: every file of src, to NAME_FILE.o. Returns 1 where there is no such compiler, or it has
-# no C library.
+# build NAME COMPILER [FLAG...]: compiles every file of src to NAME_FILE.o. Returns 1 without such a compiler or its C
+# library.
 build() {
     name=$1 compiler=$2
     shift 2

@@ -1,6 +1,6 @@
 #!/bin/sh
-# src/include/fixsplat/pixel.h is one text for three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C (nvcc, where
-# there is one).
+# src/include/fixsplat/pixel.h compiles as three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C
+# (nvcc, if installed).
 cd "$(dirname "$0")/../.." || exit 1
 header=src/include/fixsplat/pixel.h
 use=tests/gates/pixel_use.inc
@@ -17,7 +17,7 @@ have() {
     command -v "$1" >/dev/null 2>&1
 }
 
-# put FILE FN [LINE...]: LINEs, then the header and its use with FXS_FN as FN.
+# put FILE FN [LINE...]: writes LINEs, then the header and its use with FXS_FN as FN.
 put() {
     file=$work/$1 fn=$2
     shift 2
@@ -27,7 +27,6 @@ put() {
     } >"$file"
 }
 
-# try NAME COMMAND...: fails with the first line the compiler says about an error.
 try() {
     name=$1
     shift

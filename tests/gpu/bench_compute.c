@@ -197,7 +197,8 @@ int main(int argc, char **argv)
     compute->gl.UseProgram = use_and_time;
     compute->more.CopyBufferSubData = copy_untimed;
     compute->gl.GenQueries(FXS_COMPUTE_PROGRAMS, queries);
-    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute), (double)compute->rooms.most / 1048576);
+    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute),
+           (double)compute->rooms.most / 1048576);
     printf("| scene | visible | entries" FXS_COMPUTE_PROGRAMS_OF(HEAD) " | frame | to the host | same | MB |\n");
     for (int i = 1; i < argc; i++) {
         if (takes_size(argv[i]))

@@ -133,15 +133,10 @@ static void rows_of_eyes(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 0}, eyes = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 1};
     fxs_message message;
     fxs_camera camera;
-    char label[240];
     fxs_view_resize(&view, EYE_WIDTH, EYE_HEIGHT);
     fxs_camera_from_view(&camera, &view, &message);
     row(single, 0, name, &camera, &colour);
-    snprintf(label, sizeof label, "%s, exact", name);
-    row(batch, 0, label, &camera, &eyes);
-    if (!fxs_cuda_share_eyes(batch, 1, &failure))
-        row(batch, 0, name, &camera, &eyes);
-    fxs_cuda_share_eyes(batch, 0, &failure);
+    row(batch, 0, name, &camera, &eyes);
 }
 
 static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_file_view view, int more)

@@ -73,7 +73,7 @@ for options in "--budget 1" "--budget 30000" "--budget 400000" "--detail 3" "--b
 done
 
 say "two eyes: hashes, processor and CUDA, and what a frame takes"
-for options in "--stereo 0.063" "--stereo 0.063 --stereo-exact" "--stereo 0.063 --foveate" "--foveate" \
+for options in "--stereo 0.063" "--stereo 0.063 --foveate" "--foveate" \
                "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" \
                "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --foveate" \
                "--stereo 0.063 --budget 30000" "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
@@ -85,7 +85,7 @@ for options in "--stereo 0.063" "--stereo 0.063 --stereo-exact" "--stereo 0.063 
         [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"
     done
 done
-for options in "" "--stereo 0.063 --stereo-exact" "--stereo 0.063"; do
+for options in "" "--stereo 0.063"; do
     "$B/fixsplat" bench "$work/knot-1M.fxs" --size 2064x2208 $options --backend cuda || failed="$failed bench"
 done
 

@@ -36,8 +36,8 @@ int peek_fit(void *self, const fxs_fit_camera *c, peeked_fit *out)
 
 void peek_fit_free(peeked_fit *p)
 {
-    void *const all_of_it[] = {p->splats, p->starts, p->slots, p->splat_of, p->gaussians, p->needed, p->blocks, p->sums, p->picture,
-                               p->derivatives, p->gradient};
+    void *const all_of_it[] = {p->splats, p->starts, p->slots,   p->splat_of,    p->gaussians, p->needed,
+                               p->blocks, p->sums,   p->picture, p->derivatives, p->gradient};
     for (void *memory : all_of_it)
         free(memory);
 }

@@ -7,6 +7,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/map.h>
 #include "src/core/frame.h"
+#include "src/core/targets.h"
 #include "tests/one_scene.h"
 #include "tests/random_scene.h"
 #include "tests/random_tree.h"
@@ -343,7 +344,7 @@ static int stages_equal(const fxs_cuda_frame *frame, const fxs_options *options,
 static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_targets *targets)
 {
     fxs_context context;
-    const fxs_request request = request_for(frame->objects, frame->count, options, 1, &frame->camera, targets, 0);
+    const fxs_request request = request_for(frame->objects, frame->count, options, 1, &frame->camera, targets);
     fxs_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
@@ -1078,70 +1079,15 @@ static void test_in_place(void)
     free(packed.data);
 }
 
-/* ---- Two eyes that share colours and order ----------------------------------------------------------------------- */
+/* ---- Two eyes ---------------------------------------------------------------------------------------------------- */
 
-/* Poses of the second eye: random, equal, to the right, to the right and turned too little to need another order,
-   turned inwards, moved in any direction, ahead, to the right with another picture. */
-enum { ELSEWHERE, ONE_PLACE, BESIDE, ALMOST, TOED_IN, APART, AHEAD, OTHER_PICTURE, EYE_KINDS };
-
-static fxs_cuda *eyes;             /* two slots or more, sharing enabled */
-
-static void move_along(fxs_camera *camera, int axis, int32_t distance_q16)
-{
-    for (int i = 0; i < 3; i++)
-        camera->position_q32[i] += (int64_t)camera->rotation_q30[3 * axis + i] * distance_q16 >> 14;
-}
-
-static void turn_in(fxs_camera *camera, int64_t sine_q30, int64_t cosine_q30)
-{
-    for (int i = 0; i < 3; i++) {
-        const int64_t x = camera->rotation_q30[i], z = camera->rotation_q30[6 + i];
-        camera->rotation_q30[i] = (int32_t)((cosine_q30 * x + sine_q30 * z) >> 30);
-        camera->rotation_q30[6 + i] = (int32_t)((cosine_q30 * z - sine_q30 * x) >> 30);
-    }
-}
-
-static void other_picture(fxs_camera *camera)
-{
-    camera->cx_q12 += between(-camera->width * 2048, camera->width * 2048);
-    camera->cy_q12 += between(-camera->height * 1024, camera->height * 1024);
-    camera->fx_q12 += between(0, camera->fx_q12 / 4);
-    camera->near_q32 = between(0, 1) ? 0 : (int64_t)between(1, 1 << 20) << 13;
-    camera->hidden_width = between(0, 1) * between(0, camera->width);
-    camera->hidden_height = camera->height / 2;
-}
-
-static void second_eye(fxs_camera cameras[2], int kind)
-{
-    const int32_t apart_q16 = between(1, 20000);
-    cameras[1] = cameras[0];
-    if (kind == ELSEWHERE) {
-        fxs_camera other;
-        random_camera(&other);
-        memcpy(cameras[1].rotation_q30, other.rotation_q30, sizeof other.rotation_q30);
-        memcpy(cameras[1].position_q32, other.position_q32, sizeof other.position_q32);
-    }
-    if (kind == BESIDE || kind == ALMOST || kind == TOED_IN || kind == OTHER_PICTURE)
-        move_along(&cameras[1], 0, apart_q16);
-    if (kind == ALMOST)
-        turn_in(&cameras[1], between(30000, 60000), 1 << 30);
-    if (kind == TOED_IN)
-        turn_in(&cameras[1], ((int64_t)1 << 30) * 7 / 25, ((int64_t)1 << 30) * 24 / 25);
-    for (int i = 0; i < 3 && kind == APART; i++)
-        cameras[1].position_q32[i] += (int64_t)between(-65536, 65536) * 4096;
-    if (kind == AHEAD)
-        move_along(&cameras[1], 2, apart_q16);
-    if (kind == OTHER_PICTURE)
-        other_picture(&cameras[1]);
-}
-
-/* Renders two eyes by C, sharing or not. Returns an error. */
+/* Two eyes by the processor. Returns an error. */
 static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *options, const fxs_targets targets[2],
-                         int exact, fxs_stats *stats)
+                         fxs_stats *stats)
 {
     fxs_context context;
     const fxs_camera cameras[2] = {frames[0].camera, frames[1].camera};
-    const fxs_request request = request_for(frames->objects, frames->count, options, 2, cameras, targets, exact);
+    const fxs_request request = request_for(frames->objects, frames->count, options, 2, cameras, targets);
     fxs_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
@@ -1152,362 +1098,7 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
     return error;
 }
 
-static struct {
-    uint32_t pairs, one_sees;      /* and Gaussians that only one eye sees */
-    uint32_t shared;               /* pictures that differ from an unshared frame */
-} covered;
-
-static void cover(const fxs_cuda_frame frames[2], const fxs_options *options, const fxs_stats *shared,
-                  pictures p[2][2])
-{
-    fxs_targets targets[2];
-    pictures exact[2];
-    fxs_stats stats;
-    for (int eye = 0; eye < 2; eye++) {
-        move_to(&exact[eye], &p[eye][0], room(p[eye][0].bytes));
-        memcpy(exact[eye].memory, p[eye][0].memory, p[eye][0].bytes);
-        targets[eye] = exact[eye].targets;
-    }
-    CHECK(!render_eyes_c(frames, options, targets, 1, &stats));
-    covered.pairs++;
-    covered.one_sees += 2 * shared->visible - stats.visible;
-    for (int eye = 0; eye < 2; eye++) {
-        covered.shared += memcmp(exact[eye].memory, p[eye][0].memory, p[eye][0].bytes) != 0;
-        free(exact[eye].memory);
-    }
-}
-
-/* Renders a pair by C and by CUDA. Pictures and counts must be equal. */
-static int pair_equal(const fxs_object *objects, uint32_t count, const fxs_camera cameras[2],
-                      const fxs_options *options, const unsigned which[2], enum fxs_format format, int depth_bits)
-{
-    pictures p[2][2];
-    fxs_cuda_frame frames[2];
-    fxs_targets targets[2];
-    fxs_cuda_stats stats = {0};
-    fxs_stats wanted;
-    for (int eye = 0; eye < 2; eye++) {
-        twice(p[eye], &cameras[eye], which[eye], format, depth_bits);
-        frames[eye] = (fxs_cuda_frame){cameras[eye], objects, count, p[eye][1].targets};
-        targets[eye] = p[eye][0].targets;
-    }
-    int equal = CHECK(!render_eyes_c(frames, options, targets, 0, &wanted)) &&
-                CHECK(!fxs_cuda_render_host(eyes, frames, 2, options, &stats, &why));
-    if (!equal)
-        printf("  %s\n", why.text);
-    equal = equal && CHECK(stats.visible == wanted.visible) && CHECK(stats.entries == wanted.entries);
-    for (int eye = 0; eye < 2 && equal; eye++)
-        if (!(equal = pictures_equal(p[eye], &cameras[eye])))
-            printf("  of eye %d\n", eye);
-    if (equal && !(which[0] & BACKDROP))
-        cover(frames, options, &wanted, p);
-    for (int eye = 0; eye < 2; eye++) {
-        free(p[eye][0].memory);
-        free(p[eye][1].memory);
-    }
-    return equal;
-}
-
-static void random_targets(unsigned which[2], int i)
-{
-    for (int eye = 0; eye < 2; eye++)
-        which[eye] = i % 3 == 0 ? COLOUR : (unsigned)between(1, 31) | (between(0, 1) ? OCCLUDER : 0) |
-                                               (between(0, 7) ? 0 : BACKDROP);
-    if (i % 3 == 1)
-        which[1] = which[0];
-}
-
-static enum fxs_format format_of(const unsigned which[2])
-{
-    const enum fxs_format format = (enum fxs_format)between(0, 3);
-    return (which[0] | which[1]) & BACKDROP && fxs_is_premultiplied(format) ? FXS_FORMAT_RGBA8 : format;
-}
-
-static void forget_world(world *w)
-{
-    for (int i = 0; i < SCENES; i++)
-        fxs_cuda_forget(eyes, &w->scenes[i]);
-    world_free(w);
-}
-
-/* Random objects with tints and crops, or one unplaced object; every pose and target. */
-static void check_eyes_of_objects(void)
-{
-    for (int i = 0; i < (quick ? EYE_KINDS : 420); i++) {
-        world w;
-        fxs_camera cameras[2];
-        fxs_options options;
-        unsigned which[2];
-        state = (uint64_t)i * 0x5136927u + 41;
-        random_world(&w, (uint32_t)between(1, 5), i % 10 == 3 && !quick ? 40000 : 3000);
-        varied_view(&cameras[0], i);
-        second_eye(cameras, i % EYE_KINDS);
-        random_options(&options);
-        random_targets(which, i / EYE_KINDS);
-        if (i % 2) {
-            w.count = 1;
-            fxs_object_init(&w.objects[0], &w.scenes[i / 2 % SCENES]);
-        }
-        const enum fxs_format format = format_of(which);
-        const int good = CHECK(pair_equal(w.objects, w.count, cameras, &options, which, format, between(0, 28)));
-        forget_world(&w);
-        if (!good) {
-            printf("  case %d\n", i);
-            return;
-        }
-    }
-}
-
-/* Both eyes share one cut, chosen by the nearer eye, on the device or the host. */
-static void check_eyes_of_trees(void)
-{
-    for (int i = 0; i < cases(200); i++) {
-        const unsigned which[2] = {COLOUR | ID, COLOUR | ID | (i % 3 ? 0 : MEAN | MEDIAN)};
-        fxs_camera cameras[2];
-        fxs_options options;
-        forest w;
-        state = (uint64_t)i * 0x3b9aca1u + 23;
-        random_forest(&w, i % 7 == 0 && !quick ? 1000 : 100, i % 10 == 9, i % 6 == 5);
-        random_cut(&cameras[0], &options, w.chunks);
-        second_eye(cameras, i % EYE_KINDS);
-        cameras[1].hidden_x = cameras[1].hidden_y = 0;
-        const int good = CHECK(pair_equal(w.objects, w.count, cameras, &options, which, FXS_FORMAT_RGBA8, 0));
-        for (int k = 0; k <= TREES; k++)
-            fxs_cuda_forget(eyes, &w.packed[k].scene);
-        forest_free(&w);
-        if (!good) {
-            printf("  case %d\n", i);
-            return;
-        }
-    }
-}
-
-static uint64_t entries_of(const fxs_object *object, const fxs_camera cameras[2], const fxs_options *options)
-{
-    static uint32_t pixels[2][48 * 48];
-    const fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 48 * 4),
-                                    one_target(FXS_FORMAT_RGBA8, pixels[1], 48 * 4)};
-    const fxs_cuda_frame frames[2] = {{cameras[0], object, 1, targets[0]}, {cameras[1], object, 1, targets[1]}};
-    fxs_stats stats = {0};
-    CHECK(!render_eyes_c(frames, options, targets, 0, &stats));
-    return stats.entries;
-}
-
-/* Long lists that several blocks share, for eyes with depth targets and without. Bins of the left eye's lists would
-   overwrite the depths of the right eye's lists if these were not kept. */
-static void check_eyes_of_long_lists(void)
-{
-    for (int i = 0; i < cases(8); i++) {
-        const unsigned more = i % 2 ? MEAN | MEDIAN | ID : 0;
-        const unsigned which[2] = {COLOUR | (i % 4 == 1 ? more : 0), COLOUR | more};
-        fxs_camera cameras[2];
-        fxs_options options;
-        fxs_scene scene;
-        const int32_t most = quick ? 20000 : 60000;
-        packed_scene packed;
-        state = (uint64_t)i + 171;
-        for (packed.data = 0;; free(packed.data)) {
-            packed = random_scene(FXS_PROFILE_DEFAULT, most);
-            if (packed.header->chunk_count * FXS_CHUNK > (uint32_t)most / 2)
-                break;
-        }
-        for (uint32_t c = 0; c < packed.header->chunk_count; c++) {
-            packed.chunks[c].scale_q16 = 0;        /* about a unit: on most tiles */
-            packed.chunks[c].scale_step_q24 = 20;
-        }
-        fxs_options_init(&options);
-        fxs_scene_open(&scene, packed.data, packed.bytes);
-        const fxs_object object = one_object(&scene);
-        uint64_t entries = 0;
-        for (int tries = 0; tries < 100 && entries < 3 * (uint64_t)scene.count; tries++) {
-            random_camera(&cameras[0]);
-            move_along(&cameras[0], 2, -between(0, 12 << 16));
-            cameras[0].width = cameras[0].height = 48;
-            cameras[0].fx_q12 = cameras[0].fy_q12 = between(4 << 12, 40 << 12);
-            cameras[0].cx_q12 = cameras[0].cy_q12 = 24 << 12;
-            second_eye(cameras, i / 4 % 2 ? TOED_IN : ALMOST);
-            entries = entries_of(&object, cameras, &options);
-        }
-        CHECK(entries >= 3 * (uint64_t)scene.count);
-        CHECK(pair_equal(&object, 1, cameras, &options, which, FXS_FORMAT_RGBA8, 0));
-        fxs_cuda_forget(eyes, &scene);
-        free(packed.data);
-    }
-}
-
-static void test_eyes(void)
-{
-    memset(&covered, 0, sizeof covered);
-    if (!CHECK(!fxs_cuda_create(&eyes, 0, 0, 2, &why)) || !CHECK(!fxs_cuda_share_eyes(eyes, 1, &why)))
-        return;
-    check_eyes_of_objects();
-    check_eyes_of_trees();
-    check_eyes_of_long_lists();
-    fxs_cuda_destroy(eyes);
-    printf("  %" PRIu32 " pairs, %" PRIu32 " pictures that share, %" PRIu32 " Gaussians that one eye sees\n",
-           covered.pairs, covered.shared, covered.one_sees);
-    CHECK(quick || (covered.pairs > 400 && covered.shared > 200 && covered.one_sees > 10000));
-}
-
-enum { PAIRS = 4 };
-
-/* Pairs of different sizes and targets in one call. Returns the renderer's error. */
-static int check_eyes_in_batch(const fxs_object *objects, uint32_t count, const fxs_options *options, int32_t enlarged,
-                               fxs_cuda_stats *stats)
-{
-    pictures p[2 * PAIRS][2];
-    fxs_cuda_frame frames[2 * PAIRS];
-    for (uint32_t i = 0; i < 2 * PAIRS; i += 2) {
-        fxs_camera cameras[2];
-        fxs_targets targets[2];
-        fxs_stats wanted;
-        random_camera(&cameras[0]);
-        enlarge(&cameras[0], enlarged);
-        second_eye(cameras, (int)(i / 2 + 2) % EYE_KINDS);
-        for (uint32_t eye = 0; eye < 2; eye++) {
-            twice(p[i + eye], &cameras[eye], COLOUR | (i % 4 ? MEDIAN | ID : 0) | (eye && i == 6 ? OCCLUDER : 0),
-                  FXS_FORMAT_RGBA8, 0);
-            frames[i + eye] = (fxs_cuda_frame){cameras[eye], objects, count, p[i + eye][1].targets};
-            targets[eye] = p[i + eye][0].targets;
-        }
-        CHECK(!render_eyes_c(&frames[i], options, targets, 0, &wanted));
-    }
-    const int error = fxs_cuda_render_host(eyes, frames, 2 * PAIRS, options, stats, &why);
-    for (int i = 0; i < 2 * PAIRS; i++) {
-        if (!CHECK(error || pictures_equal(p[i], &frames[i].camera)))
-            printf("  frame %d\n", i);
-        free(p[i][0].memory);
-        free(p[i][1].memory);
-    }
-    return error;
-}
-
-/* Pairs in sequence through 2 to 5 slots. Lists of large pictures overflow at first. */
-static void test_eyes_in_batches(void)
-{
-    for (uint32_t slots = 2; slots <= 5; slots++) {
-        fxs_camera camera;
-        fxs_options options;
-        world w;
-        if (!CHECK(!fxs_cuda_create(&eyes, 0, 0, slots, &why)) || !CHECK(!fxs_cuda_share_eyes(eyes, 1, &why)))
-            return;
-        fxs_cuda_time(eyes, slots % 2);
-        state = 61 + slots;
-        random_world(&w, 4, quick ? 2000 : 8000);
-        fxs_options_init(&options);
-        for (int i = 0; i < 3; i++)
-            if (!CHECK(!check_eyes_in_batch(w.objects + i, 4 - (uint32_t)i, &options, quick ? 2 : 8, 0)))
-                printf("  %s\n", why.text);
-        CHECK((fxs_cuda_milliseconds(eyes) > 0) == (slots % 2 != 0));
-        random_camera(&camera);
-        CHECK(!fxs_cuda_share_eyes(eyes, 0, &why) && !draw(eyes, &w.scenes[0], &camera, 0));
-        forget_world(&w);
-        fxs_cuda_destroy(eyes);
-    }
-}
-
-/* Pairs of scenes that are partly on the device, within less and less memory. */
-static void test_eyes_and_pool(void)
-{
-    state = 83;
-    const packed_scene tree = random_tree(FXS_PROFILE_DEFAULT, quick ? 40 : 200, 0, 0);
-    const packed_scene plain = random_scene(FXS_PROFILE_COMPACT, 30000);
-    fxs_object objects[2] = {one_object(&tree.scene), one_object(&plain.scene)};
-    const uint64_t rows = fxs_scene_chunks(&tree.scene) * (uint64_t)tree.scene.chunk_bytes +
-                          plain.scene.chunk_count * (uint64_t)plain.scene.chunk_bytes;
-    uint64_t least = 1000;
-    int pooled = 0;
-    for (int i = 0; i < 24; i++) {
-        fxs_cuda_stats stats = {0};
-        fxs_options options;
-        fxs_options_init(&options);
-        if (!CHECK(!fxs_cuda_create(&eyes, 0, least, 4, &why)) || !CHECK(!fxs_cuda_share_eyes(eyes, 1, &why)))
-            break;
-        state = 100 + (uint64_t)i;
-        options.budget = 40 * FXS_CHUNK;
-        int error = check_eyes_in_batch(objects, 2, &options, 1, &stats);
-        options.budget = 0;
-        error = error ? error : check_eyes_in_batch(objects, 2, &options, 1, &stats);
-        fxs_cuda_destroy(eyes);
-        if ((error && !CHECK(error == FXS_ERR_MEMORY && why.bytes_needed > least)) ||
-            (!error && stats.memory.scenes >= rows))
-            break;
-        pooled += !error;
-        least = error ? why.bytes_needed : least + rows / (quick ? 2 : 6);
-    }
-    printf("  %d with a pool\n", pooled);
-    CHECK(pooled >= (quick ? 1 : 3));
-    free(tree.data);
-    free(plain.data);
-}
-
-static int eyes_error(const fxs_cuda_frame *frames, uint32_t count)
-{
-    fxs_options options;
-    fxs_options_init(&options);
-    const int error = fxs_cuda_render_host(eyes, frames, count, &options, 0, &why);
-    CHECK(!error || fxs_cuda_finish(eyes, 0, &why) == FXS_ERR_ARGUMENT);
-    return error;
-}
-
-/* Errors of fxs_render for two eyes, and frames that do not pair. */
-static void test_eyes_errors(void)
-{
-    fxs_scene scene;
-    fxs_camera camera;
-    fxs_options options;
-    int times = 1;
-    state = 3;
-    random_camera(&camera);
-    packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
-    fxs_scene_open(&scene, packed.data, packed.bytes);
-    const fxs_object object = one_object(&scene), same = object;
-    const size_t bytes = (size_t)camera.width * (size_t)camera.height * 4;
-    uint8_t *pixels = room(2 * bytes);
-    const fxs_cuda_frame left = {camera, &object, 1, {.colour = {pixels, camera.width * 4}}};
-    fxs_cuda_frame frames[3] = {left, left, left};
-    const unsigned colour[2] = {COLOUR, COLOUR};
-    const fxs_camera cameras[2] = {camera, camera};
-    CHECK(fxs_cuda_share_eyes(cuda, 1, &why) == FXS_ERR_ARGUMENT && !fxs_cuda_share_eyes(cuda, 0, &why));
-    CHECK(fxs_cuda_share_eyes(0, 1, &why) == FXS_ERR_ARGUMENT);
-    if (!CHECK(!fxs_cuda_create(&eyes, 0, 0, 2, &why)) || !CHECK(!fxs_cuda_share_eyes(eyes, 1, &why)))
-        return;
-    CHECK(eyes_error(frames, 2) == FXS_ERR_TARGET);                         /* shared picture */
-    frames[1].targets.colour.pixels = pixels + bytes;
-    CHECK(!eyes_error(frames, 2));
-    CHECK(eyes_error(frames, 1) == FXS_ERR_ARGUMENT && eyes_error(frames, 3) == FXS_ERR_ARGUMENT);
-    frames[1].objects = &same;
-    CHECK(eyes_error(frames, 2) == FXS_ERR_ARGUMENT);
-    frames[1].objects = &object;
-    frames[1].count = 0;
-    CHECK(eyes_error(frames, 2) == FXS_ERR_ARGUMENT);
-    frames[1].count = 1;
-    frames[1].camera.height--;
-    CHECK(camera.height == 1 || eyes_error(frames, 2) == FXS_ERR_SIZE);
-    frames[1].camera = camera;
-    frames[1].camera.projection = FXS_ORTHOGRAPHIC;
-    CHECK(camera.projection == FXS_ORTHOGRAPHIC || eyes_error(frames, 2) == FXS_ERR_SIZE);
-    frames[1].camera = camera;
-    fxs_options_init(&options);
-    options.stop = stop_third;
-    options.stop_argument = &times;
-    CHECK(!fxs_cuda_render_host(eyes, frames, 2, &options, 0, &why) && times == 2);
-    CHECK(fxs_cuda_render_host(eyes, frames, 2, &options, 0, &why) == FXS_ERR_STOPPED);
-
-    /* A chunk header damaged after opening is an error whichever eye sees the chunk. */
-    fxs_cuda_forget(eyes, &scene);
-    packed.chunks[scene.chunk_count / 2].step_shift = 63;
-    CHECK(eyes_error(frames, 2) == FXS_ERR_SCENE);
-    packed.chunks[scene.chunk_count / 2].step_shift = 0;
-    fxs_cuda_forget(eyes, &scene);
-    CHECK(pair_equal(&object, 1, cameras, &(fxs_options){.sh_degree = 3}, colour, FXS_FORMAT_RGBA8, 0));
-    CHECK(pair_equal(0, 0, cameras, &(fxs_options){.sh_degree = 3}, colour, FXS_FORMAT_RGBA8, 0));
-    fxs_cuda_destroy(eyes);
-    free(pixels);
-    free(packed.data);
-}
-
-/* Through the table of src/include/fixsplat/backend.h: two shared eyes, two exact ones, one eye. */
+/* Through the table of src/include/fixsplat/backend.h: two eyes, and one. */
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;
@@ -1531,26 +1122,24 @@ static void test_table(void)
         return;
     for (int eye = 0; eye < 2; eye++)
         twice(p[eye], &cameras[0], COLOUR | MEDIAN, FXS_FORMAT_RGBA8, 0);
-    for (int exact = 0; exact < 2; exact++) {
-        fxs_cuda_frame frames[2];
-        for (int eye = 0; eye < 2; eye++) {
-            frames[eye] = (fxs_cuda_frame){cameras[eye], w.objects, w.count, p[eye][0].targets};
-            targets[eye] = p[eye][0].targets;
-        }
-        CHECK(!render_eyes_c(frames, &options, targets, exact, &wanted));
-        for (int eye = 0; eye < 2; eye++)
-            targets[eye] = p[eye][1].targets;
-        request = request_for(w.objects, w.count, &options, 2, cameras, targets, exact);
-        CHECK(!b->render(self, &request, &stats, &why) && stats.frame_nanoseconds && b->nanoseconds(self));
-        CHECK(stats.visible == wanted.visible && stats.entries == wanted.entries && stats.bands == wanted.bands &&
-              stats.gaussians == wanted.gaussians);
-        uint64_t sum = 0;
-        for (int stage = 0; stage < FXS_STAGES; stage++)
-            sum += stats.nanoseconds[stage];
-        CHECK(sum <= b->nanoseconds(self) && sum + 10 > b->nanoseconds(self));
-        for (int eye = 0; eye < 2; eye++)
-            CHECK(pictures_equal(p[eye], &cameras[0]));
+    fxs_cuda_frame frames[2];
+    for (int eye = 0; eye < 2; eye++) {
+        frames[eye] = (fxs_cuda_frame){cameras[eye], w.objects, w.count, p[eye][0].targets};
+        targets[eye] = p[eye][0].targets;
     }
+    CHECK(!render_eyes_c(frames, &options, targets, &wanted));
+    for (int eye = 0; eye < 2; eye++)
+        targets[eye] = p[eye][1].targets;
+    request = request_for(w.objects, w.count, &options, 2, cameras, targets);
+    CHECK(!b->render(self, &request, &stats, &why) && stats.frame_nanoseconds && b->nanoseconds(self));
+    CHECK(stats.visible == wanted.visible && stats.entries == wanted.entries && stats.bands == wanted.bands &&
+          stats.gaussians == wanted.gaussians);
+    uint64_t sum = 0;
+    for (int stage = 0; stage < FXS_STAGES; stage++)
+        sum += stats.nanoseconds[stage];
+    CHECK(sum <= b->nanoseconds(self) && sum + 10 > b->nanoseconds(self));
+    for (int eye = 0; eye < 2; eye++)
+        CHECK(pictures_equal(p[eye], &cameras[0]));
     for (int i = 0; i < 2; i++)
         memset(p[0][i].memory, 0, p[0][i].bytes);
     const fxs_cuda_frame left = {cameras[0], w.objects, w.count, p[0][0].targets};
@@ -1571,8 +1160,8 @@ static void test_table(void)
     world_free(&w);
 }
 
-/* Foveated stereo pictures must match the processor's. */
-static void check_foveated(int exact)
+/* Foveated pictures of two eyes: the bytes of the processor. */
+static void test_foveated(void)
 {
     const fxs_backend *backends[] = {&fxs_backend_cpu, &fxs_backend_cuda};
     const fxs_backend_options settings = {0};
@@ -1593,7 +1182,7 @@ static void check_foveated(int exact)
     cameras[1].cx_q12 += 20 << 12;
     const size_t bytes = 2 * 200 * 120 * 4, ring_bytes = fxs_foveation_bytes(&f, cameras, 2);
     unsigned char *pixels[2] = {room(bytes), room(bytes)}, *rings = room(ring_bytes);
-    fxs_request request = request_for(w.objects, w.count, &options, 2, cameras, 0, exact);
+    fxs_request request = request_for(w.objects, w.count, &options, 2, cameras, 0);
     for (int i = 0; i < 2; i++) {
         void *self;
         for (int eye = 0; eye < 2; eye++) {
@@ -1610,12 +1199,6 @@ static void check_foveated(int exact)
     free(pixels[1]);
     free(rings);
     world_free(&w);
-}
-
-static void test_foveated(void)
-{
-    check_foveated(0);
-    check_foveated(1);
 }
 
 int main(int argc, char **argv)
@@ -1646,10 +1229,6 @@ int main(int argc, char **argv)
     RUN(test_errors);
     RUN(test_stopped);
     RUN(test_in_place);
-    RUN(test_eyes);
-    RUN(test_eyes_in_batches);
-    RUN(test_eyes_and_pool);
-    RUN(test_eyes_errors);
     RUN(test_table);
     RUN(test_foveated);
     RUN(test_files);

@@ -1,4 +1,5 @@
-/* all SCENE PACKED: opens a scene file, draws it, and writes the packed scene; in the common subset of C99 and C++17. */
+/* all SCENE PACKED: opens a scene file, draws it, and writes the packed scene. In the common subset of C99 and
+   C++17. */
 #include "picture.h"
 
 #include <fixsplat/fxs_file.h>

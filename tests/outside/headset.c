@@ -1,7 +1,7 @@
-/* headset SCENE gles|compute: the frame loop of a program for OpenXR, with what the runtime gives where it gives it.
- * The runtime itself is a few lines here: two views with asymmetric fields of view, and swapchains of textures. Each
- * eye's colour is drawn into the runtime's framebuffer on the GPU, and the median depth beside it, by which the runtime
- * brings the picture to where the head is by then. Prints "ok", or what was wrong. */
+/* headset SCENE gles|compute: the frame loop of an OpenXR program, with a small imitation of the runtime: two views
+ * with asymmetric fields of view, and swapchains of textures. Each eye's colour is drawn on the GPU into the runtime's
+ * framebuffer, with the median depth for the runtime's reprojection to the latest head pose. Prints "ok", or the
+ * fault. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -19,9 +19,9 @@
 #include <fixsplat/scene_file.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
-#define NEAR_PLANE 0.1f            /* of the depth images; the far one is at 100 */
+#define NEAR_PLANE 0.1f            /* of the depth images; the far plane is at 100 */
 
-/* ---- What OpenXR has: openxr.h's XrPosef, XrFovf, XrView and a swapchain with its images ------------------------- */
+/* ---- From openxr.h: XrPosef, XrFovf, XrView, and a swapchain with its images ------------------------------------- */
 
 typedef struct pose {
     double orientation[4];         /* x, y, z, w */
@@ -38,11 +38,11 @@ typedef struct view {
 } view;
 
 typedef struct swapchain {
-    GLuint colours[IMAGES], depths[IMAGES], framebuffers[2][IMAGES];   /* of colours; of depths */
+    GLuint colours[IMAGES], depths[IMAGES], framebuffers[2][IMAGES];   /* colours and depths */
     unsigned acquired;             /* counts up */
 } swapchain;
 
-/* ---- OpenGL ES, by the loader of the program --------------------------------------------------------------------- */
+/* ---- OpenGL ES, by the program's loader -------------------------------------------------------------------------- */
 
 #define FUNCTIONS(_) \
     _(void, GenTextures, (GLsizei, GLuint *)) \
@@ -102,8 +102,8 @@ static void attach(GLuint framebuffer, GLenum attachment, GLuint texture)
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 }
 
-/* xrCreateSwapchain and xrEnumerateSwapchainImages: textures, for colour and for XR_KHR_composition_layer_depth. The
-   program's framebuffers of them take depths and ids too, which are its own. */
+/* xrCreateSwapchain and xrEnumerateSwapchainImages: colour textures, and depth textures for
+   XR_KHR_composition_layer_depth. The program attaches its own textures for medians and ids. */
 static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
 {
     static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -120,7 +120,7 @@ static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
     }
 }
 
-/* xrLocateViews: eyes 63 mm apart in a head that turns and moves, fields of view as of a headset on the market. */
+/* xrLocateViews: eyes 63 mm apart, in a head that turns and moves; fields of view of a real headset. */
 static void locate_views(int frame, view views[2])
 {
     const double turn = 0.05 * frame, sine = sin(turn / 2), cosine = cos(turn / 2);
@@ -135,15 +135,15 @@ static void locate_views(int frame, view views[2])
 
 /* ---- The program ------------------------------------------------------------------------------------------------- */
 
-/* Rows of the rotation that turns the world to the camera, with y down and z forward: those of OpenXR have y up and z
-   back, and turn the camera to the world. The scene's y points down, so the world is turned over once more. */
+/* Rows of the rotation from world to camera, with y down and z forward. OpenXR's orientation is camera to world,
+   with y up and z back. The scene's y points down, so the world is flipped once more. */
 static void turn(const pose *p, double rotation[9], double position[3])
 {
     const double x = p->orientation[0], y = p->orientation[1], z = p->orientation[2], w = p->orientation[3];
     const double to_world[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
                                 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
                                 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
-    const double flip[3] = {1, -1, -1};        /* of the axes of the camera, and of those of the world */
+    const double flip[3] = {1, -1, -1};        /* the camera's axes, and the world's */
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
             rotation[3 * row + column] = flip[row] * to_world[3 * column + row] * flip[column];
@@ -172,17 +172,16 @@ typedef struct program {
     fxs_context context;
     fxs_options options;
     fxs_gles *gles;
-    fxs_compute *compute;          /* null: by gles */
+    fxs_compute *compute;          /* null: gles */
     fxs_compute_scene copy;        /* on the device */
-    GLuint medians, ids, copies, copying;          /* textures; a framebuffer and its texture, to compare */
+    GLuint medians, ids, copies, copying;          /* textures; a texture and its framebuffer, for comparison */
     GLuint to_depth, to_words;     /* programs */
     void *allocation, *memory;
     size_t bytes;
-    uint32_t depths[2][HEIGHT * WIDTH];            /* of the processor, to compare: median, times 2^16 */
+    uint32_t depths[2][HEIGHT * WIDTH];            /* median depths by the processor, times 2^16, for comparison */
     unsigned char colours[2][HEIGHT * WIDTH * 4];
 } program;
 
-/* A program that draws over the whole viewport. */
 static GLuint make_program(const char *fragment)
 {
     static const char vertex[] =
@@ -209,8 +208,7 @@ static void draw_over(GLuint framebuffer, GLuint program, GLuint texture)
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* The median depth, as the runtime wants it: that of a depth buffer with these planes. Where nothing is, the far
-   plane. */
+/* Converts median depth to the depth buffer value for these planes; none: the far plane. */
 static const char to_depth[] =
     "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp usampler2D medians;\n"
     "void main() {\nuint depth = texelFetch(medians, ivec2(gl_FragCoord.xy), 0).x;\n"
@@ -233,7 +231,7 @@ static int draw(program *p, const fxs_request *request, const fxs_gles_target *t
                       : fxs_gles_render(p->gles, &p->context, request, target, p->memory, p->bytes, 0);
 }
 
-/* Draws an eye into the image that xrAcquireSwapchainImage names, once xrWaitSwapchainImage says that it is free. */
+/* Draws an eye into the image from xrAcquireSwapchainImage, after xrWaitSwapchainImage. */
 static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapchain *s)
 {
     const unsigned image = s->acquired % IMAGES;
@@ -247,7 +245,7 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
     target.depths_and_ids = 1;
     int error = draw(p, &request, &target);
     fill_depth(p, s->framebuffers[1][image]);
-    request.targets[0].median_depth.pixels = p->depths[eye];      /* to compare: a program has no such frame */
+    request.targets[0].median_depth.pixels = p->depths[eye];      /* for comparison only */
     request.targets[0].median_depth.stride = WIDTH * 4;
     request.targets[0].colour.pixels = p->colours[eye];
     request.targets[0].colour.stride = WIDTH * 4;
@@ -256,9 +254,8 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
     return error ? printf("eye %d: %s\n", eye, fxs_strerror(error)), 1 : 0;
 }
 
-/* ---- What the runtime finds -------------------------------------------------------------------------------------- */
+/* ---- The runtime's checks ---------------------------------------------------------------------------------------- */
 
-/* The framebuffer has the bytes of the processor, its lowest row first. */
 static int compare_colours(const program *p, int eye, const swapchain *s)
 {
     static unsigned char pixels[HEIGHT * WIDTH * 4];
@@ -295,8 +292,8 @@ static int compare_depths(const program *p, int eye, const swapchain *s)
     return 0;
 }
 
-/* Mean squared difference of the right picture and the left one brought there: by its depths, or as if all were far away
-   (`by_depth` 0), over the pixels that the left eye has a depth for. */
+/* Mean squared difference of the right picture and the left one reprojected to it, by depth or as if at infinity
+   (`by_depth` 0), over pixels with a depth in the left eye. */
 static double difference(const program *p, const fxs_camera cameras[2], int by_depth)
 {
     double sum = 0;
@@ -350,11 +347,11 @@ static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
         return puts(message.text), 1;
     fxs_scene_file_close(file);
     fxs_object_init(&p->object, &p->scene);
-    p->object.scale_q32 = (int64_t)1 << 30;        /* a quarter: some two metres across */
+    p->object.scale_q32 = (int64_t)1 << 30;        /* a quarter: about two metres wide */
     return fxs_scene_open(&p->scene, packed->data, packed->bytes) != 0;
 }
 
-/* Whole frames by compute shaders, where there is OpenGL ES 3.1. */
+/* Whole frames by compute shaders, if OpenGL ES 3.1 is available. */
 static int open_compute(program *p, void *egl)
 {
     fxs_message message;
@@ -371,7 +368,6 @@ static int open_gles(program *p, void *egl)
     return !p->gles || fxs_gles_init(p->gles, fxs_egl_load, fxs_egl_use, egl, text) ? puts("no OpenGL ES 3.0"), 1 : 0;
 }
 
-/* Once: the context of the program's graphics binding, and what fixsplat keeps in it. */
 static int open_graphics(program *p, int by_compute, void **egl)
 {
     fxs_message message;

@@ -22,7 +22,7 @@ def lines():
         kind = pointer if pointer.kind == "function" else pointer.item
         if kind.kind == "function":
             yield f"{name} {kind.cname}"
-        elif kind.kind == "struct" and kind.fields is not None:    # none: programs have no more than its address
+        elif kind.kind == "struct" and kind.fields is not None:    # none: programs use only its address
             yield f"{name} {ffi.sizeof(kind)} bytes"
             for member, field in kind.fields:
                 yield f"{name}.{member} {field.offset} {field.type.cname}"

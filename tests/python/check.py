@@ -186,7 +186,7 @@ ok("convert: what a format cannot hold", fixsplat.convert("knot.ply", "ours.spla
 # ---- Back ends and threads -------------------------------------------------------------------------------------------
 
 found = {b.name: b for b in fixsplat.backends()}
-ok("backends", found["cpu"].devices and found["cpu"].missing is None and found["cpu"].exact and found["cpu"].depths)
+ok("backends", found["cpu"].devices and found["cpu"].missing is None and found["cpu"].depths)
 if found["cuda"].missing:
     ok("CUDA: why not, in words", re.search("nvcc|driver|device", found["cuda"].missing), found["cuda"].missing)
     refuses("CUDA: render says why not", fixsplat.Error, "^backend cuda: .*(nvcc|driver|device)",

@@ -1,6 +1,6 @@
 #!/bin/sh
-# bench --compare, and tools/bench.sh on a copy of docs/measured.md, with a landscape of 2,000 Gaussians for a million
-# and 10 frames for 60: a part is replaced as a whole, or the document stays as it is.
+# bench --compare, and tools/bench.sh on a copy of docs/measured.md, with smaller scenes: 2,000 Gaussians for a million,
+# 10 frames for 60. A part of the document is replaced whole, or the document stays unchanged.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -13,7 +13,7 @@ small='--size 64x48 --threads 1'
 if [ "$("$fixsplat" bench knot.ply $small --compare before.json 2>&1 | grep -c 'built without cJSON')" = 1 ]; then
     skip "bench --compare" "built without cJSON"
 else
-    # Every time of before is 2 ms, so each ratio is half of what is here.
+    # Every earlier time is 2 ms, so each ratio is half the time measured here.
     sed 's/\(_ms\|project\|shade\|sort\|bin\|blend\|resolve\)": [0-9.]*/\1": 2.000/g' before.json >twos.json
     succeeds "--compare" bench knot.ply $small --compare twos.json
     sed '1,/^medians/d' logs/out >ratios
@@ -66,7 +66,7 @@ exec "$COMMAND" "$@"
 END
 chmod +x programs/fixsplat
 
-# measure COMMAND... PART: $status, logs/out, logs/err; the document is $work/document.md.
+# measure COMMAND... PART: sets $status, logs/out, logs/err and the document $work/document.md.
 measure() {
     cat "$root/docs/measured.md" >document.md
     (cd "$root" && SCENES=$work/${SCENES_HERE:-none} B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
@@ -91,7 +91,7 @@ for order in make-scene bench render compare; do
     check "$order fails: so does bench.sh" [ $status != 0 ]
     check "$order fails: the document stays" unchanged
 done
-# Levels: of two scenes in the place of the captured ones, and cameras for view 8.
+# Levels, with two made scenes for the captured ones, and cameras for view 8.
 mkdir -p captured/snowmiku captured/statue-st-peter
 cp knot.ply captured/snowmiku/snowmiku.ply
 cp other.ply captured/statue-st-peter/st-peter.ply
@@ -111,7 +111,7 @@ check "levels: the whole is near its floats, fewer are further from them" awk -F
     /%/ { rows++; if (!($5 > 0 && $7 > 0)) wrong = 1 }
     END { exit wrong || rows != 10 }' part.md
 
-# Budgets, of one of the captured scenes, whose refined levels are there already.
+# Budgets, with a made scene as luma-seal, and its refined levels provided.
 if have node; then
     mkdir -p captured/luma-seal kept programs/page/node_modules
     cp knot.ply captured/luma-seal/luma-seal.ply

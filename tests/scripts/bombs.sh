@@ -1,6 +1,5 @@
 #!/bin/sh
-# The command on scenes that are small and ask for much (tests/test_bombs.c makes them), and on files that are not for
-# reading: one line, in 256 MB and soon.
+# Small files that claim huge scenes (made by tests/test_bombs.c), and special files: one line, soon, within 256 MB.
 . tests/scripts/lib/check.sh
 build=$PWD/${B:-build}
 case $B in /*) build=$B ;; esac
@@ -13,7 +12,7 @@ ${CC:-cc} -O1 -o helper "$root/tests/scripts/lib/helper.c" || exit 1
 "$build/tests/test_bombs" --write . >log || { skip "bombs" "built without zlib, libwebp, libzip or cJSON"; finish; exit; }
 have timeout || { skip "bombs" "no timeout"; finish; exit; }
 
-# refuses NAME WORDS ARGUMENT...: in 20 s and 256 MB with status 1, no output, and one line with those words.
+# refuses NAME WORDS ARGUMENT...: exit status 1 within 20 s and 256 MB, no output file, and one line with those words.
 refuses() {
     name=$1 words=$2
     shift 2
@@ -62,7 +61,7 @@ for bad in 'max-gaussians 0' 'max-gaussians -1' 'max-gaussians x' 'max-gaussians
 done
 rm -f out.fxs
 
-# ---- What is not a file ------------------------------------------------------------------------------------------------
+# ---- Special files ---------------------------------------------------------------------------------------------------
 
 mkfifo pipe
 mkdir folder

@@ -1,13 +1,13 @@
 #!/bin/sh
-# A build after a change of compiler, flags or libraries found; what the Makefile chooses; setup beside another apt-get,
-# and by npm.
+# Rebuilds after a change of compiler, flags or available libraries; the Makefile's choices; setup while another apt-get
+# runs, and by npm.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/include"
 
-# A compiler that finds neither the header nor the library of which the file `hidden` has a word. That file's folder is
-# one that is searched for headers, so what comes and goes in it is noticed.
+# A compiler that finds neither the header nor the library named in the file `hidden`. Its folder is a header search
+# path, so changes in it are noticed.
 cat >"$work/cc" <<'END'
 #!/bin/sh
 if word=$(cat "${0%/*}/include/hidden" 2>/dev/null); then
@@ -29,7 +29,7 @@ hide() {
 
 make_() { env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory NVCC=none "$@" 2>&1; }
 
-# Three objects: the first asks for OSMesa, the second for zstd, the third for nothing. Prints what is made anew.
+# Builds three objects: the first depends on OSMesa, the second on zstd, the third on neither. Prints the rebuilt ones.
 build() {
     make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/port/backend/backend_gles.o" \
         "$work/build/src/scene/read/spz.o" "$work/build/src/core/frame.o" >"$work/log" || cat "$work/log"
@@ -85,9 +85,9 @@ rm "$work/build/src/core/frame.o"
 build CFLAGS=-O1 V=1 >/dev/null
 check "V=1: whole commands" grep -q -- "-c -o $work/build/src/core/frame.o src/core/frame.c" "$work/log"
 
-# ---- What is chosen --------------------------------------------------------------------------------------------------
+# ---- Choices ---------------------------------------------------------------------------------------------------------
 
-# chosen COMPILER: the folder of kernels and the archiver, by what would be done.
+# chosen COMPILER: prints the kernel folder and the archiver that make would use.
 chosen() {
     make_ -n V=1 B="$work/chosen" CC="$1" $2 "$work/chosen/libfixsplat-core.a" >"$work/log"
     folders=$(sed -n 's|.* kernels/simd/\([a-z0-9]*\)/[a-z_0-9]*\.c$|\1|p' "$work/log" | sort -u | tr '\n' ' ')
@@ -108,7 +108,7 @@ for target in i586-linux-gnu:x86 arm64-apple-macos:arm aarch64_be-linux-gnu: was
     fi
 done
 
-# tests NAME: what `make test T=NAME` would run.
+# tests NAME: the tests that `make test T=NAME` would run.
 tests() { make_ -n B="$work/chosen" test T="$1" | sed -n 's/.* tests\/run\.sh *//p'; }
 is "T: a test by its name" test_scene "$(tests test_scene)"
 is "T: without test_" test_scene "$(tests scene)"
@@ -121,7 +121,7 @@ touch "$work/half/web/package/package.json"
 is "install: no page of which there is a part" "" "$(make_ -n B="$work/half" install | grep share/fixsplat)"
 is "setup: no sources for the web where none are wanted" "" "$(make_ -n B="$work/half" setup web WEB_SOURCES= | grep web_sources)"
 
-# ---- Setup beside another apt-get ------------------------------------------------------------------------------------
+# ---- Setup while another apt-get runs --------------------------------------------------------------------------------
 
 mkdir "$work/bin"
 cat >"$work/bin/apt-get" <<'END'
@@ -139,7 +139,7 @@ check "setup: ends well" env PATH="$work/bin:$PATH" APT_LOG="$work/apt" sh tools
 check "setup: waits for the lock of update" [ "$(grep -c update "$work/apt")" = 3 ]
 check "setup: installs, waiting for the lock of dpkg" grep -q 'Lock::Timeout=300 install .*one two$' "$work/apt"
 
-# ---- What setup takes from npm ---------------------------------------------------------------------------------------
+# ---- Packages that setup takes from npm ------------------------------------------------------------------------------
 
 cat >"$work/bin/npm" <<'END'
 #!/bin/sh

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The npm package as programs take it (docs/web.md): packed, installed, bundled by the tools of tests/web/bundlers and by
-# none, opened in Chromium, and read by TypeScript. With FXS_PROCESSORS=all by every tool; else by some. ONLY=PATTERN:
-# cases with such names. PICTURES=FOLDER keeps a picture of what fails.
+# The npm package as programs use it (docs/web.md): packed, installed, built by the bundlers of tests/web/bundlers and
+# without one, opened in Chromium, and checked by TypeScript. FXS_PROCESSORS=all: every bundler; default: some.
+# ONLY=PATTERN: cases with such names. PICTURES=FOLDER keeps pictures of failures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs bundlers chromium esbuild npm -- puppeteer-core playcanvas
@@ -16,7 +16,7 @@ if [ ! -d "$tools/$missing" ]; then
     exit
 fi
 
-# ready: the tarball has what a registry shows, the library's version, and no file that is not for programs.
+# ready: the tarball has the registry's files and the library's version, and no file without use for programs.
 ready() {
     tar xzf "$tarball" -C "$work" || return 1
     for file in README.md LICENSE CHANGELOG.md fixsplat.d.ts playcanvas.d.ts react.d.ts three.d.ts viewer/viewer.d.ts inline/worker.js; do
@@ -27,8 +27,8 @@ ready() {
         equal "$(node -p 'require(process.argv[1]).version' "$work/package/package.json")" "$("$B/fixsplat" --version | sed 's/[^ ]* //')"
 }
 
-# entries: every file that package.json names is there; a classic script can be made of those for browsers, which none
-# can with an import of Node's or with an await outside of functions.
+# entries: every file named in package.json exists. Those for browsers can become a classic script, which an import from
+# Node or a top-level await would prevent.
 entries() {
     cd "$work/package" && node -e '
         const files = (entry) => typeof entry === "string" ? [entry] : Object.values(entry).flatMap(files)
@@ -38,8 +38,8 @@ entries() {
             --outdir="$work/entries" --log-level=error
 }
 
-# minified: the element, its worker and a thread, as a bundler makes them; parts that are fetched when they are wanted stay
-# apart: headsets, tours, films, walking, gamepads, sticks and languages, and of `worker.js` too WebGPU, scenes in parts and skies.
+# minified: the element, its worker and a thread, as a bundler makes them. Parts loaded on demand stay separate:
+# headsets, tours, films, walking, gamepads, sticks and languages; for `worker.js` also WebGPU, paged scenes and skies.
 minified() {
     for entry in viewer/element.js viewer/worker_whole.js viewer/worker.js thread.js; do
         set -- --external:./xr.js --external:./ar.js --external:./drop.js --external:./words.js --external:./tour.js --external:./film.js '--external:./language_*.js' \

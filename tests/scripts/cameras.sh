@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat fit from photographs without cameras and from films. ffmpeg and COLMAP are played by scripts, which note what
-# they were asked, so that each way to fail is seen; with FXS_PROCESSORS=all the real ones place a film of a real scene.
+# fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and record their
+# calls, so that each failure can be tested. FXS_PROCESSORS=all: the real programs place a film of a real scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -11,7 +11,7 @@ cp set/images/*.png plain
 export PLAY=$PWD
 with() { PATH="$work/bin:$PATH" "$@"; }
 
-# COLMAP: its mapper makes two models, the second of them with all cameras of the set.
+# COLMAP: its mapper makes two models; the second has all cameras of the set.
 cat >bin/colmap <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
@@ -49,7 +49,7 @@ model_analyzer) printf 'Points: %s\nMean reprojection error: %s\n' "${POINTS:-40
 esac
 PLAYED
 
-# The first cameras of a model of text, in binary.
+# Writes the first cameras of a text model in binary.
 cat >model.pl <<'PLAYED'
 my ($from, $to, $count) = @ARGV;
 sub lines { open(my $f, "<", "$from/$_[0]") or die; return grep { /\S/ } <$f>; }
@@ -69,7 +69,7 @@ $bytes .= pack("Q<d<3C3d<Q<", @$_[0 .. 7], 0) foreach map { [split ' '] } @point
 out("points3D.bin", $bytes);
 PLAYED
 
-# ffmpeg: of a film of $FRAMES frames every seventh is sharp; the frames that are written are the set's.
+# ffmpeg: in a film of $FRAMES frames every seventh is sharp; the written frames are those of the set.
 cat >bin/ffmpeg <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
@@ -116,7 +116,7 @@ mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
 check "they are the same" cmp below.fxs set.fxs
 
-# Masks, which are white or black all over: COLMAP gets them by its names, white where photographs count.
+# All-white and all-black masks: COLMAP gets them under its own names, white where photographs count.
 cp -r plain masked && mkdir masked/masks inverse
 for colour in ffffff 000000; do
     "$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 --bg $colour -o $colour.png
@@ -146,9 +146,9 @@ fails "cameras of other photographs" 1 "^fixsplat: a.fxs.cameras: the cameras of
     fit plain $steps -o a.fxs --quiet
 rm plain/other.png
 
-# ---- Of several sizes, and HEIF --------------------------------------------------------------------------------------
+# ---- Several sizes, and HEIF -----------------------------------------------------------------------------------------
 
-# bytes FILE NAME: an array of a header of tests
+# bytes FILE NAME: prints an array of a tests header.
 bytes() {
     for byte in $(sed -n "/ $2/,/}/ { /uint8/ !p }" "$root/tests/$1" | tr -dc '0-9 \n'); do
         printf "\\$(printf %o "$byte")"
@@ -189,7 +189,7 @@ else
         "1 1 1"
 fi
 
-# ---- What goes wrong -------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 export KILLED FAILS NOTHING FRAMES DAMAGED WAITS MATCHING POINTS ERROR LAST CUT ENDS
 KILLED=exhaustive_matcher
@@ -210,7 +210,6 @@ NOTHING=1
 fails "nothing in common" 1 "plain: no two photographs .* overlap" fit plain $steps -o e.fxs --quiet
 NOTHING=
 
-# What COLMAP counts.
 for line in "Matching block [0/0, 0/0]" "Matching block [0/2, 0/2]" "Matching block [3/2, 1/2]" "Matching image [0/0]" \
     "Matching block [99999999999999999999/2, 1/99999999999999999999]" "Matching block [-1/2, 1/2]"; do
     MATCHING=$line
@@ -231,7 +230,7 @@ for said in "-1 0.511px" "99999999999999999999 0.511px" "400 nan" "400 -1px" "40
 done
 POINTS= ERROR=
 
-# On a full disk a mapper leaves less than it should, whatever its exit status says.
+# On a full disk the mapper leaves truncated files, whatever its exit status.
 for file in images.bin cameras.bin points3D.bin; do
     CUT=$file
     [ $file != cameras.bin ] || CUT="images.bin points3D.bin"
@@ -245,7 +244,6 @@ fails "a mapper that wrote a model and failed" 1 "colmap: failed while placing p
 ENDS=
 check "and gone on" "$fixsplat" fit plain -o full.fxs --cameras-only --quiet
 
-# Names.
 cp -r plain "odd" && mv odd/00.png "odd/ 00.png"
 fails "a name that begins with a blank" 1 "odd-.*/images/ 00.png: COLMAP takes no name that begins with a blank" \
     fit odd -o odd-1.fxs --quiet
@@ -259,9 +257,9 @@ rm calls
 check "OUT begins with -" "$fixsplat" fit plain --cameras-only --quiet --output=-x.fxs
 check "it is no option for COLMAP" equal "$(grep -c ' -x' calls)" 0
 
-# ---- Ends, and a second one ------------------------------------------------------------------------------------------
+# ---- Interruptions, and a second run ---------------------------------------------------------------------------------
 
-# over PID...: within five seconds they have ended, though perhaps nobody has waited for them.
+# over PID...: these processes end within five seconds; zombies count as ended.
 over() {
     for pid; do
         for try in $(seq 50); do
@@ -300,7 +298,7 @@ WAITS=
 over $(cat waiting)
 check "after a kill: the same command goes on" "$fixsplat" fit plain -o waits.fxs --cameras-only --quiet
 
-# ---- What goes wrong, of one photograph ------------------------------------------------------------------------------
+# ---- Errors with single photographs ----------------------------------------------------------------------------------
 
 mkdir one && cp plain/00.png one
 fails "one photograph" 1 "one: 1 photograph: at least 3" fit one -o f.fxs --quiet
@@ -342,7 +340,7 @@ rm -rf film.fxs.cameras calls
 check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet
 check "60 of few" equal "$(grep -o 'eq(n' calls | wc -l | tr -d ' ')" 60
 
-# full NAME WORDS: the disk is full while frames are written, and then it is not.
+# full NAME WORDS: the disk is full while frames are written, and later has space.
 full() {
     rm -rf full.fxs.cameras
     fails "$1" 1 "$2.*: ffmpeg did not write all frames whole, .*: see full.fxs.cameras/log.txt; the same command goes on" \

@@ -1,7 +1,6 @@
 #!/bin/sh
-# A mapped .fxs file that is cut short or written to while it is rendered: one line and exit 1, with all the memory of a
-# frame and in bands. Frame after frame of a long bench is on its way when that happens. A SIGBUS that a process sends ends
-# the program as ever.
+# A mapped .fxs file is truncated or overwritten while a long bench renders it: one line and exit status 1, with the
+# full memory of a frame and in bands. A SIGBUS sent by a process ends the program as usual.
 . tests/scripts/lib/check.sh
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d) || exit 1
@@ -13,7 +12,7 @@ if ! "$fixsplat" convert "$work/knot.ply" "$work/whole.fxs" 2>"$work/err"; then
     exit
 fi
 
-# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE on $fxs the bench ends with status 1 and the words.
+# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE on $fxs, the bench ends with status 1 and the words.
 ends() {
     name=$1 words=$2 change=$3 fxs=$work/scene.fxs
     shift 3

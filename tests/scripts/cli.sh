@@ -1,15 +1,14 @@
 #!/bin/sh
-# The command, from outside: its exit codes, messages, options and pictures.
+# The command from outside: its exit codes, messages, options and pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
 
 # ---- Expectations ----------------------------------------------------------------------------------------------------
 
-# The hash of the picture of these arguments, or what went wrong.
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 
-# Pixels as lines of numbers: of a .raw without its alpha, of a .ppm of the picture size WxH.
+# Pixels as lines of numbers: a .raw without its alpha, or a .ppm of size WxH.
 raw_colours() { od -An -v -tu1 "$1" | awk '{ for (i = 1; i <= NF; i++) if (i % 4) print $i }'; }
 ppm_colours() { tail -c "$(($2 * 3))" "$1" | od -An -v -tu1 | awk '{ for (i = 1; i <= NF; i++) print $i }'; }
 
@@ -61,7 +60,7 @@ fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
-# Each option is a row in tools/*.c: one with a name, a value, and how that is taken.
+# Each option is a row in a table of tools/*.c: name, value, and function that takes it.
 "$fixsplat" help --table >table
 cut -f 2 table | sort -u >options
 check "each row belongs to a command" equal "$(cat options)" \
@@ -92,7 +91,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
     'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
-    'stereo-exact' 'stereo 0.1 --stats' 'tangents 1,2,3' 'tangents x' \
+    'stereo 0.1 --stats' 'tangents 1,2,3' 'tangents x' \
     'tangents -1,1,1,-1 --ortho 3' 'foveate --stats' 'foveate --depth x.pfm' 'foveate --ids x.raw'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
@@ -150,7 +149,7 @@ check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend c
 if [ -e /dev/nvidia0 ]; then
     check "one hash with --backend cuda" equal "$(hash_of knot.ply $small --backend cuda)" "$hash"
     check "one hash with every device" equal "$(hash_of knot.ply $small --backend cuda --device all)" "$hash"
-    for more in '' --foveate --stereo-exact; do
+    for more in '' --foveate; do
         run render knot.ply $small --stereo 0.1 $more --backend cuda --hash
         check "one hash with --stereo $more --backend cuda" equal "$status $(cat logs/out logs/err)" \
             "0 $(hash_of knot.ply $small --stereo 0.1 $more)"
@@ -171,7 +170,7 @@ away='--eye 0,0,-100 --look 0,0,-200'
 succeeds "everything behind the camera" render knot.ply $small $away -o black.ppm
 tail -c $((64 * 48 * 3)) black.ppm >black.rgb
 check "everything behind the camera: black" all_zero black.rgb
-# What it asks for is enough, and one byte less is not.
+# The size in the message is enough, and one byte less is not.
 words='a frame of 64x48 does not fit in --max-memory [0-9]*: it needs at least [0-9]* bytes$'
 fails "--max-memory 1: too little" 1 "$words" render knot.ply $small --threads 1 --max-memory 1 --hash
 needed() { sed -n 's/.*at least \([0-9]*\) bytes$/\1/p' logs/err; }
@@ -190,28 +189,29 @@ check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
 check "--alpha: coverage from 0 to 255" equal "$(od -An -v -tu1 coverage.raw |
     awk '{ for (i = 4; i <= NF; i += 4) { low += $i == 0; high += $i > 250; middle += $i > 9 && $i < 246 } }
          END { print (low > 0) + (high > 0) + (middle > 0) }')" 3
-# Side by side: the bytes of two cameras, once with --stereo-exact, each half a picture of its own.
+# Side by side: each half has the bytes of its own camera.
 eyes='--eye 0,-2,-9 --look 0,-2,0'
 succeeds "--stereo" render knot.ply $small $eyes --stereo 0.5 -o eyes.ppm
 check "--stereo: twice as wide" equal "$(sed -n 2p eyes.ppm)" "128 48"
-"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --stereo-exact -o exact.raw
+"$fixsplat" render knot.ply $small $eyes --stereo 0.5 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 -o left.raw
 "$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 -o right.raw
 halves() { od -An -v -tx1 -w256 "$1" | awk "NR % 2 == $2"; }
-check "--stereo-exact: the left half" equal "$(halves exact.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
-check "--stereo-exact: the right half" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
-fails "--stereo: too little memory" 1 "it needs at least [0-9]* bytes$" render knot.ply $small --stereo 0.5 \
-    --max-memory 300K --hash
-# The right eye's tangents are the left one's mirror.
-"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --stereo-exact --tangents -1.38,1.19,1.0,-1.2 -o exact.raw
+check "--stereo: the left half" equal "$(halves eyes.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
+check "--stereo: the right half" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
+check "--stereo: in bands" equal "$(hash_of knot.ply $small --stereo 0.5 --threads 1 --max-memory 100K)" \
+    "$(hash_of knot.ply $small --stereo 0.5)"
+fails "--stereo: too little memory" 1 "$words" render knot.ply $small --stereo 0.5 --max-memory 1 --hash
+# The right eye's tangents mirror the left eye's.
+"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --tangents -1.38,1.19,1.0,-1.2 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 --tangents -1.38,1.19,1.0,-1.2 -o left.raw
 "$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 --tangents -1.19,1.38,1.0,-1.2 -o right.raw
-check "--tangents: the left eye" equal "$(halves exact.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
-check "--tangents: the right eye" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
+check "--tangents: the left eye" equal "$(halves eyes.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
+check "--tangents: the right eye" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
 fails "--tangents: the wrong way round" 1 "expected left < right and down < up" render knot.ply $small \
     --tangents 1,-1,1,-1 --hash
 
-# Foveated: the picture but for its outer rings; one hash.
+# Foveated: differs from the picture only in its outer rings; one hash.
 fovea='--size 160x120 --foveate=20,100,10,30,4'
 succeeds "--foveate" render knot.ply $small --foveate -o fovea.png
 check "--foveate: full rate as far as the edges" equal "$(hash_of knot.ply $small --foveate=30,20,40,60)" "$hash_small"
@@ -301,7 +301,7 @@ fails "up along the view" 1 "up" render knot.ply $small --eye 0,0,0 --look 0,1,0
 fails "no up" 1 "up" render knot.ply $small --up 0,0,0 --hash
 fails "eye too far out" 1 "position" render knot.ply $small --eye 1e30,0,0 --hash
 
-# ---- Scenes that are not right ---------------------------------------------------------------------------------------
+# ---- Faulty scenes ---------------------------------------------------------------------------------------------------
 
 fails "scene missing" 1 "none.ply: No such file" render none.ply --hash
 fails "scene a folder" 1 "views/meta.json: No such file" render views --hash
@@ -345,7 +345,7 @@ done
 
 near="$small --eye 1,-2,-6 --look 0,0,0"
 good='0 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' other='1 .5 1 -1 .5 1 1 -2 -1 -1 .7 .7 0 .1'
-# The room that 2 * 10^9 Gaussians would take is not there. (A sanitizer needs more than that for itself.)
+# Memory for 2 * 10^9 Gaussians is missing. (A sanitizer itself needs more.)
 room=2000000
 (ulimit -v $room && "$fixsplat" --version) >/dev/null 2>&1 || room=unlimited
 for count in 2000000000 4000000000 99999999999999999999 -1 x; do
@@ -461,7 +461,7 @@ fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene kn
 fails "no scene, existing output" 1 "none.ply" render none.ply -o kept.png
 fails "a bad scene, existing output" 1 "bad.ply" render bad.ply -o kept.png
 fails "compare: no picture, existing difference" 1 "none.png" compare none.png knot.png --diff kept.png
-# A disc that is full after 512 bytes.
+# A disk that is full after 512 bytes.
 (
     trap '' XFSZ
     ulimit -f 1
@@ -495,13 +495,9 @@ for backend in gles gles-fetch gles-compute osmesa; do
     fi
     [ "$backend$reason" = gles-compute ] || continue
     for more in '' '--tangents -1.38,1.19,1.0,-1.2' --foveate '--foveate=20,30,10,20,4 --alpha'; do
-        run render knot.ply $small --stereo 0.1 $more --backend gles-compute --hash
-        check "--stereo $more --backend gles-compute: each eye by itself, and said" equal \
-            "$status $(cat logs/out logs/err)" "0 $(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)
-fixsplat: --backend gles-compute: each eye is rendered by itself, as by --stereo-exact"
-        check "one hash with --stereo-exact $more --backend gles-compute" equal \
-            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more --backend gles-compute)" \
-            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)"
+        check "one hash with --stereo $more --backend gles-compute" equal \
+            "$(hash_of knot.ply $small --stereo 0.1 $more --backend gles-compute)" \
+            "$(hash_of knot.ply $small --stereo 0.1 $more)"
     done
     for more in --foveate '--foveate=20,30,10,20,4 --alpha' '--foveate --ortho 4'; do
         check "one hash with $more --backend gles-compute" equal \
@@ -514,7 +510,7 @@ fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|b
     --backend gles-compute
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
 unset __EGL_VENDOR_LIBRARY_FILENAMES
-MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # a part of OpenGL ES 3.1
+MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # hides a part of OpenGL ES 3.1
 if "$fixsplat" info --backends | grep -q '^gles  *here: llvmpipe'; then
     fails "--backend gles-compute of OpenGL ES 3.0" 1 \
         "--backend gles-compute: OpenGL ES 3.1 is needed, this is OpenGL ES 3.0" render knot.ply $small --hash \
@@ -594,7 +590,7 @@ fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
 
 # ---- convert ---------------------------------------------------------------------------------------------------------
 
-# worst_of SCENE: the worst of the views that convert looks at, and its PSNR
+# worst_of SCENE: the worst of the views that convert compares, with its PSNR.
 worst_of() {
     "$fixsplat" info "$1" --compare knot.ply --views 6 --size 480x320 |
         awk '/ degrees, / { if (!p || $6 < p) { p = $6; v = $2 " degrees, " $4 } } END { printf "%s is %.1f", v, p }'
@@ -634,7 +630,7 @@ loses more of .*: a view $(worst_of $profile.fxs) dB from the floats, where $(us
     check "$profile: one hash with --cpu c" equal "$(hash_of $profile.fxs $small --cpu c)" \
         "$(hash_of $profile.fxs $small --cpu all)"
 done
-# 300 Gaussians with SH by chance, from beyond 2^27 units on two axes: some views would be from beyond them too
+# 300 Gaussians with random SH, beyond 2^27 units on two axes, so that some views would lie beyond too
 {
     ply_header 300 | sed '$d'
     printf 'property float f_rest_%s\n' 0 1 2 3 4 5 6 7 8
@@ -777,12 +773,12 @@ check "info --compare: the worst of equal views" grep -q \
 "$fixsplat" render knot4.spz --cameras three.json --view 0 -o knot4.png
 "$fixsplat" render knot.ply --cameras three.json --view 0 -o knot1.png
 run info knot4.spz --compare knot.ply --cameras three.json --views 1 --json
-# Packing loses far less than an .spz.
+# Packing loses far less than .spz.
 check "info --compare: nearly as compare says of the packed scenes" awk "BEGIN {
     d = $(sed 's/.*"worst_psnr": \([0-9.]*\).*/\1/' logs/out) - \
         $("$fixsplat" compare knot4.png knot1.png --json | sed 's/.*"psnr": \([0-9.]*\).*/\1/')
     exit d * d > 0.25 }"
-# Every place of layers is taken twice, in two colours.
+# In layers, two Gaussians of different colours share every place.
 run info layers.fxs --compare layers.ply --views 2 --size 320x240
 check "info --compare: what nudging coincident Gaussians changes" grep -Eq \
     '^nudged +[0-9.]+ +view [01] of the original, each Gaussian moved by 1e-6 of the distance$' logs/out
@@ -800,7 +796,8 @@ for profile in default compact small; do
     check "info --compare --profile $profile: a loss, of the floats too" equal "$(grep -c ' equal ' "views of knot.ply")" 0
 done
 rm -f packed.fxs "views of packed.fxs" "views of knot.ply"
-# A scene with itself by two cut-offs, from the floats, is as far apart as two pictures of the packed scene.
+# Comparing a scene with itself under two cut-offs, from the floats, differs as much as two pictures of the packed
+# scene.
 "$fixsplat" render knot.ply --cameras three.json --view 0 --cutoff square -o square.png
 for cutoffs in 'mahalanobis square' 'square mahalanobis'; do
     run info knot.ply --compare knot.ply --cameras three.json --views 1 --json --cutoff ${cutoffs% *} \
@@ -849,7 +846,7 @@ check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP
     built=$(grep -c "^FOUND += ${part%:*}\$" "$0/probe.mk")
     [ "$(grep -c "^${part#*:} *here" logs/out)" = "$built" ] || exit; done' "${fixsplat%/*}"
 run doctor
-# with_it: what ffmpeg would give, on a path with the programs of a folder alone.
+# with_it: what doctor says of ffmpeg, with a PATH of one folder.
 mkdir apt_here && printf '#!/bin/sh\n' >apt_here/apt && chmod +x apt_here/apt
 with_it() { PATH=$1 "$fixsplat" doctor | sed -n '/^ffmpeg *not here/{n;s/^ *with it: //p}'; }
 check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films: apt install ffmpeg"
@@ -903,7 +900,6 @@ succeeds "two scenes: info --json" info knot.ply cubes.ply --place 1:50,0,0 --js
 check "two scenes: info --json: keys" keys logs/out scenes objects frame.bytes
 succeeds "two scenes: --stats" render knot.ply cubes.ply $small --stats
 
-# json FILE OBJECTS: a world.
 json() { echo "{\"objects\": [$2]}" >"$1"; }
 if "$fixsplat" render --scene cut.json --hash 2>&1 | grep -q 'built without'; then
     skip "--scene" "no cJSON"
@@ -1126,7 +1122,7 @@ done
 for bad in 'depth x.jpg' 'depth x' 'ids x.ppm' 'ids x' 'depth-kind both' 'depth-kind mean' 'depth-range 0' \
     'depth-range -1' 'depth-range x' 'depth-range 3' 'pick 1' 'pick 1,' 'pick ,1' 'pick -1,1' 'pick 1,1,1' 'pick x,y' \
     'pick 99999,1' 'ortho 0' 'ortho -1' 'ortho x' 'json' 'depth x.pfm --backend gles' \
-    'ids x.png --backend gles-quads' 'pick 1,1 --stereo 0.1'; do
+    'ids x.png --backend gles-fetch' 'pick 1,1 --stereo 0.1'; do
     fails "--$bad" 2 "" render knot.ply $small --hash --$bad
 done
 fails "--depth into no folder" 1 "none/x.pfm: cannot be written" render knot.ply $small --depth none/x.pfm

@@ -1,19 +1,18 @@
 #!/bin/sh
-# Blocks that go on from a coarse fit, and tools/cluster.sh, by GNU parallel and by a Slurm of this machine.
+# Blocks that continue from a coarse fit, and tools/cluster.sh with GNU parallel and with a Slurm on this machine.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 . "$root/tests/scripts/lib/slurm.sh"
 export FIXSPLAT="$fixsplat"
 
-# The knot again 200 units away: blocks have photographs of their own.
+# The knot again, 200 units away: each block has its own photographs.
 make_photographs 12
 model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
 awk '{ $1 += 1000; $3 += 200; print }' $model/points3D.txt >more && cat more >>$model/points3D.txt
 for picture in set/images/*.png; do cp "$picture" "set/images/b${picture##*/}"; done
 fit="fit set --quiet --recipe reference --steps 300"
-# count FILE: Gaussians of a .ply.
 count() { LC_ALL=C sed -n 's/^element vertex //p;/^end_header/q' "$1"; }
 mean_of() { awk '/^mean/ { print $2 }' logs/out; }
 
@@ -33,7 +32,7 @@ check "merged: all of them" gaussians all.fxs $(($(count part-0.ply) + $(count p
 succeeds "measured" fit set --quiet --measure all.fxs
 check "merged: at most 1.5 dB below the whole" at_least "$(mean_of)" "$(awk "BEGIN { print $whole - 1.5 }")"
 
-# The photographs of the other knot are not decoded, and a plane lies between the blocks.
+# Photographs of the other knot are not decoded, and a plane separates the blocks.
 mkdir one && cp -r set/sparse one && mkdir one/images && cp set/images/* one/images
 for block in 1 2; do
     "$fixsplat" $fit --coarse coarse.fit --block $block/2 -o half-$block.ply >logs/out
@@ -96,7 +95,6 @@ check "nothing was written" test ! -e x.ply
 
 # ---- The jobs --------------------------------------------------------------------------------------------------------
 
-# cluster OUT OPTION...: into logs/out and logs/err.
 cluster() {
     to=$1
     shift
@@ -120,7 +118,7 @@ refused "steps" "more than the coarse fit's 3000" set -o x.fxs --blocks 2 --step
 refused "an engine" "expected parallel or slurm" set -o x.fxs --blocks 2 --engine lsf
 refused "an option" "no such option" set -o x.fxs --blocks 2 --recipe fast
 
-# Names with what echo, a shell, GNU parallel and Slurm take for their own.
+# Names with characters special to echo, a shell, GNU parallel and Slurm.
 odd='a\tb\c "$(exit)" %a {} '"'"
 mkdir "$odd"
 cp -r set "$odd/set"

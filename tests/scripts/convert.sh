@@ -1,5 +1,5 @@
 #!/bin/sh
-# fixsplat convert as an editor: placing, leaving out, merging, every format that is written.
+# fixsplat convert as an editor: placing, filtering, merging, and every written format.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -8,7 +8,7 @@ case ${NODE_MODULES:-${B:-build}/page/node_modules} in
 *) modules=$root/${NODE_MODULES:-${B:-build}/page/node_modules} ;;
 esac
 endings='ply compressed.ply splat spz rad sog glb csv fxs'
-read_back='ply compressed.ply spz rad sog glb'       # those with SH that the command reads too
+read_back='ply compressed.ply spz rad sog glb'       # formats with SH that the command also reads
 
 # ---- Scenes made here ------------------------------------------------------------------------------------------------
 
@@ -28,7 +28,7 @@ ply row.ply 'one Gaussian' '1 2 3 0 0 0 0 -1 -2 -3 1 0 0 0'
 ply rows.ply 'along x' '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
     '2 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '3 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '4 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'
 
-# placed NAME "X Y Z" OPTION...: where row.ply's Gaussian is then, to 4 digits
+# placed NAME "X Y Z" OPTION...: row.ply's Gaussian is then there, to 4 digits
 placed() {
     wanted=$1
     shift
@@ -57,7 +57,7 @@ for bad in 'translate 1,2' 'translate x' 'rotate 1,2,nan' 'rotate 90' 'scale 0' 
     check "--$bad: nothing is written" [ ! -e x.ply ]
 done
 
-# The renderer turns SH by itself: a scene that is turned looks as one that is placed so.
+# A turned scene looks like one turned by --place, since both turn the SH.
 "$fixsplat" convert knot.ply turned.ply --rotate 0,90,0 --scale 0.5 --translate 1,0,0
 view='--size 160x120 --eye 3,-2,-6 --look 1,0,0'
 "$fixsplat" render knot.ply --place knot.ply:1,0,0,0.70710678118654752,0,0.70710678118654752,0,0.5 $view -o placed.png
@@ -89,7 +89,7 @@ check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 
 
 # ---- Level -----------------------------------------------------------------------------------------------------------
 
-# The ground is x = 0, and the knot beside it, at x > 0: up is along x, whichever way round the points are.
+# The ground is x = 0 and the knot stands at x > 0, so up is along x, whatever the order of the points.
 "$fixsplat" convert knot.ply beside.ply --translate 20,0,0
 "$fixsplat" convert beside.ply stands.ply --up 1,0,0
 for points in 0,0,0,0,1,0,0,0,1 0,0,5,0,0,1,0,7,0; do
@@ -127,14 +127,14 @@ printf "1 0.7071067811865476 0 0 0.7071067811865476 0 0 13 1 a.png\n\n" >side/im
 "$fixsplat" convert knot.ply side.fxs --start-view side:0
 check "--start-view: of a scene that lies on its side, turned about what is up there" equal \
     "$(hash_of side.fxs --orbit 3 --near 0.2)" "$(hash_of side.fxs --orbit 3 --near 0.2 --cameras side --up -1,0,0)"
-# Beside it what is up, which is no axis here.
+# Also `up`, which is not an axis here.
 start_of() { "$fixsplat" info "$1" | grep -e '^up ' -e '^start view '; }
 succeeds "--up is kept" convert knot.ply leant.fxs --up 0.2,-0.5,0.1 --rotate 0,0,30 --start-view 3,-2,-5,0,0,0,40
 check "--up is kept: turned" equal "$(start_of leant.fxs)" "up            0.5000 -0.8660 0.0000
 start view    from 3 -2 -5, 40.0 degrees"
 "$fixsplat" convert knot.ply level.ply --up 0.2,-0.5,0.1 --rotate 0,0,30
 "$fixsplat" convert level.ply level.fxs
-# alike NAME OPTIONS OPTIONS: two pictures of it, the second with what the first is to know by itself
+# alike NAME OPTIONS OPTIONS: two equal pictures; the second gets the options that the first has in its file
 alike() {
     for n in 1 2; do
         what=$([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3)
@@ -188,9 +188,9 @@ check "--refine: as large as without" equal "$(wc -c <refined.fxs)" "$(wc -c <le
 check "--refine: other bytes" test "$(cksum <refined.fxs)" != "$(cksum <levels.fxs)"
 fails "--start-view of a .ply" 2 "--start-view is for .fxs" convert knot.ply x.ply --start-view 1,2,3,4,5,6
 
-# ---- Leaving out -----------------------------------------------------------------------------------------------------
+# ---- Filtering -------------------------------------------------------------------------------------------------------
 
-# kept NAME FILE "X..." OPTION...: the x of what is left
+# kept NAME FILE "X..." OPTION...: checks the x of the remaining Gaussians
 kept() {
     file=$1 wanted=$2
     shift 2
@@ -245,7 +245,7 @@ check "--decimate to .fxs: half" gaussians half.fxs 1500 3
 check "--decimate: two become their mean" kept rows.ply "0.5 2 3 4" --decimate 4
 ply pair.ply 'two, side by side' '0 0 0 1 0 0 -1 -1 -1 -1 1 0 0 0' '1 0 0 3 0 0 -1 -1 -1 -1 1 0 0 0'
 "$fixsplat" convert pair.ply one.csv --decimate 1
-# variance along x: e^-2 + 1/4; opacity: twice as much over an area larger by the root of that
+# variance along x: e^-2 + 1/4; opacity: twice, divided by the root of the variance's growth
 check "--decimate: mean, colour, covariance, opacity" equal "$(awk -F, 'NR == 2 {
         most = $8 > $9 ? $8 > $10 ? $8 : $10 : $9 > $10 ? $9 : $10
         printf "%.3f %.3f %.3f %.3f", $1, $4, exp(2 * most), 1 / (1 + exp(-$7)) }' one.csv)" "0.500 2.000 0.385 0.319"
@@ -304,7 +304,7 @@ check "to .spz --spz-fine: PSNR" looks_as fine.spz knot.ply 44
 succeeds "to .csv" convert knot.ply knot.csv
 check "to .csv: a line each, and one of names" equal "$(awk -F, '{ print NF }' knot.csv | sort | uniq -c | awk '{ print $1, $2 }')" \
     "3001 59"
-# .csv as .ply again, by text alone
+# .csv converted to .ply by text tools
 { printf 'ply\nformat ascii 1.0\nelement vertex 3000\n' && head -n 1 knot.csv | tr ',' '\n' | sed 's/^/property float /' &&
     echo end_header && sed 1d knot.csv | tr ',' ' '; } >text.ply
 "$fixsplat" convert text.ply text-floats.ply
@@ -321,9 +321,9 @@ for name in x x.gltf x.ksplat x.html x.ply.gz meta.json .sog .compressed.sog/x; 
     fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
 done
 
-# In place: all of IN is read before OUT takes its name.
+# In place: all of IN is read before OUT replaces it.
 for ending in $endings; do
-    case $ending in csv | fxs) continue ;; esac     # not converted
+    case $ending in csv | fxs) continue ;; esac
     "$fixsplat" convert knot.ply in.$ending 2>logs/err
     "$fixsplat" convert in.$ending rows.ply wanted.$ending --scale 2 --place rows.ply:60,0,0 2>logs/err
     ln -sf in.$ending link.$ending
@@ -368,7 +368,7 @@ succeeds "of a folder with a tileset" convert tiles tiles2.ply
 check "of a folder with a tileset: the same" cmp tiles.ply tiles2.ply
 "$fixsplat" convert tiles.ply tiles.csv
 "$fixsplat" convert knot.ply knot.csv
-# The axes of a tileset, z up, are not those of a .ply: distances are.
+# A tileset's axes (z up) differ from a .ply's, but distances agree.
 radii() { awk -F, 'NR > 1 { printf "%.3f\n", sqrt($1 * $1 + $2 * $2 + $3 * $3) }' $1 | sort -n; }
 cp tiles/0.glb 0.glb
 for force in '' --force; do
@@ -396,7 +396,7 @@ else
     skip ".lcc" "built without cJSON"
 fi
 
-# ---- Levels of detail that are written -------------------------------------------------------------------------------
+# ---- Written levels of detail ----------------------------------------------------------------------------------------
 
 mkdir streamed
 succeeds "to lod-meta.json" convert knot.ply streamed/lod-meta.json
@@ -420,9 +420,9 @@ succeeds "to .rad: a coarse level" convert knot2.rad coarse.ply --lod 2
 check "to .rad, level 2: less than a third" sh -c "[ \$('$fixsplat' info coarse.ply | sed -n 's/^Gaussians *\([0-9]*\).*/\1/p') -lt 1000 ]"
 fails "to .rad: no level 99" 1 "no level 99: levels of detail in this scene: " convert knot2.rad x.ply --lod 99
 
-# ---- Read by others --------------------------------------------------------------------------------------------------
+# ---- Read by other programs ------------------------------------------------------------------------------------------
 
-# Its palettes begin by chance: with one seed, they always begin alike.
+# Its palettes start at random; a fixed seed makes them repeatable.
 transform() { node --random-seed=1 "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
 if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     for ending in compressed.ply sog spz; do
@@ -434,11 +434,11 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
         ratio = $(wc -c <theirs.spz) / $(wc -c <knot2.spz); exit !(ratio > 0.95 && ratio < 1.05) }"
     check "splat-transform writes .glb" transform knot.ply theirs.glb
     check "splat-transform writes .glb: as we do" looks_as knot2.glb theirs.glb 75
-    # It places in its viewer's axes: x and y of a .ply with the other sign.
+    # It places in its viewer's axes: x and y negated.
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
-    if [ "$lcc" ]; then   # an environment it writes to a lod-meta.json alone; its palettes need more rounds
+    if [ "$lcc" ]; then   # it writes an environment only to a lod-meta.json; its palettes need more rounds
         "$fixsplat" make-scene knot --count 300 -o small.ply
         "$fixsplat" convert small.ply sky.ply --scale 3 --translate 1,-4,9
         make_lcc sky small.ply sky.ply
@@ -481,7 +481,7 @@ fi
 
 # ---- A real tile as a tileset of two ---------------------------------------------------------------------------------
 
-# Two halves, one of them moved away and put back by the transform of a tileset of its own, in place of a coarse whole.
+# Two halves, one moved away and put back by its own tileset's transform, replace a coarse whole.
 boatyard=$scenes/boatyard-tile3/boatyard-tile3.glb
 if [ -f "$boatyard" ] && [ "$lcc" ]; then
     mkdir -p boatyard/left
@@ -489,7 +489,7 @@ if [ -f "$boatyard" ] && [ "$lcc" ]; then
     "$fixsplat" convert "$boatyard" half.ply --crop -1e4,-1e4,-1e4,-49,1e4,1e4 2>logs/err
     "$fixsplat" convert half.ply boatyard/left/half.glb --translate 10,20,30
     "$fixsplat" convert "$boatyard" boatyard/right.glb --crop -49,-1e4,-1e4,1e4,1e4,1e4 2>logs/err
-    # Of a tileset x, y, z are -x, -z, -y of a .ply.
+    # x, y, z of the tileset are -x, -z, -y of the .ply.
     box='"boundingVolume": {"sphere": [0, 0, 0, 999]}, "geometricError": 1'
     printf '{"asset": {"version": "1.1"}, "geometricError": 9, "root": {%s, "refine": "REPLACE", "content": {"uri":
         "whole.glb"}, "children": [{%s, "content": {"uri": "left/tileset.json"}}, {%s, "content": {"uri":
@@ -527,7 +527,7 @@ else
     skip "snowmiku" "no real scenes at FXS_SCENES"
 fi
 
-# Its largest Gaussians are few, and most of the picture.
+# A few large Gaussians fill most of the picture.
 if [ -f "$scenes/luma-seal/luma-seal.splat" ]; then
     "$fixsplat" convert "$scenes/luma-seal/luma-seal.splat" seal.sog
     check "luma-seal as .sog: PSNR" looks_as seal.sog "$scenes/luma-seal/luma-seal.splat" 53

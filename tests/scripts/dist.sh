@@ -1,6 +1,6 @@
 #!/bin/sh
-# What `make dist` makes, each installed where nothing else of this project is, and used once: with FXS_PROCESSORS=all,
-# as it builds everything twice. FXS_DIST: a folder that `make dist` has made, for a run without building.
+# Installs each result of `make dist` on a bare system and uses it once. Runs with FXS_PROCESSORS=all, since it builds
+# everything twice. FXS_DIST: folder of a finished `make dist`, for a run without building.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -32,7 +32,6 @@ hash=$("$B/fixsplat" render "$work/knot.ply" --size 320x180 --hash)
 cp -r tests/outside tests/python tests/windows "$work"
 cd "$work" || exit 1
 
-# report NAME FOLDER...: how long it took since `begin`, and what is installed.
 now() { date +%s.%N; }
 begin() { begun=$(now); }
 report() {
@@ -42,20 +41,20 @@ report() {
     echo "$name: $size KB installed, $(awk "BEGIN { printf \"%.1f\", $(now) - $begun }") seconds"
 }
 
-# small NAME COMMAND LIBRARY: neither has more than 12 MB, without CUDA.
+# small NAME COMMAND LIBRARY: each is at most 12 MB without CUDA.
 small() {
     check "$1: the command and the library are small" equal "$(find "$2" "$3" -size +12000000c)" ""
     wc -c "$2" "$3" | sed -n '$d; s|^\( *[0-9]*\) .*/|    \1 bytes: |p'
 }
 
-# bare COMMAND...: as on a machine without a driver, and with nothing of this one in the environment.
+# bare COMMAND...: runs as on a machine without a driver, with an empty environment.
 bare() { env -i PATH=/usr/bin:/bin HOME="$work" LANG=C.UTF-8 "$@"; }
 
 # ---- Tarballs --------------------------------------------------------------------------------------------------------
 
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$'; }
 
-# dead FOLDER: links of its pages that lead to no file.
+# dead FOLDER: prints links of its pages that lead to no file.
 dead() {
     find "$1/share/doc" -name '*.md' | while read -r page; do
         sed '/^ *```/,/^ *```/d' "$page" | grep -o '\]([^) ]*)' | sed 's/^](//; s/[#)].*//' | while read -r to; do
@@ -64,7 +63,7 @@ dead() {
     done
 }
 
-# tarball ARCHITECTURE RUN...: the command's hash by RUN.
+# tarball ARCHITECTURE RUN...: checks the command's hash, started by RUN.
 tarball() {
     begin
     arch=$1 folder=$work/fixsplat-$version-linux-$1
@@ -83,12 +82,12 @@ tarball() {
     check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
     check "$arch: no dead link in its pages" equal "$(dead "$folder")" ""
     report "tarball, $arch" "$folder"
-    # With CUDA in them there is the C++ library.
+    # CUDA builds include the C++ library.
     [ -e "$folder/share/doc/fixsplat/licences/libstdc++" ] ||
         small "tarball, $arch" "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version"
 }
 
-# window COMMAND...: shows knot.ply in a window, on a screen of its own, and Escape closes it.
+# window COMMAND...: shows knot.ply in a window on a virtual screen; Escape closes it.
 window() {
     rm -f display
     Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>display >server 2>&1 &
@@ -121,7 +120,6 @@ if [ "$here" != aarch64 ] && have qemu-aarch64; then
     tarball aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
     if have Xvfb && have xdotool && have mmdebstrap && mmdebstrap --quiet --arch=arm64 --variant=extract \
         --include=libsdl2-2.0-0,libsdl2-ttf-2.0-0 bookworm arm64 >log 2>&1; then
-        # With the libraries that it is linked with.
         check "aarch64: a window with the scene, which Escape closes" window env SDL_VIDEODRIVER=x11 \
             qemu-aarch64 -L arm64 "$folder/bin/fixsplat-view" knot.ply
     else
@@ -133,7 +131,7 @@ fi
 
 # ---- Wheels ----------------------------------------------------------------------------------------------------------
 
-# From PyPI comes what it needs; without a network, from this system.
+# Dependencies come from PyPI; without a network, from this system.
 python=${PYTHON:-python3}
 "$python" -c 'import numpy, cffi' 2>/dev/null || python=/usr/bin/python3
 begin
@@ -172,7 +170,7 @@ elif [ -z "$wine" ]; then
 else
     trap 'end_wine; rm -rf "$work"' EXIT
     check "zip for Windows: unpacked" "$python" -m zipfile -e "$zip" .
-    w fixsplat.exe --version >log 2>&1                    # makes wine's folder
+    w fixsplat.exe --version >log 2>&1                    # creates wine's folder
     check "Windows: render" equal "$(w fixsplat.exe render knot.ply --size 320x180 --hash)" "$hash"
     check "Windows: demo" w fixsplat.exe demo -o windows.png
     check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
@@ -180,7 +178,7 @@ else
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
     check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg|libegl|nvcc' doctor)" ""
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
-    w fixsplat.exe view --web --port 0 knot.ply >served 2>log &          # ends with wine
+    w fixsplat.exe view --web --port 0 knot.ply >served 2>log &
     server=$!
     until [ -s served ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
     at=$(tr -d '\r' <served | sed -n 's|/$||p')
@@ -188,7 +186,7 @@ else
         "$folder/share/fixsplat/web/viewer/served.html"
     check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/element.js"
-    end_wine                                                             # and it begins again, with a screen
+    end_wine                                                             # restarts with a screen
     if have Xvfb && have xdotool; then
         check "Windows: a window with a scene dropped on its program, which Escape closes" window \
             env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \
@@ -197,7 +195,7 @@ else
         skip "Windows: a window" "no Xvfb and xdotool here"
     fi
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/docs/windows.md share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/docs/install.md share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \
@@ -205,7 +203,6 @@ else
     check "Windows: no dead link in its pages" equal "$(dead "$folder")" ""
     report "zip for Windows" "$folder"
     small "zip for Windows" "$folder/bin/fixsplat.exe" "$folder/bin/libfixsplat-${version%%.*}.dll"
-    # By the DLL, and by the static library.
     for kind in shared static; do
         have x86_64-w64-mingw32-gcc || { skip "Windows: a program, $kind" "no x86_64-w64-mingw32-gcc here"; continue; }
         check "Windows: a program, $kind" x86_64-w64-mingw32-gcc -std=c99 outside/all.c -o "$folder/bin/$kind.exe" \
@@ -215,8 +212,7 @@ else
     done
 fi
 
-# The wheel for Windows: no Python for it is to be had from Debian, so a program makes the calls that the package makes
-# here, of the library that is in it.
+# Debian has no Python for Windows, so a program makes the package's calls to the wheel's library.
 installed=$(ls -d venv/lib/python3*/site-packages/fixsplat 2>/dev/null)
 wheel=$(ls "$dist"/*-py3-none-win_amd64.whl 2>/dev/null)
 if [ ! -e "$zip" ]; then
@@ -293,7 +289,7 @@ if [ "$(id -u)" = 0 ] && have mmdebstrap && mmdebstrap --quiet --variant=apt boo
     begin
     before=$(du -sk --apparent-size "$root" | cut -f 1)
     cp "$dist"/*.deb knot.ply "$root/tmp"
-    # Without what is only recommended, as COLMAP is large.
+    # Without recommended packages, since COLMAP is large.
     cp /etc/resolv.conf "$root/etc"
     if chroot "$root" sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
         --no-install-recommends /tmp/*.deb' >log 2>&1; then

@@ -1,12 +1,12 @@
 #!/bin/sh
-# docs/examples/engine.c, built as its first comment says where the library is installed: its picture beside the mesh is
-# the processor's, the mesh hides and is hidden, and picks are those of `render --pick`; by compute shaders, and by
-# fragment shaders where Mesa lacks a part of OpenGL ES 3.1.
+# docs/examples/engine.c, built as its first comment says against the installed library. Its picture around the mesh
+# equals the processor's, the mesh occludes and is occluded, and picks equal `render --pick`; with compute shaders, and
+# with fragment shaders where Mesa lacks a part of OpenGL ES 3.1.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-SDL_VIDEODRIVER=offscreen                           # a driver of SDL without a screen, by EGL
+SDL_VIDEODRIVER=offscreen                           # SDL's driver without a screen, over EGL
 PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig:$PKG_CONFIG_PATH LD_LIBRARY_PATH=$work/prefix/lib
 export SDL_VIDEODRIVER PKG_CONFIG_PATH LD_LIBRARY_PATH
 if ! have pkg-config || ! pkg-config --exists sdl2 glesv2; then
@@ -24,17 +24,16 @@ echo '[{"id": 0, "img_name": "a", "width": 640, "height": 360, "position": [0, 0
     "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fx": 512, "fy": 512}]' >"$work/cameras.json"
 render() { "$B/fixsplat" render "$work/knot.ply" --cameras "$work/cameras.json" "$@"; }
 
-# shown X Y: the engine's picture, as $work/shown.ppm, and its pick.
 shown() { timeout 60 "$work/engine" "$work/knot.ply" "$work/shown.ppm" "$1" "$2" 2>&1 | sed '/^by /w'"$work/way"'
     //d'; }
 
-# rows PICTURE: a line of hexadecimal for each row of pixels, 9 characters a pixel.
+# rows PICTURE: a line of hexadecimal digits per row, 9 characters a pixel.
 rows() { od -An -v -tx1 -j15 -w1920 "$work/$1.ppm"; }
-right() { rows "$1" | cut -c 2890-; }               # from column 321 on: beside the card
+right() { rows "$1" | cut -c 2890-; }               # from column 321 on: right of the card
 pixel() { rows "$1" | sed -n "$(($3 + 1))p" | cut -c $((9 * $2 + 1))-$((9 * $2 + 9)); }
 cards() { od -An -v -tx1 -j15 -w3 "$work/$1.ppm" | grep -c ' cc 66 33'; }
 
-# picks X Y: the object and Gaussian that `render` says there.
+# picks X Y: compares with the object and Gaussian that `render` picks.
 picks() {
     want=$(render --pick "$1,$2" | sed -n 's/.*, \(Gaussian [0-9]*\), .*/object 7, \1/p')
     got=$(shown "$1" "$2")

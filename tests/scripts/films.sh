@@ -1,6 +1,6 @@
 #!/bin/sh
-# Films, streams and expected pictures: what render writes to pipes and in which formats, the views of a turn and of a way,
-# parts of a picture, and what fails a build that holds golden pictures.
+# Films, streams and expected pictures: pipes and formats of render, views of an orbit and of a path, crops of a
+# picture, and failures of builds with golden pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -67,7 +67,7 @@ check "--view all as .y4m: the same frames" cmp frames.one frames.two
 succeeds "--stereo as .y4m" render $three --view all --stereo 0.1 -o eyes.y4m
 check "--stereo as .y4m: both eyes" equal "$(head -n 1 eyes.y4m | cut -d ' ' -f 2,3)" "W128 H48"
 
-# Behind the camera lies nothing: Y, Cb and Cr of the background, by BT.709.
+# Looking away from the scene shows only the background: Y, Cb and Cr by BT.709.
 away='--eye 0,0,-9 --look 0,0,-20'
 for colour in 'ffffff 235 128 128' '000000 16 128 128' 'ff0000 63 102 240' '00ff00 173 42 26' '0000ff 32 240 118'; do
     "$fixsplat" render knot.ply --size 1x1 $away --bg ${colour%% *} -o colour.y4m
@@ -105,7 +105,7 @@ if [ -c /dev/full ]; then
 else
     skip "a full device" "no /dev/full here"
 fi
-# What a shell says of a command that a signal ended is its own.
+# The shell's own message about a signal goes to logs/shell.
 { "$fixsplat" render $three --view all --size 640x480 -o - 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
 check "a closed pipe: ended as by SIGPIPE, without a word" equal "$(cat logs/status logs/err)" 141
 
@@ -167,7 +167,7 @@ for list in 0..3 0, ,0 0..1..2 .. 1.. 0,,1 99999999999999999999,0; do
 done
 fails "bench --view 0..1" 2 "one view" bench $three --view 0..1
 
-# Six frames' time from one key to the next: keys are themselves.
+# Six frames from one key to the next; keys are frames themselves.
 succeeds "--frames" render $three --view 0..2 --frames 13 --hash
 check "--frames: as many" equal "$(lines_of logs/out)" 13
 check "--frames: the views are among them" equal "$(sed -n '1p;7p;13p' logs/out | tr '\n' ' ')" "$front $side $far "
@@ -275,9 +275,9 @@ check "golden.sh: a picture that is another" equal "$(golden | grep -c 'golden/0
 check "golden.sh: what a build keeps" equal "$(ls project/out | tr '\n' ' ')" \
     "diff-0002.png got-0000.png got-0001.png got-0002.png "
 
-# ---- Parts of a picture ----------------------------------------------------------------------------------------------
+# ---- Crops -----------------------------------------------------------------------------------------------------------
 
-# part FILE WIDTH BYTES X Y W H: rows of a picture of that width, of so many bytes a pixel.
+# part FILE WIDTH BYTES X Y W H: rows of a picture WIDTH pixels wide, BYTES per pixel.
 part() {
     row=$5
     while [ $row -lt $(($5 + $7)) ]; do
@@ -325,7 +325,7 @@ succeeds "--stats=pairs" render knot.ply $small --stats=pairs
 check "--stats=pairs: pairs" grep -q '"pairs_evaluated": [1-9][0-9]*, "pairs_blended": [1-9]' logs/out
 fails "--stats=all" 2 "--stats=all: expected" render knot.ply --stats=all
 
-# ---- What is read and written ----------------------------------------------------------------------------------------
+# ---- Inputs and outputs ----------------------------------------------------------------------------------------------
 
 run render - $small --hash <knot.ply
 check "a scene from standard input" equal "$status $(cat logs/out logs/err)" "0 $hash"
@@ -371,7 +371,7 @@ fails "compare --diff one of the pictures" 2 "golden.png: is read and cannot be 
 
 # ---- Time ------------------------------------------------------------------------------------------------------------
 
-# Processor time, which other work on the machine changes less: times prints that of children last.
+# Processor time, which depends less on other work; `times` prints that of children last.
 seconds() { (run "$@" && times) | awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }'; }
 if [ -d "$scenes/snowmiku" ] && [ -s file.png ]; then
     views="snowmiku.fxs --cameras $scenes/snowmiku/cameras.json --view 0..23 --threads 2"

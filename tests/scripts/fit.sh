@@ -1,11 +1,11 @@
 #!/bin/sh
-# fixsplat fit: photographs made here, of a knot from all around; one file whatever the threads and the stops.
+# fixsplat fit: photographs of a knot, made here from all around. The file does not depend on threads or interruptions.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
 . "$root/tests/scripts/lib/photos.sh"
 
-# Words of a fit are looked for where `loud` runs it, and what is left of them without those on its progress is `said`.
+# `loud` runs a fit with its messages; `said` prints them without progress.
 export FIXSPLAT_QUIET=1
 loud() {
     (unset FIXSPLAT_QUIET && exec "$fixsplat" "$@") >logs/out 2>logs/err
@@ -16,14 +16,13 @@ said() { grep -Ev -e "$progress" -e '^fixsplat: (reading photographs:|measuring)
 
 # ---- Photographs -----------------------------------------------------------------------------------------------------
 
-# Past a densification, and some that are held out.
+# Past a densification, with some photographs held out.
 steps=620
 make_photographs 12
 fit="fit set --steps $steps"
 
 # ---- What is fitted --------------------------------------------------------------------------------------------------
 
-# psnr: the mean of what was measured, hundredths of a dB.
 psnr() { sed -n 's/.*"psnr": \([0-9.]*\), "ssim": [0-9.]*, "worst_psnr".*/\1/p' logs/out | tr -d . | cut -c 1-4; }
 
 succeeds "fit" $fit -o whole.fxs --threads 1
@@ -36,7 +35,6 @@ check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 
 check "fit: PSNR after the best affine map of colours is higher" equal "$(awk '/^( *[01] 0[08].png|mean|worst)/ {
     at = $1 ~ /[0-9]/ ? 4 : 2; if ($(at + 1) >= $at) print "higher" }' logs/out | uniq -c | tr -d ' ')" 4higher
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
-# All are level and upright.
 check "fit: begins with the view of the first photograph that is fitted" equal \
     "$("$fixsplat" render whole.fxs --size 64x48 --near 0.2 --hash)" \
     "$("$fixsplat" render whole.fxs --cameras set/sparse/0 --view 1 --near 0.2 --hash)"
@@ -60,7 +58,7 @@ check "another seed: another file" [ "$(cmp -s whole.fxs other.fxs; echo $?)" = 
 succeeds "into .ply" $fit -o floats.ply
 "$fixsplat" convert floats.ply packed.fxs
 check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <whole.fxs)" "$(wc -c <packed.fxs)"
-# Fewer than ten steps have no last tenth: nothing is rounded before it is packed.
+# Below ten steps there is no last tenth, so nothing is rounded before packing.
 "$fixsplat" fit set --steps 9 -o few.fxs >logs/out
 "$fixsplat" fit set --steps 9 -o few.ply >logs/out
 "$fixsplat" convert few.ply packed.fxs --start-view set/sparse/0:1 --up 0,-1,0
@@ -68,9 +66,9 @@ check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
-# ---- In words --------------------------------------------------------------------------------------------------------
+# ---- Messages --------------------------------------------------------------------------------------------------------
 
-# ends NAME LINES ARGUMENT...: what stands behind the table, figures as N.
+# ends NAME LINES ARGUMENT...: compares the lines after the table, figures as N.
 ends() {
     name=$1 lines=$2
     shift 2
@@ -125,7 +123,7 @@ rm -f it.* "it's.ply"
 
 # ---- The subject -----------------------------------------------------------------------------------------------------
 
-# The cameras look at the middle, and see 13 * 24 / 60 units to their upper and lower edges there.
+# The cameras look at the middle, and see 13 * 24 / 60 units up and down there.
 cp -r set around
 awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * sin(i), 90, 90, 90, 0 }' \
     >>around/sparse/0/points3D.txt
@@ -164,7 +162,7 @@ fixsplat: measuring few.fxs"
 check "into a file: the last step" grep -Eq '^30/30, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, 0 s' logs/err
 (unset FIXSPLAT_QUIET && exec "$fixsplat" fit set --steps 1000000 -o long.fxs) >logs/out 2>logs/err &
 waited=0
-# It stands still for most of the ten seconds between the first line and the second.
+# The fit is stopped for most of the ten seconds between the first line and the second.
 lines() {
     until [ "$(grep -Ec "$progress" logs/err)" -ge "$1" ] || [ $waited = 25 ]; do
         sleep 1 && waited=$((waited + 1))
@@ -192,7 +190,7 @@ else
     skip "on a terminal" "no script(1) here"
 fi
 
-# ---- From where -----------------------------------------------------------------------------------------------------
+# ---- Start view -----------------------------------------------------------------------------------------------------
 
 here=$PWD
 while read -r from photos; do
@@ -222,7 +220,7 @@ done
 
 # ---- The log ---------------------------------------------------------------------------------------------------------
 
-# of 620 steps every seventh, three that are measured, and the last
+# of 620 steps every seventh, three measured ones, and the last
 echo old >fit.log
 loud $fit -o logged.fxs --log fit.log --metrics-every 200
 check "--log: the same file" cmp whole.fxs logged.fxs
@@ -345,7 +343,6 @@ check "--refine-poses: another file" [ "$(cmp -s plain.ply posed.ply; echo $?)" 
 cp posed.ply.fit posed.fit
 "$fixsplat" fit set --steps 540 -o again.ply --resume posed.fit --threads 2 --cpu c >logs/out
 check "--refine-poses, resumed, 2 threads, plain C: the same file" cmp posed.ply again.ply
-# places FILE: of the cameras in it, by name.
 places() { sed 's/.*"img_name": "\([^"]*\)".*"position": \(\[[^]]*\]\).*/\1 \2/' "$1" | sort; }
 "$fixsplat" fit set --steps 540 -o again.ply --exposure gain --refine-poses --write-cameras posed.json >logs/out
 check "--write-cameras: the same file" cmp posed.ply again.ply
@@ -377,7 +374,7 @@ fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another
 run fit set -o resumed.fxs --resume part.fxs.fit
 check "--resume: the steps are the file's" cmp whole.fxs resumed.fxs
 
-# stops SIGNAL NAME: at the first of many saves; what is said goes on.
+# stops SIGNAL NAME: stops at the first of many saves, and resumes as the message says.
 stops() {
     rm -f "it's.fxs" "it's.fxs.fit"
     ended=$(unset FIXSPLAT_QUIET && $helper signal "$1" "$fixsplat" $fit -o "it's.fxs" --save-every 2 2>logs/err)
@@ -420,7 +417,6 @@ fixsplat: saved after 20 steps of 20; to go on: fixsplat fit --steps 20 -o full.
 else
     skip "a full device" "no /dev/full here"
 fi
-# The scene fits in, what is saved does not.
 "$fixsplat" fit set --steps 20 -o small.fxs >logs/out
 echo old >small.fxs.fit
 (
@@ -433,7 +429,7 @@ check "no room to save: it goes on, and says so" equal "$? $(grep -c 'small.fxs.
 check "no room to save: the last one stays" equal "$(cat small.fxs.fit)" old
 check "nothing is left" equal "$(find . -name '.fixsplat-*')" ""
 
-# ---- What is wrong ---------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 fails "--batch 0" 2 "--batch 0: expected a whole number from 1 to 8" $fit -o x.fxs --batch 0
 fails "--batch 9" 2 "--batch 9: expected a whole number from 1 to 8" $fit -o x.fxs --batch 9

@@ -1,13 +1,13 @@
 #!/bin/sh
-# One fit everywhere: some hundred steps of tests/test_fit_steps.c, whose hashes are constants, where fused
-# multiplication is to be had, under sanitizers, and by qemu-user on processors of 32 bits, with NEON and big-endian.
-# What computes floats with more digits refuses. FXS_PROCESSORS=all (make test-all): by more compilers and optimisations,
-# and on more processors.
+# One fit everywhere: some hundred steps of tests/test_fit_steps.c, checked by constant hashes, with fused
+# multiplication if available, under sanitizers, and by qemu-user with NEON. Builds
+# with wider float arithmetic refuse to fit. FXS_PROCESSORS=all (make test-all): more compilers, optimisations and
+# processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
-# Without the photographs' readers, and what saves.
+# Without the readers of photographs and the saving of fits.
 sources="tests/test_fit_steps.c $(ls src/fit/*.c src/pack/*.c src/core/*.c | grep -v '/photo\|/checkpoint' | tr '\n' ' ')
     src/camera/camera.c src/gaussian/transform.c src/base/message.c src/base/allocator.c src/base/crc32.c
     src/base/scene_start.c
@@ -28,12 +28,12 @@ fit() {
     fi
 }
 
-fit gcc-native gcc '-O3 -march=native'
 fit clang-sanitized clang '-O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
-fit i686 i686-linux-gnu-gcc '-O2 -static -msse2 -mfpmath=sse' qemu-i386
 fit aarch64-neon aarch64-linux-gnu-gcc '-O2 -static -fwrapv -DFXS_WITH_KERNELS kernels/kernels.c kernels/simd/arm/*.c kernels/fit/fit_neon.c' qemu-aarch64
-fit s390x s390x-linux-gnu-gcc '-O2 -static -fexcess-precision=fast' qemu-s390x
 if [ "$FXS_PROCESSORS" = all ]; then
+    fit gcc-native gcc '-O3 -march=native'
+    fit i686 i686-linux-gnu-gcc '-O2 -static -msse2 -mfpmath=sse' qemu-i386
+    fit s390x s390x-linux-gnu-gcc '-O2 -static -fexcess-precision=fast' qemu-s390x
     fit gcc-O0 gcc -O0
     fit gcc-O3 gcc -O3
     fit clang-O0 clang -O0
@@ -51,7 +51,7 @@ if [ "$FXS_PROCESSORS" = all ]; then
 fi
 run_variants
 
-# refuses NAME COMPILER FLAGS EMULATOR: the hash is nowhere, as there is no fit.
+# refuses NAME COMPILER FLAGS EMULATOR: no hash is printed, since fitting is refused.
 refuses() {
     if ! links $2 $3; then
         skip "$1" "no $2 with its C library here"
@@ -66,7 +66,7 @@ refuses() {
 refuses "i686 with x87" i686-linux-gnu-gcc '-O0 -static' qemu-i386
 [ "$FXS_PROCESSORS" != all ] || refuses m68k m68k-linux-gnu-gcc '-O1 -static' qemu-m68k
 
-# What the Makefile compiles a fit with there.
+# The Makefile's flags for a fit there.
 for compiler in i686-linux-gnu-gcc s390x-linux-gnu-gcc; do
     if have $compiler; then
         env -u MAKEFLAGS make -n V=1 B="$work/made" CC=$compiler NVCC=none "$work/made/src/fit/fit.o" >"$work/log" 2>&1

@@ -1,3 +1,3 @@
 #!/bin/sh
-# Each target, fuzzed for a moment.
+# Fuzzes each target for a moment.
 exec sh tests/fuzz.sh "$([ "$FXS_PROCESSORS" = all ] && echo 5 || echo 1)"

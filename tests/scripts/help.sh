@@ -1,6 +1,6 @@
 #!/bin/sh
-# What the command says of itself: help on commands and topics, what was probably meant, --quiet, pages for man,
-# completions; JSON of what can render.
+# The command's own texts: help on commands and topics, suggestions, --quiet, man pages, completions; JSON of the back
+# ends.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -84,7 +84,7 @@ fails "--quiet: errors stay" 1 "none.ply" --quiet convert none.ply knot.splat
 succeeds "a file whose name begins with --quiet" convert knot.ply -- --quiet.ply
 check "a file whose name begins with --quiet: is there" test -s ./--quiet.ply
 
-# One of its Gaussians is left out, which is worth a note.
+# One of its Gaussians is dropped, which causes a note.
 { printf 'ply\nformat ascii 1.0\nelement vertex 3\n'
   printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
   printf '%s\n' end_header '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
@@ -122,7 +122,7 @@ if have python3; then
     check "info --backends --json" python3 - logs/backends <<'END'
 import json, sys
 all = {b["name"]: b for b in json.load(open(sys.argv[1]))}
-assert all["cpu"]["here"] and all["cpu"]["why_not"] is None and all["cpu"]["can"]["exact"], all["cpu"]
+assert all["cpu"]["here"] and all["cpu"]["why_not"] is None and all["cpu"]["can"]["trace"], all["cpu"]
 assert all["cuda"]["here"] or all["cuda"]["why_not"], all["cuda"]
 END
     check "info --json" python3 - logs/info <<'END'
@@ -134,7 +134,7 @@ else
     skip "JSON" "no python3 here"
 fi
 
-# ---- Pages and completions -------------------------------------------------------------------------------------------
+# ---- Man pages and completions ---------------------------------------------------------------------------------------
 
 check "completions are made" sh "$root/tools/completions.sh" "$fixsplat" "$share"
 if have help2man; then
@@ -160,7 +160,6 @@ check "without help2man: no pages, said" equal "$(PATH=$work/bin sh "$root/tools
     "no manual pages: no help2man here"
 
 if have bash; then
-    # complete WORD...: what bash completes the last word to.
     complete() {
         bash -c '. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _fixsplat; printf "%s\n" "${COMPREPLY[@]}"' \
             "$share/bash-completion/completions/fixsplat" "$@" | tr '\n' ' '

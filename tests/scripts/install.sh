@@ -1,6 +1,6 @@
 #!/bin/sh
-# What `make install` puts where, and programs outside the tree that see nothing but that: in C99, in C++17 and by
-# CMake, with the core alone and with everything, static and shared. tests/outside/picture.h has what they draw.
+# The files of `make install`, and programs outside the tree that use only these: C99, C++17 and CMake, with the core
+# alone and with everything, static and shared. tests/outside/picture.h draws their picture.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -12,7 +12,6 @@ version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fix
 CC=${CC:-cc}
 strict='-Wall -Wextra -Wpedantic -Werror'
 
-# The make of the build that is tested.
 make_() { make -s --no-print-directory B="$B" PREFIX="$prefix" "$@" >"$work/log" 2>&1; }
 files() { (cd "$1" && find . ! -type d | sort | tr '\n' ' '); }
 
@@ -21,7 +20,7 @@ check "make install" make_ install
 headers=$(make -s --no-print-directory headers | sed 's|.*/||' | sort)
 shared=$(ls "$library" | grep 'so\.')
 
-# ---- What is there ---------------------------------------------------------------------------------------------------
+# ---- Installed files -------------------------------------------------------------------------------------------------
 
 check "under include, one folder" equal "$(ls "$prefix/include")" fixsplat
 check "in it, the public headers" equal "$(ls "$include" | sort)" "$headers"
@@ -48,7 +47,7 @@ fi
 check "modes" equal "$(find "$prefix" -type f ! -perm 644 | sort | tr '\n' ' ')" \
     "$(find "$prefix/bin" -type f -perm 755 | sort | tr '\n' ' ')"
 
-# each COMPILER LANGUAGE STANDARD: a program of each header alone.
+# each COMPILER LANGUAGE STANDARD: compiles a program of each header alone.
 mkdir "$work/alone"
 for header in $headers; do
     echo "#include <fixsplat/$header>" >"$work/alone/${header%.h}.c"
@@ -68,7 +67,7 @@ each clang c c99
 each clang c c11
 each clang++ c++ c++17
 
-# What the core needs and does not have itself: of the C library four functions, and what compilers call by themselves.
+# The core's undefined symbols: four functions of the C library, and functions that compilers call by themselves.
 needs() {
     nm "$1" | awk 'NF == 2 && $1 == "U" { need[$2] } NF == 3 { has[$3] }
         END { for (name in need) if (!(name in has)) print name }' |
@@ -84,14 +83,14 @@ if [ "$shared" ]; then
     nm -D --defined-only "$library/libfixsplat.so" | awk '$2 != "A" { print $3 }' | sort >"$work/versions"
     check "it shows names with fxs_ alone" equal "$(grep -v '^fxs_' "$work/versions")" ""
     check "each has the version that brought it" equal "$(grep -Ev '@@FIXSPLAT_1\.[0-9]+$' "$work/versions")" ""
-    # A program of 1.0 asks for these names of this version. What 1.0 is to have may be added to until it is out.
+    # A program built with 1.0 needs these symbols in this version. Until 1.0 is released, its list may grow.
     sed 's/$/@@FIXSPLAT_1.0/' tests/outside/names-1.0 >"$work/names-1.0"
     check "a program that was built with 1.0 finds its names" equal "$(comm -23 "$work/names-1.0" "$work/versions")" ""
     case $version in 1.0.0-*) ;; *)
         check "and no later name is said to be of 1.0" equal \
             "$(grep '@@FIXSPLAT_1\.0$' "$work/versions" | comm -13 "$work/names-1.0" -)" "" ;;
     esac
-    # And what it has in it of the headers of 1.0. Until 1.0 is out that may change, and is noted anew:
+    # And the layout of 1.0's structs. Until 1.0 is released it may change, and is then noted again with:
     # /usr/bin/python3 tests/outside/layout.py build/libfixsplat.so.* | LC_ALL=C sort >tests/outside/layout-1.0
     if [ "$(getconf LONG_BIT)" != 64 ]; then
         skip "structs of 1.0" "they are noted for machines of 64 bits"
@@ -114,14 +113,13 @@ fi
 # ---- Programs --------------------------------------------------------------------------------------------------------
 
 outside=$work/outside
-cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # of a checkout that may not be written to
+cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # a read-only checkout
 "$prefix/bin/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
 
-# An installation without the shared library, for what is to be linked with the static one.
 mkdir "$work/static"
 cp "$library"/*.a "$work/static"
 
-# One that was built with the names of 1.0 alone, and with nothing of this version: its library is of another build.
+# A program built against a stub library with only the names of 1.0 runs with this library.
 if [ "$shared" ]; then
     sed 's/.*/void &(void);\nvoid &(void) {}/' tests/outside/names-1.0 >"$work/stub.c"
     mkdir "$work/1.0" && $CC -w -shared -fPIC -Wl,-soname,libfixsplat.so.1 -o "$work/1.0/libfixsplat.so" "$work/stub.c" \
@@ -138,7 +136,7 @@ if [ "$shared" ]; then
 fi
 
 sum=
-# draws NAME COMMAND...: it prints the sum of the picture, the same as the others.
+# draws NAME COMMAND...: prints the hash of the picture, which equals the others'.
 draws() {
     name=$1
     shift
@@ -147,16 +145,14 @@ draws() {
     if [ "$said" = "$sum" ]; then ok "$name"; else fail "$name" "$said, the first is $sum"; fi
 }
 
-# The core's headers alone, for a program with the core alone.
 mkdir -p "$work/core/fixsplat"
 for header in $(make -s --no-print-directory core-headers); do
     cp "$include/${header##*/}" "$work/core/fixsplat"
 done
 
-# flags OPTION... PACKAGE: as pkg-config has them.
 flags() { PKG_CONFIG_PATH=$library/pkgconfig pkg-config "$@"; }
 
-# program NAME SOURCE LANGUAGE FLAGS: built as $work/program.
+# program NAME SOURCE LANGUAGE FLAGS: builds $work/program.
 program() {
     case $3 in c99) set -- "$@" "$CC -x c -std=c99" ;; *) set -- "$@" "${CXX:-c++} -x c++ -std=c++17" ;; esac
     check "$1: built" $5 $strict "$outside/$2.c" -x none -o "$work/program" $4

@@ -1,6 +1,6 @@
 #!/bin/sh
-# How many instructions NEON's versions of the stages take, beside plain C: counted by a plugin of qemu while
-# `test_kernels --bench` runs both equally often. blend must take at most a sixth.
+# Instructions of NEON's stages compared with plain C, counted by a qemu plugin while `test_kernels --bench` runs both
+# equally often. blend must take at most a sixth.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -16,7 +16,7 @@ done | xargs -P 2 -I COMMAND sh -c COMMAND
 check "builds" $arm -static -Wl,-Map="$work/map" "$work"/*.o -lm -o "$work/kernels"
 check "the plugin builds" "${CC:-cc}" -O2 -shared -fPIC tests/count_instructions.c -o "$work/count.so"
 
-# Where the code of each version lies: "blend_c=START-END" of blend.o, "blend_neon=..." of blend_neon.o, ...
+# Address ranges of each version's code: "blend_c=START-END" of blend.o, "blend_neon=..." of blend_neon.o, ...
 ranges=$(sed -n 's/^ \.text  *0x0*\([0-9a-f]*\)  *0x\([0-9a-f]*\) .*\/\([a-z_]*\)\.o$/\1 \2 \3/p' "$work/map" |
     while read -r start size name; do
         case $name in
@@ -28,7 +28,6 @@ ranges=$(sed -n 's/^ \.text  *0x0*\([0-9a-f]*\)  *0x\([0-9a-f]*\) .*\/\([a-z_]*\
     done)
 qemu-aarch64 -plugin "file=$work/count.so$ranges" -d plugin "$work/kernels" --bench >"$work/bench" 2>"$work/counts"
 
-# times STAGE: how many times as many instructions plain C takes.
 count() { awk -v name="$1" '$1 == name { print $2 }' "$work/counts"; }
 ratio() { echo "$(count "$1_c") $(count "$1_neon")" | awk '$2 > 0 { printf "%.2f\n", $1 / $2 }'; }
 for stage in project shade blend resolve; do

@@ -1,11 +1,10 @@
 #!/bin/sh
-# fixsplat render --lens, and the cameras of other programs as cameras of render.
+# fixsplat render --lens, and camera files of other programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
 "$fixsplat" make-scene knot --count 2000 -o knot.ply || exit 1
 
-# colmap FOLDER CAMERA: a model of two views
 colmap() {
     mkdir -p "$1" && echo "$2" >"$1/cameras.txt"
     printf '1 1 0 0 0 0 0 6 7 a.jpg\n\n2 0.9 0.1 0 0 0 0 7 7 b.jpg\n\n' >"$1/images.txt"
@@ -45,7 +44,7 @@ for options in "--depth d.png" "--ids i.png" "--pick 1,1" "--stats" "--scissor 0
         render knot.ply --cameras barrel --lens $options -o a%d.png
 done
 
-# ---- There and back: what --lens draws is undone by a fit ------------------------------------------------------------
+# ---- Round trip: a fit undoes what --lens draws ----------------------------------------------------------------------
 
 . "$root/tests/scripts/lib/photos.sh"
 make_photographs 9
@@ -61,7 +60,7 @@ done
 
 # ---- Other programs --------------------------------------------------------------------------------------------------
 
-# The camera 0 of `barrel`: looking along z with y down, which is a pitch of 180 degrees from looking down with y north.
+# Camera 0 of `barrel`: it looks along z with y down, a pitch of 180 degrees from looking down with y north.
 mkdir exports
 echo '#name,x,y,alt,heading,pitch,roll,f,px,py,k1
 a.jpg,0,0,-6,0,180,0,33.75,0,0,-0.3' >exports/a.csv

@@ -1,6 +1,5 @@
 #!/bin/sh
-# fixsplat fit with masks: nothing depends on what photographs show where they are ignored. COLMAP and masks:
-# cameras.sh.
+# fixsplat fit with masks: ignored pixels of photographs influence nothing. COLMAP and masks: cameras.sh.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -9,12 +8,12 @@ have perl || { skip "masks" "no perl here"; finish; exit; }
 
 # ---- Photographs and masks -------------------------------------------------------------------------------------------
 
-# Files of .ppm, whatever their names: that is what they are read as.
+# .ppm files named .png, read by their contents.
 make_photographs 12
 "$fixsplat" render knot.ply --cameras set/sparse/0 --view all -o set/images/%02d.ppm
 for i in 00 01 02 03 04 05 06 07 08 09 10 11; do mv set/images/$i.ppm set/images/$i.png; done
 
-# shapes FOLDER KIND: masks 00.png to 11.png, a disc of each, by pixels of the kind.
+# shapes FOLDER KIND: masks 00.png to 11.png, a disc each, with pixels of that kind.
 shapes() {
     mkdir -p "$1"
     perl -e 'my ($folder, $kind) = @ARGV;
@@ -33,7 +32,7 @@ shapes discs disc
 shapes inverse inverse
 shapes white none
 
-# change FOLDER CODE: the set again, where the bytes of ignored pixels are changed by Perl code.
+# change FOLDER CODE: copies the set, with the bytes of ignored pixels changed by Perl code.
 change() {
     mkdir -p "$1"/images && cp -r set/sparse "$1"
     for i in 00 01 02 03 04 05 06 07 08 09 10 11; do
@@ -54,7 +53,7 @@ change() {
 change noise '($i * 7919 + $_) % 256'
 change dark 'int($_ / 4)'
 
-# ---- What is fitted --------------------------------------------------------------------------------------------------
+# ---- Fits ------------------------------------------------------------------------------------------------------------
 
 fit='--steps 150 --quiet'
 check "no masks" "$fixsplat" fit set $fit -o plain.fxs --threads 1
@@ -84,7 +83,7 @@ check "what there is of masks is said" equal "$(grep -c -e '^fixsplat: found: ma
     -e '^fixsplat: found: no mask of 2 photographs, of which all is used$' \
     -e '^fixsplat: found: 1[0-9]\.[0-9] % of the pixels are ignored$' logs/err)" 3
 
-# ---- What is measured ------------------------------------------------------------------------------------------------
+# ---- Metrics ---------------------------------------------------------------------------------------------------------
 
 "$fixsplat" fit set --measure discs.fxs --hold-out 4 --masks discs --compare one --quiet >one.txt
 "$fixsplat" fit noise --measure discs.fxs --hold-out 4 --masks discs --quiet >two.txt
@@ -99,7 +98,7 @@ mkdir fitted && cp discs/0[1-9].png fitted
 "$fixsplat" fit noise --measure discs.fxs --hold-out 20 --masks none --quiet >two.txt
 check "--measure: no mask of what is measured" cmp one.txt two.txt
 
-# ---- What goes wrong -------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 cp -r discs small && printf 'P6\n2 1\n255\n123456' >small/05.png
 fails "a mask of another size" 1 "^fixsplat: small/05.png: 2 x 1 pixels, its photograph set/images/05.png has 64 x 48" \

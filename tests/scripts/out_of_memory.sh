@@ -1,7 +1,7 @@
 #!/bin/sh
-# Each command with an allocation that gets no memory, or with none that does from there on: it does without and is
-# right, or ends with one line, status 1 and nothing left behind. Some forty of each command's allocations, spread over
-# all of them; with FXS_PROCESSORS=all some eighty; EVERY=1 for each.
+# Each command with one failing allocation, or with all failing from there on: it succeeds with the right output, or
+# ends with one line, status 1 and no leftovers. About 40 of each command's allocations, evenly spread;
+# FXS_PROCESSORS=all: 80; EVERY=1: all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -19,8 +19,8 @@ fi
 "$fixsplat" render knot.ply --size 64x48 -o a.png || exit 1
 "$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
 
-# wrong COMMAND: what is wrong with the run that had no memory, of which `written` is right. A scene that was fitted stays,
-# though it could not be measured; a fit whose scene could not be packed is saved, or that is said to fail too.
+# wrong COMMAND: prints the fault of the run without memory; `written` is its output. A fitted scene stays though it
+# could not be measured. A fit whose scene could not be packed is saved, or reports that too.
 wrong() {
     case $status in
     0) [ ! -e logs/right ] || cmp "$written" logs/right ;;
@@ -29,11 +29,11 @@ wrong() {
         if [ "$1" != fit ]; then ls "$written"; elif [ -e "$written" ]; then cmp "$written" logs/right; fi 2>/dev/null ;;
     *) echo "status $status: $(cat logs/err)" ;;
     esac
-    grep -E 'damaged|bad JSON|ot a zip' logs/err           # of whole files
+    grep -E 'damaged|bad JSON|ot a zip' logs/err           # wrong messages, as the files are whole
     ls .fixsplat-* 2>/dev/null
 }
 
-# survives OUTPUT ARGUMENT...: OUTPUT is what the arguments write, - where that is nothing.
+# survives OUTPUT ARGUMENT...: OUTPUT is the file that the command writes, or - for none.
 survives() {
     written=$1
     shift
@@ -101,7 +101,7 @@ survives o.png compare a.png b.png --diff o.png
 survives o.png compare a.jpg b.png --diff o.png
 survives - bench knot.ply --size 64x48 --threads 2
 
-# The server does without an answer, and ends when it is told to, or with one line when it begins.
+# The server skips an answer and ends when told to, or ends with one line at its start.
 serves() {
     rm -f logs/served
     FAULT_AT=$1 FAULT_EVER=$2 LD_PRELOAD=$faults "$fixsplat-web" --web --port 0 knot.ply >logs/served 2>logs/err &
@@ -130,7 +130,6 @@ else
     skip "view --web" "no server or no curl here"
 fi
 
-# A picture larger than the memory there is.
 "$fixsplat" render knot.ply --size 2000x2000 -o large.png || exit 1
 if (ulimit -v 16000 && "$fixsplat" --version) >logs/out 2>&1; then
     (

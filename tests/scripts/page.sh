@@ -1,6 +1,6 @@
 #!/bin/sh
-# The viewer's page (docs/web.md) in headless Chromium: the pixels of the command, controls, errors in words, sizes.
-# PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too.
+# The viewer's page (docs/web.md) in headless Chromium: the command's pixels, controls, error messages, sizes.
+# PICTURES=FOLDER keeps pictures of the page. FXS_PROCESSORS=all: every scene of shared/scenes too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs page chromium -- puppeteer-core
@@ -32,28 +32,28 @@ make_scenes() {
 }
 
 check "builds" builds
-of_parts="$package/paged.js $package/store.js"      # fetched with the first scene that comes in parts
+of_parts="$package/paged.js $package/store.js"      # loaded with the first paged scene
 of_webgpu="$package/webgpu.js $package/stages.js"
-of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # never fetched by a page, nor what Node has
-of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"      # of other pages
-# Fetched with the first annotation, track, settings file, film, sky, or word of another language.
+of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # not loaded by pages; nor are Node's
+of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"      # other pages
+# Loaded with the first annotation, track, settings file, film, sky, or text in another language.
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
-of_hands="walk.js gamepad.js joystick.js"        # fetched when somebody walks, has a gamepad, or a touchscreen
+of_hands="walk.js gamepad.js joystick.js"        # loaded for walking, a gamepad, or a touchscreen
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
-of_headsets='xr.js eyes.js'      # fetched where there is a headset, or
-of_rooms=ar.js                   # AR
-of_drops=drop.js                 # when files are dropped or chosen
+of_headsets='xr.js eyes.js'      # loaded with a headset, or
+of_rooms=ar.js                   # with AR
+of_drops=drop.js                 # with dropped or chosen files
 of_errors=words.js               # with the first error
 others=$(printf '/%s$|' $of_pages $of_tour_pages $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js \
     $of_bundlers)
-# 1.3 KB of it find the package's other files, also from another server's page, and say so where they are not there. 3.4 end
-# downloads that are slow, endless or of no scene, keep a scene to the files of its folder, and say what is wrong in a call.
+# 1.3 KB of it find the package's other files, also from another server's page, and report missing ones. 3.4 KB end
+# slow, endless or wrong downloads, keep a scene to its folder's files, and check calls.
 check "size" at_most 55800 "$package"/viewer/index.html "$package"/viewer/page.css \
     $(ls "$package"/viewer/*.js "$package"/*.js | grep -Ev "${others%|}")
 check "size of what scenes in parts need" at_most 7500 $of_parts
-# 0.5 KB of it are depths and ids as targets, and what is wrong with a texture or a buffer in words; 1.4 are shaders: two
-# pixels a thread, merges, tiles of 8x8 and those without a list.
+# 0.5 KB of it are depth and id targets, and messages about textures and buffers; 1.4 KB are shaders: two pixels per
+# thread, merges, tiles of 8x8 and tiles without a list.
 check "size of annotations, tracks and settings files" at_most 12500 $of_tours
 check "size of walking, gamepads and the stick" at_most 5500 $(printf "$package/viewer/%s " $of_hands)
 check "size of films" at_most 2800 "$package/viewer/film.js"

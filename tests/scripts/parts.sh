@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat convert --block: parts that are packed apart and merged have the bytes of one run, whatever their number and
-# profile, and as jobs of GNU parallel, one of them killed; parts that are wrong are refused and nothing is written.
+# fixsplat convert --block: parts packed separately and merged have the bytes of one run, for every number of parts and
+# profile, and as jobs of GNU parallel, one of them killed. Wrong parts are refused and nothing is written.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -20,7 +20,7 @@ for profile in default compact small; do
     done
 done
 
-# The last loop left seven parts of small with levels.
+# Seven parts of profile small with levels are left from the last loop.
 rm -f all.fxs
 refused() {
     fails "$@"
@@ -36,7 +36,6 @@ refused "a part twice" 1 "part 2 of 7, as part-2.fxs is" convert part-*.fxs ./pa
 refused "another option" 2 "profile: part-1.fxs is a part" convert part-*.fxs all.fxs --profile small
 refused "no part among them" 1 "one.fxs: not a part" convert part-*.fxs one.fxs all.fxs
 refused "rendered" 1 "part-1.fxs: one part of a scene" render part-1.fxs -o all.fxs.png
-# instead NAME WORDS SCENE OPTION...: part 3 is another one.
 instead() {
     name=$1 words=$2 scene=$3
     shift 3
@@ -59,7 +58,7 @@ for at in 100 300 9000 $((size / 2)) $((size - 2000)) $((size - 9)); do
     refused "damaged at $at" 1 "wrong.fxs: .*damaged|of another" convert part-[124567].fxs wrong.fxs all.fxs
 done
 
-# Damage that has the right checksums: forge WHERE, into part 3.
+# forge WHERE: damages part 3, with right checksums.
 forge() {
     python3 - "$1" part-3.fxs wrong.fxs <<'END'
 import struct, sys, zlib

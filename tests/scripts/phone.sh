@@ -1,8 +1,8 @@
 #!/bin/sh
-# What a phone has, an AArch64 with OpenGL ES 3.0 and a window, as far as qemu-user and Mesa's software driver go: one
-# hash by the processor's NEON and by both exact ways of GLES, test_gles and test_window, and the window on a virtual
-# screen by its keys. Long: make test-all (FXS_PROCESSORS=all). It wants Debian's libraries of arm64, which are asked
-# for by hand, as they make the system one of two architectures: docs/porting.md has the command.
+# A phone (AArch64, OpenGL ES 3.0 and a window), simulated by qemu-user and Mesa's software driver: one hash by NEON and
+# by both exact ways of GLES, test_gles and test_window, and the window's keys on a virtual screen. Long: make test-all
+# (FXS_PROCESSORS=all). Needs Debian's arm64 libraries, installed by hand, since they make the system
+# multi-architecture: docs/porting.md has the command.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -20,7 +20,7 @@ int main(int argc, char **argv) { (void)argc, (void)argv; return SDL_Init(0) + !
     $arm -I/usr/include/SDL2 -x c - -lSDL2 -lEGL -o "$work/links" 2>/dev/null; then
     skip phone "no libraries of arm64 here: docs/porting.md says how to get them"
 else
-    # Its command, as a program of this machine runs one.
+    # Wraps the arm64 command as a program of this machine.
     mkdir "$work/by_qemu"
     cat >"$work/by_qemu/fixsplat" <<END
 #!/bin/sh
@@ -43,7 +43,6 @@ END
     check "its processor, NEON" equal "$(hash_by cpu neon)" "$hash"
     check "GLES by lists or fetch" equal "$(hash_by gles all)" "$hash"
     check "GLES by fetch" equal "$(hash_by gles-fetch all)" "$hash"
-    # passes TEST: prints what failed, where something did.
     passes() { FXS_SCENES=/none qemu-aarch64 "$made/tests/$1" >"$work/log" 2>&1 || { cat "$work/log"; return 1; }; }
     check "test_gles" passes test_gles
     check "test_window" passes test_window

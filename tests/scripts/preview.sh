@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat fit --preview: what it serves while a scene is fitted, the same scene as without, how it ends, misuse; and in
-# Chromium its page. PICTURES=FOLDER keeps pictures of that.
+# fixsplat fit --preview: served files during a fit, the same scene as without, shutdown, misuse; and its page in
+# Chromium. PICTURES=FOLDER keeps pictures of the page.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -20,7 +20,6 @@ echo '<!doctype html>' | tee page/viewer/index.html >page/viewer/fit.html
 FIXSPLAT_WEB=$work/page
 export FIXSPLAT_WEB
 
-# begins ARGUMENT...: in the background, at $at.
 through=
 begins() {
     rm -f logs/errors
@@ -37,7 +36,7 @@ code() { get -o logs/body -w '%{http_code}' "$@"; }
 number() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p" "$2"; }
 points() { sed 's/.*"points": \[\(\[.*\]\)*\].*/\1/; s/\], /]\n/g' "$1" | grep -c '^\['; }
 
-# ---- While it is fitted ------------------------------------------------------------------------------------------------
+# ---- During the fit --------------------------------------------------------------------------------------------------
 
 begins --steps 1000000 -o long.fxs
 tries=0
@@ -100,7 +99,6 @@ psnr=$(grep -o '"psnr": [0-9.]*, "ssim": [0-9.]*, "affine' logs/printed | tail -
 check "the result: that of the report" grep -q "\"result\": {\"photographs\": 2, \"psnr\": $psnr" fit.json
 check "status 0, one JSON object" equal "$status $(wc -l <logs/printed)" "0 1"
 
-# A scene does not fit on the disk: said once.
 ln -s /dev/null null.fxs
 (
     trap '' XFSZ

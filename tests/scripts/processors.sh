@@ -1,8 +1,7 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c and the .fxs files of tests/test_fxs_bytes.c on a
-# processor of 32 bits and on a big-endian one; photographs, kernels and a renderer without float registers under
-# AArch64. By qemu-user, where this processor does not run them itself. FXS_PROCESSORS=all (make test-all): on 18 of
-# them, by clang and with musl, the golden images under AArch64 and the kernels under i686 too.
+# One picture everywhere: the random frames of tests/test_random.c and the files of tests/test_fxs_bytes.c on a 32-bit
+# and a big-endian processor; photographs, kernels and a renderer without float registers on AArch64. By qemu-user if
+# needed. FXS_PROCESSORS=all: 18 processors, clang and musl, the golden images on AArch64 and the kernels on i686 too.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -17,8 +16,8 @@ photos="tests/test_photo_bytes.c src/base/*.c src/camera/[!fgswy]*.c src/image/i
     src/core/view.c src/scene/read/ply_*.c src/fit/photo*.c port/posix/files.c port/posix/output.c port/posix/pool.c"
 files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"
 
-# What tools/probe.sh finds, with which the Makefile builds src/pack: floats are no wider than they are written. A tree
-# of levels of detail wants that, and is refused else.
+# Prints the flags for float arithmetic without excess precision, found like in tools/probe.sh; the Makefile builds
+# src/pack with them. Without such flags, trees of levels are refused.
 singles() {
     for found in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do
         printf '#include <float.h>\n#if FLT_EVAL_METHOD != 0\n#error\n#endif\n' |
@@ -26,7 +25,6 @@ singles() {
     done
 }
 
-# processor NAME COMPILER EMULATOR: the programs that each processor runs.
 processor() {
     if ! links $2 -static; then
         skip "$1" "no $2 with its C library here"
@@ -35,14 +33,14 @@ processor() {
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
         variant $1 "$2 $flags -O1 -static src/core/*.c tests/test_random.c -o %" $3
-        # Floats that are wider than they are written need no byte order of their own.
+        # The files run on i686, where floats are wider; with FXS_PROCESSORS=all everywhere.
         [ "$FXS_PROCESSORS" != all ] && [ $1 != i686 ] ||
             variant $1-files "$2 $flags -O1 -static $files -lm -o %" $3
         [ -z "$(singles $2)" ] || variant $1-trees "$2 $flags $(singles $2) -O1 -static $files -lm -o %" $3
     fi
 }
 
-# What only AArch64 is asked: no float register in src/core, the kernels, photographs, the golden images.
+# AArch64 only: no float register in src/core, the kernels, photographs, the golden images.
 aarch64() {
     variant aarch64-integers "mkdir %.objects && cd %.objects &&
         $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/core/*.c &&
@@ -60,7 +58,7 @@ aarch64() {
         variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_PNG $golden $libraries -o %" qemu-aarch64
 }
 
-# By the Makefile, with the kernels of x86: without /usr/include, whose libraries are the host's.
+# By the Makefile with the x86 kernels, without /usr/include, which has the host's libraries.
 i686() {
     alone="$i686 -nostdinc -isystem $($i686 -print-file-name=include) -isystem /usr/i686-linux-gnu/include"
     variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS='-O1 -Werror' LDFLAGS=-static NVCC=none \

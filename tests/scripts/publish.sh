@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat publish: the files of the folder, what it does not take, one file that has all, and in Chromium the pages; those
-# of `fixsplat view --web` too.
+# fixsplat publish: the folder's files, refused arguments, the single file, and the pages in Chromium, with those of
+# `fixsplat view --web`.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -67,7 +67,7 @@ check "by its own name" grep -q '>a &#38; b</a>' list/index.html
 check "--title of several: of the list" grep -q '<title>All</title>' list/index.html
 check "and each has its own name" grep -q '<title>a &#38; b</title>' list/a---b.html
 
-# ---- What goes wrong -------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 fails "no folder" 2 "publish takes scenes and a folder to write" publish knot.ply
 fails "a scene for a folder" 2 "knot.ply is a scene: the last name is that of a folder" publish small.fxs knot.ply
@@ -104,7 +104,7 @@ if ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ld
     (cd killed && find . | sort) >logs/wanted
     for n in $(seq 6); do
         rm -r killed
-        # What a shell says of a command that a signal ended is its own.
+        # The shell's own message about a signal goes to logs/shell.
         { FAULT_KILL=$n LD_PRELOAD=$faults "$fixsplat" publish knot.ply killed --size 64x36 --settings tour.json --quiet
             echo $? >logs/status; } 2>logs/shell
         check "killed at file $n" equal "$(cat logs/status)" 137

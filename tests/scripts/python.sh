@@ -1,6 +1,6 @@
 #!/bin/sh
-# The Python package: arrays against the command's files, and how it is found and installed. tests/python/check.py and
-# arrays.py have what is asked of it.
+# The Python package: arrays compared with the command's files, finding the library, and installation. The checks are in
+# tests/python/check.py and arrays.py.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 . tests/scripts/lib/command.sh
@@ -9,7 +9,7 @@ library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/include/fixsplat/fixsplat.h")
 soname=libfixsplat.so.${version%%.*}
 
-# One that has NumPy and cffi: that of the path, or Debian's.
+# A Python with NumPy and cffi: PATH's, or Debian's.
 python=
 for name in python3 /usr/bin/python3; do
     [ "$python" ] || ! "$name" -c 'import cffi, numpy' 2>/dev/null || python=$name
@@ -21,7 +21,7 @@ done
 PYTHONPATH=$root/port/python PYTHONDONTWRITEBYTECODE=1 FIXSPLAT_LIBRARY=$library/libfixsplat.so.$version
 export PYTHONPATH PYTHONDONTWRITEBYTECODE FIXSPLAT_LIBRARY
 
-# ---- What is declared ------------------------------------------------------------------------------------------------
+# ---- Declarations ----------------------------------------------------------------------------------------------------
 
 check "the version is the library's" equal "$("$python" -c 'import fixsplat; print(fixsplat.__version__)')" "$version"
 (cd "$root" && sh tools/declarations.sh src/include/fixsplat/*.h) >headers.txt
@@ -42,7 +42,7 @@ else
     skip "types: mypy --strict" "no mypy here"
 fi
 
-# ---- What it does ----------------------------------------------------------------------------------------------------
+# ---- Behaviour -------------------------------------------------------------------------------------------------------
 
 make_photographs 9
 "$fixsplat" make-scene cubes -o cubes.ply
@@ -79,13 +79,13 @@ check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
 
 # ---- Finding the library ---------------------------------------------------------------------------------------------
 
-# imports NAME WORDS: without a library named; what is loaded is a path with these words at its end.
+# imports NAME WORDS: without a named library; the loaded path ends with these words.
 imports() {
     said=$(unset FIXSPLAT_LIBRARY; cd / && "$python" -c 'import fixsplat; print(fixsplat._library.PATH)' 2>&1)
     case $said in *"$2") ok "$1" ;; *) fail "$1" "$said" ;; esac
 }
 
-# refuses NAME WORDS FILE: a library that is not taken, in one line.
+# refuses NAME WORDS FILE: the library is refused in one line.
 refuses() {
     said=$(FIXSPLAT_LIBRARY=$3 "$python" -c 'import fixsplat' 2>&1 | tail -n 1)
     if printf '%s\n' "$said" | grep -Eq "^ImportError: fixsplat: .*$2"; then ok "$1"; else fail "$1" "$said"; fi
@@ -101,7 +101,7 @@ echo 'int other;' >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "another library" "is not libfixsplat.so" "$work/other.so"
 
-cp -r "$root/port/python" source && chmod -R u+w source        # of a checkout that may not be written to
+cp -r "$root/port/python" source && chmod -R u+w source        # a read-only checkout
 mkdir -p checkout/port checkout/src/include/fixsplat checkout/build system
 cp -r source checkout/port/python
 cp "$root/src/include/fixsplat/fixsplat.h" checkout/src/include/fixsplat

@@ -1,12 +1,11 @@
 #!/bin/sh
-# tests/run.sh over programs of its own: what passes, fails, is skipped, ends early and does not end, in words and in
-# junit.xml, as Python's parser reads it.
+# tests/run.sh with its own programs: tests that pass, fail, skip, end early and never end, as text and in junit.xml,
+# read with Python's parser.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/tests"
 
-# program NAME: its text comes in.
 program() { { echo '#!/bin/sh'; cat; } >"$work/tests/$1" && chmod +x "$work/tests/$1"; }
 program good <<'END'
 printf 'noise before\001\377 it\n'
@@ -64,7 +63,7 @@ fi
 
 # ---- Tests that do not end, and signals ------------------------------------------------------------------------------
 
-# Of its children the last is deaf to the signal that ends the others.
+# Its last child ignores the signal that ends the others.
 program endless <<'END'
 sleep 60 &
 (trap '' TERM; sleep 60; sleep 60) &
@@ -88,7 +87,7 @@ done
 echo '1 passed, 0 failed, 0 skipped'
 END
 
-# No process of `endless` runs, after five seconds at most; one that has ended may wait for its parent (Z).
+# No process of `endless` runs after five seconds; zombies (Z) are ignored.
 none_left() {
     tries=50
     while cut -d ' ' -f 3 $(sed 's|[0-9]*|/proc/&/stat|g' "$work/processes") 2>/dev/null | grep -v Z; do

@@ -1,6 +1,6 @@
 #!/bin/sh
-# `fixsplat view --web`: what it serves and what not, with which headers; lists, files that change, ranges, large files,
-# TLS, misuse, its end.
+# `fixsplat view --web`: served and refused files, headers, lists, changing files, ranges, large files, TLS, misuse,
+# shutdown.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/served.sh
 . tests/scripts/lib/command.sh
@@ -16,7 +16,7 @@ case $(cat logs/err) in
 esac
 have curl || { skip serve "no curl here"; finish; exit; }
 
-# A page where this test knows every byte, with files beside it that are none of it.
+# A page with known bytes, and files next to it that must not be served.
 mkdir -p page/viewer page/.hidden
 echo '<!doctype html>' >page/viewer/index.html
 echo secret | tee page/.hidden/x page/.x beside.txt >page/viewer/.x
@@ -26,7 +26,6 @@ ln -s ../beside.txt page/out.txt
 FIXSPLAT_WEB=$work/page
 export FIXSPLAT_WEB
 
-# serve ARGUMENT...: in the background, at $at, through $through.
 through=
 serve() {
     rm -f logs/served
@@ -37,7 +36,7 @@ serve() {
     [ "$at" ] || { fail "serves $*" "$(cat logs/errors)"; finish; exit 1; }
 }
 
-# ends SIGNAL: $status and how many tenths it took.
+# ends SIGNAL: sets $status, and the time in tenths of a second.
 ends() {
     kill -"$1" $server
     wait $server
@@ -47,7 +46,6 @@ ends() {
 
 get() { curl -sk --path-as-is "$@"; }
 code() { get -o logs/body -w '%{http_code}' "$@"; }
-# header NAME ARGUMENT...: its value.
 header() {
     name=$1
     shift
@@ -278,7 +276,7 @@ else
     skip "several files" "no $tile"
 fi
 
-# 5 GB, all of it a hole but for the last bytes.
+# 5 GB, sparse except for the last bytes.
 large=5000000000
 if truncate -s $((large - 4)) page/large.bin 2>/dev/null && printf last >>page/large.bin; then
     serve knot.ply
@@ -385,7 +383,7 @@ ends TERM
 if ldd "$fixsplat-web" | grep -q qrencode && have zbarimg; then
     serve knot.ply --qr
     sleep 0.2
-    # Of half blocks on black: light is white ink.
+    # Half blocks on black: light modules are drawn in white.
     sed -n 's/^.\[40;97m\(.*\).\[0m$/\1/p' logs/served | sed 's/\xe2\x96\x88/a/g; s/\xe2\x96\x80/b/g; s/\xe2\x96\x84/c/g' | awk '
         { up = down = ""
           for (i = 1; i <= length($0); i++) {

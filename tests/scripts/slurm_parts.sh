@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat convert --block as an array of Slurm on this machine, one task killed and queued again: the bytes of one run.
-# Long: make test-all (FXS_PROCESSORS=all).
+# fixsplat convert --block as a Slurm array on this machine, one task killed and requeued: the bytes of one run. Only
+# with FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/slurm.sh
 [ "$FXS_PROCESSORS" = all ] || { skip slurm_parts "only in make test-all"; finish; exit; }
@@ -16,7 +16,7 @@ cat >job.sh <<JOB
 [ "\$SLURM_ARRAY_TASK_ID" != 2 ] || [ -n "\$SLURM_RESTART_COUNT" ] || sleep 600
 exec $fixsplat convert scene.ply part-\$SLURM_ARRAY_TASK_ID.fxs --quiet --levels --block \$SLURM_ARRAY_TASK_ID/4
 JOB
-# In this shell, which the daemons belong to.
+# In this shell, which owns the daemons.
 if slurm_start "$work/slurm" >logs/slurm; then ok "Slurm starts"; else fail "Slurm starts" "$(cat logs/slurm)"; finish; exit; fi
 job=$(sbatch --parsable --requeue --array=1-4 --output=logs/task-%a job.sh)
 check "task 2 runs" slurm_running "${job}_2"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# One hash for 1 to 16 threads, in more and less memory, for every instruction set, on processors that lack the newer
-# ones (qemu-x86_64: a wrong choice is an illegal instruction there; more of them with FXS_PROCESSORS=all), and no
-# finding by ThreadSanitizer and Valgrind.
+# One hash for 1 to 16 threads, with more and less memory, for every instruction set, and on processors without the
+# newer ones (qemu-x86_64, where a wrong choice is an illegal instruction; more with FXS_PROCESSORS=all).
+# ThreadSanitizer and Valgrind find nothing.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 set -- render "$work/scene.ply" --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 333x187 --hash
 expected=$("$B/fixsplat" "$@" --cpu c --threads 1)
 
-# same NAME COMMAND...: it prints the expected hash.
+# same NAME COMMAND...: the command prints the expected hash.
 same() {
     name=$1
     shift
@@ -30,7 +30,7 @@ for cpu in c sse41 avx2 avx512 neon sse41,avx2 avx2,avx512; do
     fi
 done
 
-# The same for several objects, with depths and ids, for a panorama, and for a foveated picture.
+# Several objects with depths and ids, a panorama, and a foveated picture.
 objects() { set -- "$work/scene.ply" --place 0:0,0,0 --place 0:3,1,-2,1,2,3,4,1.5 --place 0:0,0,1 \
     --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 201x103 "$@"
     "$B/fixsplat" render "$@" --hash --depth "$work/depth.pfm" --ids "$work/ids.raw" --pick 100,50 &&
@@ -41,7 +41,7 @@ picture=$expected expected=$(objects --cpu c --threads 1)
 for how in '--threads 2' '--threads 7' '--threads 3 --max-memory 4800K' '--cpu sse41' '--cpu avx2' '--cpu avx512' \
     '--cpu neon'; do
     if [ "${how#--cpu}" = "$how" ] || objects $how >/dev/null 2>&1; then
-        same "objects, $how" objects $how       # what this processor does not have is skipped above
+        same "objects, $how" objects $how       # instruction sets missing here were skipped above
     fi
 done
 expected=$picture

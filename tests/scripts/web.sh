@@ -1,17 +1,17 @@
 #!/bin/sh
-# The npm package (docs/web.md), in Node and a page of Chromium: the bytes of the command, with simd128 and without, by
-# one thread and by two; errors in words; memory and download sizes within their limits; test_kernels as a program of WASI.
-# FXS_PROCESSORS=all, as `make test-all` sets it: a view of every real scene.
+# The npm package (docs/web.md) in Node and in a Chromium page: the command's bytes, with and without simd128, with one
+# thread and two; error messages; memory and download sizes within limits; test_kernels as a WASI program.
+# FXS_PROCESSORS=all (`make test-all`): a view of every real scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web
 
-# Relaxed products (fixsplat.js) are behind a flag in Node 20, and newer ones know no such flag: RELAX=$relax.
+# Relaxed products (fixsplat.js) need a flag in Node 20, which newer versions refuse: RELAX=$relax.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# kernels_are_exact: with precise products, and with relaxed ones, as fixsplat.js puts them in.
+# kernels_are_exact: with precise products and with relaxed ones, as fixsplat.js inserts them.
 kernels_are_exact() {
     for relaxed in '' $([ "$(RELAX=$relax web relaxed)" = true ] && echo yes); do
         RELAXED=$relaxed node --no-warnings $relax tests/web/wasi.mjs "$B/web/test_kernels.wasm" >"$work/log" 2>&1
@@ -21,7 +21,7 @@ kernels_are_exact() {
     done
 }
 
-# The bytes that fixsplat.js replaces are products, all of them.
+# All bytes that fixsplat.js replaces are products.
 products_are_found() {
     for name in simd threads; do
         is=$(wasm-dis --all-features "$package/$name.wasm" 2>/dev/null | grep -c i16x8.q15mulr_sat_s)
@@ -29,7 +29,8 @@ products_are_found() {
     done
 }
 
-# same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: by each module, that of `fixsplat render FXS... OPTION...`.
+# same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: each module draws the picture of `fixsplat render FXS...
+# OPTION...`.
 same_picture() {
     camera=$1 options=$2 objects=$3 files=
     shift 3
@@ -43,7 +44,6 @@ same_picture() {
     done
 }
 
-# renders FILE NAME: a scene, seen whole.
 renders() {
     "$B/fixsplat" convert "$1" "$work/scene.fxs" >/dev/null &&
         same_picture '{}' '{"width":640,"height":360}' '[]' "$work/scene.fxs" -- --size 640x360
@@ -56,7 +56,7 @@ threads_work() {
     return 1
 }
 
-# same_packed FILE PROFILE [MODULE...]: the module packs as `fixsplat convert` does; by default with threads, as Node can.
+# same_packed FILE PROFILE [MODULE...]: each module packs like `fixsplat convert`; default: threads.
 same_packed() {
     packed=$1 profile=$2
     shift 2
@@ -73,7 +73,7 @@ make_scene() {
         done
 }
 
-# same_pair LEFT RIGHT OPTIONS OPTION...: two eyes, as `fixsplat render OPTION...` shows them side by side.
+# same_pair LEFT RIGHT OPTIONS OPTION...: two eyes equal `fixsplat render OPTION...` side by side.
 same_pair() {
     left=$1 right=$2 options=$3
     shift 3
@@ -84,7 +84,6 @@ same_pair() {
     done
 }
 
-# Coverage, depths and ids as the command writes them.
 same_targets() {
     set -- --size 160x120 --eye 2,-1,-4 --near 0.5
     for kind in median mean; do
@@ -98,7 +97,6 @@ same_targets() {
     done
 }
 
-# The example of the README renders a picture of the scene.
 example() {
     mkdir -p "$work/example/node_modules" && cp "$work/20000-default.fxs" "$work/example/scene.fxs" &&
         ln -s "$package" "$work/example/node_modules/fixsplat" &&
@@ -113,7 +111,7 @@ pick_is_the_same() {
     printf '%s' "$want" | grep -Eq "\"gaussian\": ?$number\\b" || { echo "$got, not $want"; return 1; }
 }
 
-# canvas_is_the_same PAGE THREADS: a canvas in Chromium has the same pixels, and the page so many threads.
+# canvas_is_the_same PAGE THREADS: a canvas in Chromium has the same pixels, and the page THREADS threads.
 canvas_is_the_same() {
     rm -f "$work/served"
     node tests/web/serve.mjs "$package" "$knot" >"$work/served" &
@@ -131,7 +129,7 @@ canvas_is_the_same() {
     return 1
 }
 
-# Readers: every format, in one file and in several, as tests/test_scene_input.c writes them, and tests/test_bombs.c.
+# Readers: every format, in one file and in several, as written by tests/test_scene_input.c, and tests/test_bombs.c.
 reader() { node --no-warnings --expose-gc tests/web/import.mjs "$package" "$@"; }
 readers() {
     mkdir "$work/formats" "$work/bombs"
@@ -165,11 +163,10 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-# Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail, and 1.4 of each scenes
-# that come in parts; 4.7 of simd and threads are WebGPU's plans of frames; 5 of import are the reader of .rad. 0.4 of
-# each are what a file says is up. 0.2 of import keep the names in a scene within its folder, and look at how a file
-# begins. 2.6 of core, simd and threads are coordinates far from 0, the start of a view and rotations by their first
-# axis; 5.5 to 7.4 of import are sparse accessors, names of arrays, limits of what is read and what profiles lose.
+# KB of some features. Levels of detail: 4.3 of core, 2.6 of simd, 1.9 of threads; paged scenes: 1.4 of each. WebGPU's
+# plans: 4.7 of simd and threads. .rad: 5 of import. Up axis: 0.4 of each. Names within the folder, checks of a file's
+# beginning: 0.2 of import. Coordinates far from 0, start views, rotations by their first axis: 2.6 of core, simd and
+# threads. Sparse accessors, array names, limits, reported losses: 5.5 to 7.4 of import.
 for size in core.wasm:55800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \
     import_sog.wasm:90500 import_core.wasm:117900 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
@@ -231,12 +228,9 @@ eyes='--size 128x96 --eye 0,-2,-9 --look 0,-2,0 --near 0.5'
 check "two eyes" same_pair '{"eye":[-0.25,-2,-9],"look":[-0.25,-2,0],"near":0.5}' \
     '{"eye":[0.25,-2,-9],"look":[0.25,-2,0],"near":0.5}' '{"width":128,"height":96}' $eyes --stereo 0.5
 seen='"fx":64,"fy":48,"cy":60,"rotation":[[1,0,0],[0,1,0],[0,0,1]],"near":0.5'
-for exact in '' --stereo-exact; do
-    check "two eyes of a headset $exact" same_pair "{\"cx\":72,\"position\":[-0.25,-2,-9],$seen}" \
-        "{\"cx\":56,\"position\":[0.25,-2,-9],$seen}" \
-        "{\"width\":128,\"height\":96,\"exact\":$([ "$exact" ] && echo true || echo false)}" \
-        $eyes --stereo 0.5 --tangents -1.125,0.875,1.25,-0.75 $exact
-done
+check "two eyes of a headset" same_pair "{\"cx\":72,\"position\":[-0.25,-2,-9],$seen}" \
+    "{\"cx\":56,\"position\":[0.25,-2,-9],$seen}" '{"width":128,"height":96}' \
+    $eyes --stereo 0.5 --tangents -1.125,0.875,1.25,-0.75
 check "pick" pick_is_the_same
 check "png" web png "$knot"
 check "the example of the README" example

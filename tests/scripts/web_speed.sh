@@ -1,16 +1,16 @@
 #!/bin/sh
-# What a frame of the npm package takes beside the command's by SSE4.1, in turns: it wants the machine to itself.
+# Frame times of the npm package compared with the command's by SSE4.1, in turns. Needs an idle machine.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web_speed
 grep -q ' sse4_1 ' /proc/cpuinfo || { skip web_speed "no SSE4.1 here to compare with"; finish; exit; }
 
-# Relaxed products (fixsplat.js) are behind a flag in Node 20, and newer ones know no such flag: RELAX=$relax.
+# Relaxed products (fixsplat.js) need a flag in Node 20, which newer versions refuse: RELAX=$relax.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# in_turns SCENE CAMERA SIZE OPTION...: milliseconds a frame of each module and of the command, to `times`.
+# in_turns SCENE CAMERA SIZE OPTION...: writes milliseconds per frame of each module and of the command to `times`.
 in_turns() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
     shift 3
@@ -29,7 +29,7 @@ in_turns() {
     done >>"$work/times"
 }
 
-# table SIZE: what `times` say. Two threads take at most twice as long as native ones.
+# table SIZE: summarises `times`. Two threads must take at most twice the native time.
 table() {
     awk -v size="$1" '
         !($2 > 0) { failed = 1 }
@@ -45,7 +45,6 @@ table() {
         }' "$work/times" >"$work/table"
 }
 
-# speed SCENE CAMERA SIZE OPTION...: prints milliseconds a frame. What else runs here takes more turns.
 speed() {
     for again in 1 2 3; do
         in_turns "$@" && table "$3" && break

@@ -1,8 +1,7 @@
 #!/bin/sh
-# A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGL 2 is SwiftShader's: the pixels of the
-# command, by the processor and by WebGL; lost contexts, errors in words, what is given back; and Splats in scenes of
-# three.js and PlayCanvas. With FXS_PROCESSORS=all every scene of shared/scenes, not some, and all of PlayCanvas. SPEED=1
-# measures too.
+# A Screen of the npm package (docs/web.md) in headless Chromium with SwiftShader's WebGL 2: the command's pixels, by
+# the processor and by WebGL; lost contexts, error messages, freed resources; and Splats in scenes of three.js and
+# PlayCanvas. FXS_PROCESSORS=all: every scene of shared/scenes, and all of PlayCanvas. SPEED=1 measures too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgl chromium -- playcanvas puppeteer-core three

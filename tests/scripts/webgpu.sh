@@ -1,7 +1,7 @@
 #!/bin/sh
-# A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGPU is SwiftShader's: the pixels of the
-# command; what is not shown, textures of the caller, lost devices, errors in words, what is given back. With
-# FXS_PROCESSORS=all scenes of shared/scenes, examples with other engines and the viewer's page too.
+# A Screen of the npm package (docs/web.md) in headless Chromium with SwiftShader's WebGPU: the command's pixels;
+# offscreen targets, the caller's textures, lost devices, error messages, freed resources. FXS_PROCESSORS=all: scenes of
+# shared/scenes, examples with other engines, and the viewer's page too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core
@@ -34,7 +34,7 @@ if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
 fi
 asks webgpu.mjs "$B/fixsplat"
 
-# Chromium's SwiftShader for Dawn in Node, which npm's webgpu has.
+# Chromium's SwiftShader for Dawn in Node, from npm's webgpu.
 driver=/usr/lib/chromium/vk_swiftshader_icd.json
 in_node() {
     mkdir "$work/few" && ln -s ../few.ply "$work/few" &&

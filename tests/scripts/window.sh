@@ -1,9 +1,9 @@
 #!/bin/sh
-# The viewer in a window of a virtual screen, by its keys and the pointer: what it writes is what `render` renders.
+# The viewer in a window on a virtual screen, driven by keys and the pointer: its screenshots equal `render`'s pictures.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
-XDG_STATE_HOME=$work/state                         # recent scenes are kept there
+XDG_STATE_HOME=$work/state                         # the list of recent scenes goes there
 export XDG_STATE_HOME
 server= viewer=
 trap 'kill $viewer $server 2>/dev/null; rm -rf "$work"' EXIT
@@ -38,7 +38,6 @@ have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; e
 Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
 server=$!
 
-# until_ TENTHS COMMAND...: tries the command for so long.
 until_() {
     tries=$1
     shift
@@ -56,7 +55,7 @@ until_ 100 lines "$work/display" 1 || { fail "virtual screen" "$(cat "$work/serv
 DISPLAY=:$(cat "$work/display") SDL_VIDEODRIVER=x11 DBUS_SESSION_BUS_ADDRESS=disabled:
 export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
-# open COMMAND...: the viewer with the knot and $others, in the background; its window has the focus.
+# open COMMAND...: starts the viewer with the knot and $others, in the background; its window has the focus.
 others=
 open() {
     "$@" view "$work/knot.ply" $others --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
@@ -71,7 +70,7 @@ open() {
 
 titled() { xdotool getwindowname "$window" | grep -q "$1"; }
 
-# close COMMAND...: the viewer ends by this; $status.
+# close COMMAND...: the command ends the viewer; sets $status.
 close() {
     "$@"
     until_ 200 ended || kill -KILL $viewer
@@ -80,14 +79,14 @@ close() {
     viewer=
 }
 
-# shot NAME: a screenshot, as $work/NAME.png. The viewer has printed a line when it is there.
+# shot NAME: takes a screenshot, $work/NAME.png. The viewer prints a line when it is written.
 shot() {
     shots=$((shots + 1))
     xdotool key p
     until_ 300 lines "$work/out" $shots && mv "$work/shot.png" "$work/$1.png"
 }
 
-# same NAME ARGUMENT...: the screenshot is the picture that `render` makes with these arguments.
+# same NAME ARGUMENT...: the screenshot equals `render`'s picture with these arguments.
 same() {
     name=$1
     shift
@@ -95,7 +94,7 @@ same() {
     check "$name" cmp "$work/$name.png" "$work/rendered.png"
 }
 
-# same_again NAME: that which the printed command makes.
+# same_again NAME: the printed command makes the same picture.
 same_again() {
     command=$(tail -n 1 "$work/out")
     eval "\"\$B/fixsplat\" ${command#fixsplat }"
@@ -148,7 +147,7 @@ if open "$B/fixsplat"; then
     xdotool mousemove --window "$window" 215 160 click 1
     check "a distance" until_ 50 titled ' [0-9.]* units$'
     xdotool key m z
-    xdotool key p                                  # of depths, no command makes the picture
+    xdotool key p                                  # for depths no command is printed
     check "a picture of depths" until_ 50 titled 'written: '
     mv "$work/shot.png" "$work/depths.png"
     check "depths show" differ focused depths
@@ -157,7 +156,7 @@ if open "$B/fixsplat"; then
     check "escape: status 0" [ $status = 0 ]
     check "not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
 fi
-"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a name that the printed command has to quote
+"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a name that the printed command must quote
 others="$work/cube's.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
 if open "$B/fixsplat"; then
     shot objects
@@ -172,10 +171,9 @@ others=
 
 # ---- The crop box ----------------------------------------------------------------------------------------------------
 
-# The handle of the side right: 5.01,-0.2,0 of 0,-1,-12 at 300 pixels.
+# Drags the handle of the right side: 5.01,-0.2,0 seen from 0,-1,-12 at a focal length of 300 pixels.
 drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
 
-# crops TIMES: the last of so many commands that write what is in the box.
 crops() {
     xdotool key Return
     check "cropped, $1" until_ 100 titled "written: $work/knot-cropped-00$1.ply"
@@ -211,7 +209,7 @@ if open "$B/fixsplat"; then
     check "a signal: status 0" [ $status = 0 ]
 fi
 
-# ---- Without a scene, or none that can be read -----------------------------------------------------------------------
+# ---- Without a scene, or with an unreadable one ----------------------------------------------------------------------
 
 "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
 viewer=$!
@@ -222,7 +220,7 @@ xdotool windowfocus --sync "$window"
 close xdotool key p n h Escape
 check "without a scene: escape, status 0" [ $status = 0 ]
 check "without a scene: not a word" equal "$(cat "$work/out" "$work/errors" | grep -v 'no words in the window')" ""
-# reopen COMMAND...: the scene that was open last is opened by this from the window without one.
+# reopen COMMAND...: in a window without a scene, the command opens the last scene.
 reopen() {
     "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
     viewer=$!
@@ -238,7 +236,7 @@ reopen() {
 click_first() { xdotool mousemove --window "$window" $((WIDTH / 2)) $((HEIGHT / 2 + 6)) click 1; }
 
 check "recent scenes" equal "$(cat "$work/state/fixsplat/recent")" "$work/knot.ply"
-# A damaged one says why in the window, which goes on.
+# A damaged scene is reported in the window, which stays open.
 head -c 200 "$work/knot.ply" >"$work/cut.ply"
 echo "$work/cut.ply" >>"$work/state/fixsplat/recent"
 after_damaged() {
@@ -272,7 +270,8 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
-# On one processor with the screen: what wakes the window, when it closes as pictures are done, is the later to be served.
+# Viewer and screen share one processor: a window closed while pictures are drawn must end with status 0, though its
+# wake-up event is served late.
 if have taskset; then
     processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
     taskset -pc "$processor" $server >/dev/null

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The programs of `make windows`, from their folder alone, under wine: the same pictures, files and fits as those for
-# Linux; the answers of the server; the window on a virtual screen; names, and what goes wrong, as Windows has them; and
-# the test programs that can be built for it. Only with FXS_PROCESSORS=all (make test-all).
+# The programs of `make windows` under wine, from their folder alone: the pictures, files and fits of Linux; the
+# server's answers; the window on a virtual screen; Windows names and errors; and the test programs that build for it.
+# Only with FXS_PROCESSORS=all (make test-all).
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
 compiler=${WINDOWS_CC:-x86_64-w64-mingw32-gcc}
@@ -28,7 +28,7 @@ program="$work/only this/fixsplat.exe"
 w() { "$wine" "$program" "$@"; }
 fixsplat_linux=$fixsplat
 
-# refused NAME STATUS WORDS ARGUMENT...: as `fails`, of the program for Windows.
+# refused NAME STATUS WORDS ARGUMENT...: like `fails`, for the Windows program.
 cat >logs/windows <<END
 #!/bin/sh
 exec "$wine" "$program" "\$@"
@@ -36,7 +36,7 @@ END
 chmod +x logs/windows
 refused() { kept=$wanted fixsplat=$work/logs/windows; fails "$@"; wanted=$kept fixsplat=$fixsplat_linux; }
 
-w --version >logs/out 2>/dev/null        # makes wine's folder
+w --version >logs/out 2>/dev/null        # creates wine's folder
 check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
 check "ends no line but by a line feed" equal "$(w help formats | tr -d '\r' | cksum)" "$(w help formats | cksum)"
 check "/?: help" equal "$(w /?) $(w render /?)" "$("$fixsplat" --help) $("$fixsplat" render --help)"
@@ -84,7 +84,7 @@ check "render --budget: of a file that is read in part" equal \
 mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
 check "convert lod-meta.json: the same folder" diff -r windows linux
 
-# As a program for Windows has them, behind windows.h.
+# Headers after windows.h, as Windows programs include them.
 {
     echo '#include <windows.h>'
     ls "$root/src/include/fixsplat" | sed 's|.*|#include <fixsplat/&>|'
@@ -94,7 +94,7 @@ check "convert lod-meta.json: the same folder" diff -r windows linux
 } >layout.c
 check "all structs are as on Linux" $compiler -std=c11 -Wall -Werror -I"$root/src/include" -c layout.c -o layout.o
 
-# README's program, which has the .dll beside it.
+# README's program, with the .dll in its folder.
 sed -n '/^```c$/,/^```$/p' "$root/README.md" | sed '/^```/d' >program.c
 mkdir dll && cp "$built"/libfixsplat-*.dll dll &&
     $compiler -std=c99 -I"$root/src/include" program.c -o dll/program.exe "$built/libfixsplat.dll.a" &&
@@ -141,7 +141,7 @@ check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
 cp -r set/images plain
 refused "fit of photographs without cameras" 1 'needs colmap, which is not installed' fit plain -o plain.fxs
 check "they are there for COLMAP" diff -r plain plain.fxs.cameras/images
-# At a console of wine: Ctrl-C saves what is fitted.
+# In wine's console, Ctrl-C saves the fit.
 if have script; then
     {
         until [ "$(cat stop.log 2>/dev/null | wc -l)" -gt 1 ]; do sleep 0.2; done
@@ -178,8 +178,8 @@ gone() {
     tries=0
     while get -o logs/body "$at/"; do [ $((tries += 1)) -lt 50 ] || return 1; sleep 0.1; done
 }
-# answers: to each request of `requests`, the address and options of curl, with all headers but for the times. What is
-# compressed tells the system in a byte.
+# answers: prints the answer to each line of `requests` (address and curl options), with all headers except times.
+# Compressed bodies name the system in one byte.
 answers() {
     while read -r path options; do
         get $options -D logs/head -o logs/body "$at$path"
@@ -292,14 +292,14 @@ else
     fi
     gone
 
-    # What looks on changes no byte; and at a console of wine, Ctrl-C.
+    # A preview changes no byte; and Ctrl-C in wine's console.
     serves env -u FIXSPLAT_QUIET "$wine" "$program" fit set --steps 200 --preview --port 0 -o preview.fxs
     get -o fit.json "$at/fit.json"
     check "fit --preview: answers while it fits" grep -q '"scene": "preview.fxs", "state": "' fit.json
     wait $server
     check "fit --preview: the same file" cmp preview.fxs linux-fit.fxs
     if have script; then
-        # at_console PROGRAM'S ARGUMENTS: its address is $at; `logs/status` when it has ended.
+        # at_console PROGRAM'S ARGUMENTS: its address is $at; `logs/status` is written when it ends.
         at_console() {
             rm -f logs/status logs/printed
             mkfifo keys
@@ -309,7 +309,6 @@ else
             rm keys
             until at=$(cat logs/printed 2>/dev/null | grep -o 'http://[0-9.]*:[0-9]*'); [ "$at" ]; do sleep 0.2; done
         }
-        # by_ctrl_c: ends it, 30 seconds at most.
         by_ctrl_c() {
             printf '\003' >&3
             tries=0
@@ -385,13 +384,13 @@ check "a whole path with the prefix" equal "$(w render "$whole\\knot.ply" --hash
 w convert knot.ply "$whole\\whole.fxs"
 check "written there too" cmp whole.fxs linux.fxs
 
-# ---- Lines as they are typed in cmd ----------------------------------------------------------------------------------
+# ---- Command lines as typed in cmd -----------------------------------------------------------------------------------
 
 $compiler -O1 -o line.exe "$root/tests/windows/line.c" && mkdir 'a folder' many || exit 1
 for name in b.ply A.ply C.PLY 'x[1].ply'; do cp knot.ply "many/$name"; done
 cp linux.fxs many/ && cp knot.ply 'a folder/'
 mkdir -p plain-page/viewer && cp page/fixsplat.js plain-page && cp page/viewer/index.html plain-page/viewer
-# typed ARGUMENTS: as they are written.
+# typed ARGUMENTS: passed unchanged.
 typed() {
     printf '"Z:%s" %s\n' "$(printf %s "$program" | tr / '\\')" "$1" >logs/line
     FIXSPLAT_WEB=plain-page "$wine" line.exe logs/line 2>logs/err
@@ -418,7 +417,6 @@ check "and behind that a name" equal "$(typed 'info "a folder\"knot.ply --json')
 
 # ---- The window ------------------------------------------------------------------------------------------------------
 
-# until_ COMMAND...: tries the command for half a minute.
 until_() {
     tries=300
     until "$@" >/dev/null 2>&1; do
@@ -430,7 +428,7 @@ until_() {
 titled() { window=$(xdotool search --onlyvisible --name "$1") && [ "$window" ]; }
 lines() { [ "$(wc -l <"$1")" -ge "$2" ]; }
 
-# open TITLE ARGUMENT...: the window, in the background, until it has this title; it has the focus.
+# open TITLE ARGUMENT...: starts the window in the background, waits for this title, and gives it the focus.
 open() {
     title=$1
     shift
@@ -440,7 +438,7 @@ open() {
     xdotool windowfocus --sync "$window"
 }
 
-# shot NAME: the screenshot of key p is the picture that the printed command makes, on Linux.
+# shot NAME: the screenshot of key p equals the picture of the printed command on Linux.
 shot() {
     shots=$((shots + 1))
     xdotool key p
@@ -451,7 +449,7 @@ shot() {
     check "the window: $1" cmp "$1.png" shot.png
 }
 
-# close WORDS: the window ends by Escape, with status 0, and these are on stderr.
+# close WORDS: Escape ends the window with status 0 and these words on stderr.
 close() {
     rm -f logs/status
     xdotool key Escape
@@ -477,7 +475,7 @@ else
     DISPLAY=:$(cat logs/display)
     export DISPLAY
     unset SDL_VIDEODRIVER
-    end_wine                                # and it begins again, with the screen
+    end_wine                                # restarts with the screen
     fonts=$WINEPREFIX/drive_c/windows/Fonts
     rm -f "$fonts"/segoeui.ttf "$fonts"/tahoma.ttf "$fonts"/arial.ttf "$fonts"/verdana.ttf
     if open 'knot.ply - ' knot.ply --size 320x200 --screenshot shot.png; then
@@ -521,11 +519,11 @@ knot.ply"
     else
         skip "the window: Ctrl-C" "no script here"
     fi
-    # Of a console that ends with it, as where a scene is dropped on the program, nobody reads why.
+    # A scene dropped on the program gets a console that closes with it, so the window must show the error.
     (cd 'only this' && exec "$wine" start /wait fixsplat-view.exe "$whole\\short.ply") >logs/out 2>&1 &
     says_why() { titled '^fixsplat - short.ply: '; }
     check "a damaged scene that is dropped on the program: the window says why" until_ says_why
-    # The console, which opens later, takes the keys to itself.
+    # The console opens later and takes the keyboard focus.
     ends() { ! says_why || { timeout 5 xdotool windowfocus --sync "$window" key Escape; false; }; }
     check "and Escape closes it" until_ ends
     end_wine
@@ -536,7 +534,7 @@ knot.ply"
     wait $server
 fi
 
-# ---- What goes wrong -------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 refused "no such file" 1 '^fixsplat: nothing.ply: No such file or directory$' render nothing.ply --hash
 refused "a folder" 1 'not-there/x.fxs: cannot be written: No such file' convert knot.ply not-there/x.fxs
@@ -593,7 +591,7 @@ check "ended at once: nothing is left" equal "$(ls -A | grep -e killed -e 'fixsp
 
 # ---- The test programs -----------------------------------------------------------------------------------------------
 
-# With no folder of their own, /tmp is that of the drive.
+# Tests without their own folder use /tmp of the drive.
 cd "$root" || exit 1
 count=0
 for test in "$built"/tests/test_*.exe; do

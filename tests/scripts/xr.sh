@@ -1,7 +1,6 @@
 #!/bin/sh
-# The viewer in a headset (docs/web.md), which iwer plays in headless Chromium: the pixels of the command in both eyes,
-# controllers, sizes that follow the time, and the page before, after and when something goes wrong. With
-# FXS_PROCESSORS=all by WebGPU too.
+# The viewer in a headset (docs/web.md), simulated by iwer in headless Chromium: the command's pixels in both eyes,
+# controllers, adaptive sizes, and the page before, after and on errors. FXS_PROCESSORS=all: WebGPU too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs xr chromium -- puppeteer-core iwer

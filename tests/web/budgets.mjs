@@ -1,9 +1,8 @@
-// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for tools/bench.sh.
-// cuts: frames with a budget beside as many Gaussians of splat-transform, Spark and a pruned scene.
-// budgets: PSNR, time and bytes of frames with less and less of a budget; ROUNDS of times (5). LANDSCAPE: how many Gaussians
-// that has (10000000).
-// steps: from frame to frame of a slow path, in FRAMES (240). boards: what one draws in a tenth of a second.
-// FOLDER keeps what is made of the scenes; what is there already is taken. MODULES: of tools/page_modules.sh.
+// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
+// tools/bench.sh. cuts: budgets compared with equal numbers of Gaussians by splat-transform, Spark and pruning.
+// budgets: PSNR, time and bytes of frames with falling budgets; ROUNDS of timing (5), LANDSCAPE: its number of
+// Gaussians (10000000). steps: changes between frames on a slow path of FRAMES (240). boards: Gaussians that a board
+// draws in a tenth of a second. FOLDER caches derived scenes. MODULES: made by tools/page_modules.sh.
 import { execFileSync, spawnSync } from 'node:child_process'
 import {
     closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,
@@ -21,7 +20,7 @@ const row = (...cells) => console.log(`| ${cells.join(' | ')} |`)
 const head = (...cells) => { row(...cells); console.log(`|${cells.map(() => '---|').join('')}`) }
 mkdirSync(folder, { recursive: true })
 
-// The file of FOLDER, which make(path) makes where it is not there.
+// A file of FOLDER; make(path) creates it if missing.
 const kept = (name, make) => {
     const path = `${folder}/${name}`, unfinished = `${folder}/unfinished-${name}`
     if (!existsSync(path)) {
@@ -32,7 +31,7 @@ const kept = (name, make) => {
 }
 const convert = (from, name, ...words) => kept(name, to => run(fixsplat, 'convert', from, to, words))
 
-// ---- Scenes, and where they are seen from --------------------------------------------------------------------------------
+// ---- Scenes and views -----------------------------------------------------------------------------------------------
 
 const SCENES = {
     snowmiku: { file: 'snowmiku/snowmiku.ply', cameras: 'snowmiku/cameras.json', timed: 1 },
@@ -40,7 +39,7 @@ const SCENES = {
     'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
     skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
     landscape: { made: LANDSCAPE, size: '1920x1080' },
-    // a million captured Gaussians: seven scenes side by side, each as large
+    // a million captured Gaussians: seven scenes side by side, scaled to the same size
     captured: { up: [0, -1, 0], beside: ['snowmiku/snowmiku.ply', 'kitchen-marble/kitchen-marble.ply',
         'statue-st-peter/st-peter.ply', 'luma-seal/luma-seal.ply', 'guitar/guitar.ply',
         'boatyard-tile3/boatyard-tile3.ply', 'skull/skull.sog'] },
@@ -52,7 +51,7 @@ const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0)
 const cross = (a, b) => [0, 1, 2].map(k => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
 const unit = v => v.map(x => x / Math.hypot(...v))
 
-// Turned about the middle of what is seen, from 18 degrees above: in turn as far off as all of it takes, near and far.
+// Views around the middle of the inner bounds, 18 degrees above, in turn at a distance that shows all, near and far.
 const around = ({ seen: [low, high] }, up) => {
     const half = low.map((x, k) => (high[k] - x) / 2), middle = low.map((x, k) => x + half[k])
     const first = unit(Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]), side = cross(up, first)
@@ -70,7 +69,7 @@ const around = ({ seen: [low, high] }, up) => {
     })
 }
 
-// Scenes in three columns, two apart, each from -1 to 1 in the direction where it is largest.
+// Scenes in three columns, two units apart, each scaled so that its largest side spans -1 to 1.
 const sideBySide = (files, to) => {
     const { up } = SCENES['boatyard-tile3'], parts = files.map((file, i) => {
         const [turned, part] = ['turned', 'part'].map(name => `${folder}/${name}-${i}.ply`)
@@ -86,8 +85,8 @@ const sideBySide = (files, to) => {
     parts.forEach(part => rmSync(part))
 }
 
-// A scene with its levels, and the views that are measured: every eighth of its cameras, or around it; of a made one
-// the view that render takes.
+// A scene with levels, and its measured views: every eighth of its cameras, or around it; for a made scene the view
+// that render chooses.
 const open = name => {
     const { file, made, beside, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
@@ -103,16 +102,15 @@ const open = name => {
     return { ...scene, views, timed: ['--view', timed] }
 }
 
-// Refined for cameras that are not measured, or for those of --refine.
+// Refined for the cameras that are not measured, or for the default ones of --refine.
 const refined = (scene, own = scene.given) => kept(`${scene.name}-refined${scene.given && !own ? '-around' : ''}.fxs`, to => {
     const others = `${folder}/others.json`
     if (own) writeFileSync(others, JSON.stringify(own.filter((_, i) => i % EIGHTH !== 0)))
     run(fixsplat, 'convert', scene.source, to, '--levels', '--refine', own ? ['--cameras', others] : [])
 })
 
-// ---- Pictures ------------------------------------------------------------------------------------------------------------
+// ---- Pictures -------------------------------------------------------------------------------------------------------
 
-// Sums of squared differences of red, green and blue.
 const squares = (a, b, from = 0, to = a.length) => {
     let sum = 0
     for (let i = from; i < to; i++) sum += (i & 3) === 3 ? 0 : (a[i] - b[i]) ** 2
@@ -120,7 +118,6 @@ const squares = (a, b, from = 0, to = a.length) => {
 }
 const psnr = (a, b) => 10 * Math.log10(255 ** 2 * a.length / 4 * 3 / squares(a, b))
 
-// The pictures of a scene's views, and what --stats says of each.
 const pictures = (scene, file, words = [], view = 'all') => {
     const film = `${folder}/film.rgba`, chosen = scene.views ? ['--view', view] : []
     const said = run(fixsplat, 'render', file, scene.options, chosen, words, '-o', film, '--stats', '--quiet')
@@ -134,12 +131,12 @@ const summary = values => ({ mean: mean(values), worst: Math.min(...values) })
 const both = ({ mean, worst }) => Number.isFinite(mean) ? `${round(mean)} (${round(worst)})` : 'equal'
 const against = (whole, frames) => summary(frames.map((frame, i) => psnr(frame, whole.frames[i])))
 
-// ---- Beside others -------------------------------------------------------------------------------------------------------
+// ---- Comparison with others -----------------------------------------------------------------------------------------
 
 const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.ply`, to =>
     run('node', `${modules}/splat-transform-3/bin/cli.mjs`, '-q', '-w', '-g', 'cpu', scene.source, mode, count, to))
 
-// The Gaussians of the largest opacity times mean area of their shadows.
+// The Gaussians with the largest opacity * mean projected area.
 const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to => {
     const bytes = readFileSync(scene.source), end = bytes.indexOf('end_header\n') + 11
     const text = bytes.toString('latin1', 0, end)
@@ -156,7 +153,7 @@ const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to =>
         ...largest.map(i => Buffer.from(values.buffer, 4 * i, 4 * names.length))]))
 })
 
-// What Spark draws of the tree of its quality builder differs from view to view.
+// Spark's cut through the tree of its quality builder, per view.
 const spark = (scene, count) => {
     const files = scene.views.map((_, i) => `${folder}/spark-${i}.ply`)
     run('node', 'tests/web/spark.mjs', modules, 'cut', scene.source, scene.views.flatMap(({ position, rotation }, i) =>
@@ -202,9 +199,9 @@ const cuts = () => {
     }
 }
 
-// ---- Less and less -------------------------------------------------------------------------------------------------------
+// ---- Falling budgets ------------------------------------------------------------------------------------------------
 
-// User time of a frame, milliseconds: what more frames take, one thread, the median of rounds in turns.
+// User time per frame, milliseconds: that of `more` additional frames, one thread, median of interleaved rounds.
 const times = (commands, more) => {
     const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash',
         fixsplat, 'bench', words, '--threads', 1, '--frames', frames))
@@ -234,11 +231,11 @@ const budgets = () => {
         less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
 }
 
-// ---- A slow path ---------------------------------------------------------------------------------------------------------
+// ---- A slow path ----------------------------------------------------------------------------------------------------
 
 const TILE = 16
 
-// The films of files, frame by frame: visit(frames, number), a frame of each.
+// Calls visit(frames, number) with one frame of each film.
 const watch = (scene, keys, films, visit) => {
     const cameras = ['--cameras', `${scenes}/${SCENES[scene.name].cameras}`, '--view', keys, '--frames', FRAMES]
     const opened = films.map(([file, ...words], i) => {
@@ -257,7 +254,7 @@ const watch = (scene, keys, films, visit) => {
     opened.forEach(closeSync)
 }
 
-// Of what changed from one frame to the next: the rms of the picture, and of each tile.
+// RMS of the change between two frames: of the picture, and of each tile.
 const change = difference => {
     const tiles = []
     let all = 0
@@ -302,10 +299,10 @@ const steps = () => {
     }
 }
 
-// ---- Boards --------------------------------------------------------------------------------------------------------------
+// ---- Boards ---------------------------------------------------------------------------------------------------------
 
 const [STEPS, KNOT] = [8, 100000]
-const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]    // instructions a second: docs/boards.md
+const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]    // instructions per second: docs/boards.md
 
 const boards = () => {
     const source = kept('knot.ply', to => run(fixsplat, 'make-scene', 'knot', '--count', KNOT, '-o', to))
@@ -333,7 +330,8 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    let [low, high] = [1, 200]                      // chunks of 256 with which the first board has ten frames, and not
+    let [low, high] = [1, 200]                      // chunks of 256: the first board reaches ten frames a second with
+                                                    // `low`, not with `high`
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

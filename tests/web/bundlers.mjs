@@ -1,7 +1,7 @@
-// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: the package as npm installs it, in programs that the
-// bundlers in MODULES make, and by a line without any. Each is opened in Chromium, isolated (`all`: and not), and draws
-// the pictures of the command by every module of WebAssembly, with threads, and by the element. Prints a table at the
-// end; `all`: that of docs/web.md. WORK has scene.ply. Projects are made beside MODULES, as programs have them above.
+// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: the npm package in programs built by the bundlers in
+// MODULES, and without one. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's
+// pictures with every WebAssembly module, with threads, and with the element. Prints a table; with `all` that of
+// docs/web.md. WORK has scene.ply. Projects are made next to MODULES, so that they find them.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
@@ -23,7 +23,6 @@ const home = mkdtempSync(join(dirname(resolve(modules)), 'try-'))
 process.on('exit', () => rmSync(home, { recursive: true, force: true }))
 for (const signal of ['SIGINT', 'SIGTERM']) process.on(signal, () => process.exit(1))
 
-/** The hash of the command's picture. */
 const rendered = (...options) =>
   execFileSync(command, ['render', scene, '--hash', ...options], { encoding: 'utf8' }).trim().split(/\s/)[0]
 const VIEW = '--size 320x200 --bg 0e1116 --eye 0.3,-0.9,-4 --look 0,0,0 --up 0,-1,0 --fov'.split(' ')
@@ -33,7 +32,6 @@ const WANTED_WIDER = rendered(...VIEW, '60')
 
 // ---- Projects -----------------------------------------------------------------------------------------------------
 
-/** The package, as npm installs it. */
 const published = (() => {
   const folder = join(home, 'installed')
   mkdirSync(folder)
@@ -43,7 +41,6 @@ const published = (() => {
   return join(folder, 'node_modules/fixsplat')
 })()
 
-/** A folder with these files and the package. */
 function project(name, files) {
   const folder = join(home, name.replace(/\W+/g, '_'))
   const texts = { 'package.json': '{ "private": true, "type": "module" }', ...files }
@@ -58,7 +55,7 @@ function project(name, files) {
 const environment = { ...process.env, NEXT_TELEMETRY_DISABLED: '1', NO_COLOR: '1', CI: '1' }
 delete environment.NODE_ENV
 
-/** A command line whose first word is a program of a package, `package#program`, by that one's script. */
+/** Resolves `package#program` at the start of a command line to the package's script. */
 function wordsOf(line) {
   const [program, ...rest] = line.split(' ')
   const [name, key] = program.split('#')
@@ -66,7 +63,6 @@ function wordsOf(line) {
   return [resolve(modules, name, typeof bin === 'string' ? bin : bin[key]), ...rest]
 }
 
-/** Runs it, and returns what it says. */
 async function build(folder, line) {
   const how = { cwd: folder, env: environment, maxBuffer: 1e8 }
   const { stdout, stderr } = await run(process.execPath, wordsOf(line), how).catch((error) => {
@@ -75,7 +71,7 @@ async function build(folder, line) {
   return stdout + stderr
 }
 
-/** A minifier gives functions names of its own. */
+/** A minifier renames functions. */
 function isMinified(folder) {
   const scripts = readdirSync(folder, { recursive: true }).filter((name) => /\.m?js$/.test(name))
   assert.ok(scripts.length > 0)
@@ -89,7 +85,7 @@ const browser = await puppeteer.launch({
   args: ['--no-sandbox', ...WEBGL],
 })
 
-/** Opens a page; what it says is wrong is held against it. */
+/** Opens a page and fails on its errors. */
 async function opened(address, see) {
   const page = await browser.newPage()
   const faults = []
@@ -121,7 +117,6 @@ async function until(page, is, words) {
   })
 }
 
-/** The hash of what the element shows, when it rests. */
 async function shown(page) {
   const rests = () => document.querySelector('fixsplat-viewer')?.getAttribute('state') === 'still'
   await until(page, rests, 'the element does not come to rest')
@@ -138,7 +133,6 @@ async function shown(page) {
   })
 }
 
-/** All that main.js and the element are to do. */
 async function works(page, { isolated = true, inline = false } = {}) {
   await until(page, () => globalThis.result, 'the program does not end')
   const threads = isolated ? 2 : 1
@@ -150,7 +144,7 @@ async function works(page, { isolated = true, inline = false } = {}) {
   if (inline) assert.match(plain, /core\.wasm: is no part of fixsplat\/inline/)
   else assert.deepEqual(plain, one)
   assert.equal(await shown(page), WANTED_VIEW, 'the element shows another picture')
-  // The element's worker, and with threads one of the element's and one of the program's.
+  // The element's worker, plus with threads one of the element's and one of the program's.
   assert.equal(page.workers().length, isolated ? 3 : 1, 'workers')
   await page.evaluate(() => document.querySelector('fixsplat-viewer').setAttribute('backend', 'webgl2'))
   await until(page, () => document.querySelector('fixsplat-viewer').backend === 'webgl2', 'no WebGL 2 in the worker')
@@ -158,7 +152,7 @@ async function works(page, { isolated = true, inline = false } = {}) {
   assert.equal(await page.evaluate(() => globalThis.said), undefined)
 }
 
-/** docs/examples/react.jsx: the element comes, gets another view, goes with its workers, and comes again. */
+/** docs/examples/react.jsx: the element appears, changes its view, goes with its workers, and appears again. */
 async function reacts(page) {
   assert.equal(await shown(page), WANTED_VIEW)
   await page.click('#wider')
@@ -172,13 +166,13 @@ async function reacts(page) {
   assert.equal(await shown(page), WANTED_WIDER)
 }
 
-// ---- What cases are made of ---------------------------------------------------------------------------------------
+// ---- Parts of cases -----------------------------------------------------------------------------------------------
 
 const EVERYTHING = ['worker', 'wasm', 'element']
 const BUILD = ['build', 'minified', ...EVERYTHING]
 const DEV = ['dev', ...EVERYTHING]
 const cases = []
-/** A case of a tool, and the columns of the table that it proves; `isQuick`: without `all` too. */
+/** Adds a case of a tool, with the table columns it proves; `isQuick`: runs without `all` too. */
 const add = (tool, name, columns, run, isQuick = false) => cases.push({ tool, name, columns, run, isQuick })
 
 const pageOf = (scripts) =>
@@ -192,7 +186,6 @@ const REACT = textOf('../../docs/examples/react.jsx')
 const served = (folder, headers) => serveFiles(folder, { '/scene.ply': scene, '/published/': published }, headers)
 const started = (folder, line) => serveProgram(folder, wordsOf(line), environment, { '/scene.ply': scene })
 
-/** A folder in a page that has threads, and in one that has none. */
 async function shows(folder, how = {}) {
   for (const isolated of all ? [true, false] : [true]) {
     const server = await served(folder, { ...(isolated ? ISOLATED : {}), ...how.headers })
@@ -201,10 +194,10 @@ async function shows(folder, how = {}) {
   }
 }
 
-// What webpack says of import.wasm, which is larger than it likes.
+// webpack's warnings about the size of import.wasm.
 const SIZES = /WARNING in (asset|entrypoint) size limit|compiled with \d warnings?/g
 
-/** What a bundler makes, in `dist`. `how.page`: the scripts of its page, where it makes none. */
+/** Builds `dist` with a bundler. `how.page`: scripts of the page if the bundler makes none. */
 async function built(name, files, lines, how = {}) {
   const folder = project(name, files)
   for (const line of lines) {
@@ -217,7 +210,7 @@ async function built(name, files, lines, how = {}) {
   await shows(dist, how)
 }
 
-/** What a program serves: its pages, by their addresses. */
+/** Opens a server program's pages by their addresses. */
 async function servedBy(folder, line, pages) {
   const server = await started(folder, line)
   try {
@@ -301,7 +294,7 @@ for (const [tool, flag] of [['Next.js (Turbopack)', '--turbopack'], ['Next.js (w
   add(tool, 'dev', DEV, () => servedBy(project(`${tool} dev`, NEXT), `next#next dev ${flag} ${at}`, pages))
 }
 
-// A build by it loses modules of a worker that are imported in two ways.
+// Parcel's build loses modules of a worker that are imported in two ways.
 const PARCEL = { 'index.html': pageOf(MODULE.replace('/main', './main')), 'main.js': INLINE }
 add('parcel 2', 'build, inline', BUILD, () =>
   built('parcel build', PARCEL, ['parcel#parcel build index.html --no-cache'], { inline: true }))
@@ -330,7 +323,7 @@ add('none, strict policy', 'a line', EVERYTHING, () => {
   return shows(folder, { headers: { 'content-security-policy': POLICY } })
 })
 
-/** A bundle that nobody carried the files after says so everywhere. */
+/** A bundle without the package's files says so. */
 async function saysWhatIsMissing(page) {
   await until(page, () => globalThis.result && globalThis.said, 'nothing is said')
   const [{ error }, said] = await page.evaluate(() => [globalThis.result, globalThis.said])

@@ -1,5 +1,5 @@
-// What page.mjs, every.mjs and xr.mjs need: a server of the package and of scenes, headless Chromium, and the viewer's
-// element in its page.
+// Shared by page.mjs, every.mjs and xr.mjs: a server of the package and of scenes, headless Chromium, and the viewer's
+// element in a page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
@@ -21,14 +21,13 @@ const KINDS = {
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** Of the package's files, by their names: what changes their text on its way to the page. */
+/** Functions that change a package file's text on its way to the page, by file name. */
 export const changes = {}
-/** Of scenes that come in parts, which are asked for in ranges: the bytes that were sent, and the seconds of each; what
-    changes their answers. */
+/** Scenes requested in ranges: bytes sent, seconds per answer, ETag, and changes to the answers. */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
-/** A Content-Security-Policy that is sent with every file, where it is not empty. */
+/** Content-Security-Policy sent with every file, if not empty. */
 export const policy = { text: '' }
-/** Milliseconds until a file comes whose address says slow. */
+/** Milliseconds of delay for addresses that contain "slow". */
 const SLOW = 1500
 
 async function answer(request, response) {
@@ -53,7 +52,7 @@ async function answer(request, response) {
   }
 }
 
-/** The shares of a file that come, and milliseconds before each. */
+/** Shares of a file sent, and the milliseconds before each. */
 const TRICKLE = [[0.03, 0], [0.031, 700], [1, 200]]
 
 async function trickle(bytes, response) {
@@ -88,7 +87,6 @@ const browser = await puppeteer.launch({
     '--enable-blink-features=ForceEagerMeasureMemory', '--host-resolver-rules=MAP far.test 127.0.0.1'],
 })
 export const page = await browser.newPage()
-/** The ids of Chromium's processes of a kind. */
 export async function processes(kind) {
   const session = await browser.target().createCDPSession()
   const { processInfo } = await session.send('SystemInfo.getProcessInfo')
@@ -97,7 +95,6 @@ export async function processes(kind) {
 
 export const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
-/** What the page asked for outside. */
 export const strange = []
 page.on(
   'request',
@@ -111,7 +108,6 @@ export async function go(address, width = 640, height = 360) {
   await page.goto(`${base}/viewer/index.html${address}`)
 }
 
-/** Runs with functions of the page replaced. */
 export async function without(replace, run) {
   const { identifier } = await page.evaluateOnNewDocument(replace)
   try {
@@ -121,7 +117,6 @@ export async function without(replace, run) {
   }
 }
 
-/** Runs with a file of the package changed. */
 export async function changed(path, change, run) {
   changes[path] = change
   try {
@@ -139,10 +134,12 @@ export const inside = (body, ...args) =>
 export const still = () =>
   page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
-const QUIET_MS = 250 // without another camera, and nothing moving or loading
+const QUIET_MS = 250 // time with an unchanged camera, nothing moving or loading
 
-/** When what was begun just now has been drawn: the worker, which takes one thing after the other, has answered what
-    comes after it, and the page has been still since. */
+/**
+ * Waits until everything started has been drawn: the worker, which works in order, has answered a pick, and the page
+ * has been still since.
+ */
 export async function moved() {
   await inside(`for (let i = 0; i < 2; i++) {
       await v.pick(0, 0)
@@ -169,12 +166,10 @@ export async function wordsOf() {
   return inside(`return $('words').textContent`)
 }
 
-/** The viewer's worker. */
 export const engineOf = () => page.workers().find((worker) => worker.url().endsWith('/viewer/worker.js'))
 export const viewOf = () => inside('return v.view')
 export const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
 
-/** The size of what the page shows, and the hash of its bytes, when it has been shown. */
 export async function shown() {
   await pause(250)
   return inside(`const seen = await createImageBitmap($('stage').lastElementChild), { width, height } = seen;
@@ -187,13 +182,12 @@ export async function shown() {
 }
 export const hash = async () => (await shown()).hash
 
-/** The hash of the command's picture. */
 export function rendered(scene, ...options) {
   const words = execFileSync(command, ['render', `${scenes}/${scene}`, '--hash', ...options], { encoding: 'utf8' })
   return words.trim().split(/\s/)[0]
 }
 
-/** The same for the camera of a link. */
+/** The hash of the command's picture with a link's camera. */
 export function native(scene, view, size, background = '0e1116') {
   const n = view.split(',')
   const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]

@@ -1,8 +1,8 @@
-// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: WebGPU in Node, by Dawn (npm's webgpu, in
-// MODULES) on this machine's Vulkan driver, where a browser finds no adapter: whether a Screen of the npm package has the
-// command's pixels of SCENES/NAME/NAME.ply (guitar, snowmiku), then frames of it, of PlayCanvas and of three.js as
-// webgpu_peers.mjs measures them. VK_DRIVER_FILES chooses a driver, as Chromium's vk_swiftshader_icd.json. FRAMES: of
-// which the median is taken (7). PICTURES: a folder for what each drew.
+// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: WebGPU in Node by Dawn (npm's webgpu, in
+// MODULES) on this machine's Vulkan driver. Checks that a Screen has the command's pixels of SCENES/NAME/NAME.ply
+// (guitar, snowmiku), then measures it, PlayCanvas and three.js like webgpu_peers.mjs. VK_DRIVER_FILES chooses a
+// driver, e.g. Chromium's vk_swiftshader_icd.json. FRAMES: frames for the median (7). PICTURES: folder for the drawn
+// pictures.
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -28,7 +28,7 @@ Object.assign(globalThis, globals)
 const gpu = create([])
 Object.defineProperty(globalThis, 'navigator', { value: { gpu, userAgent: 'node' }, configurable: true })
 
-/** What the other engines ask of a page. The canvas's texture has the size of the frame. */
+/** The parts of a page that the other engines use. The canvas's texture has the size of the frame. */
 function makePage() {
   const shown = {}
   const listens = { addEventListener() {}, removeEventListener() {} }
@@ -68,7 +68,6 @@ async function putPicture({ device, texture }, path) {
   writeFileSync(path, Buffer.concat([Buffer.from(`P6\n${width} ${height}\n255\n`), pixels]))
 }
 
-/** In a process of its own: prints the median of a viewer's frames. */
 async function measureHere(name, scene) {
   const server = createServer((_, answer) => answer.end(readFileSync(fileOf(scene)))).listen(0, '127.0.0.1')
   await new Promise((done) => server.once('listening', done))
@@ -82,7 +81,6 @@ async function measureHere(name, scene) {
   process.exit()
 }
 
-/** Whether a Screen has the pixels of the command. */
 async function isSame(scene) {
   const { load, Screen } = await bring('fixsplat')
   const screen = await Screen.open(null, 'webgpu')

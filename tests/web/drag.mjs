@@ -1,13 +1,11 @@
-// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene for so long,
-// and says of the pictures meanwhile how large they were, how long they took and how many came each second.
-// EVENT=picture for packages whose event `frame` had that name.
+// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene, and prints the
+// sizes, times and rate of the pictures. EVENT=picture for packages that named the event `frame` so.
 import { go, page, pause, still, inside, run } from './chromium.mjs'
 
 const [seconds = 60, scene = 'real/snowmiku/snowmiku.ply', size = '800x450'] = process.argv.slice(7)
 const [width, height] = size.split('x').map(Number)
 const part = (list, p) => list[Math.min(list.length - 1, Math.floor(p * list.length))]
 
-/** How often each value is there, as 'value: 12 %'. */
 function shares(values) {
   const counts = new Map()
   for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1)

@@ -1,15 +1,14 @@
-// What three.mjs and playcanvas.mjs have alike: a picture's bytes, walls before, amid and behind splats, and pages of
+// Shared by three.mjs and playcanvas.mjs: a picture's bytes, walls in front of, amid and behind splats, and pages of
 // docs/examples.
 import assert from 'node:assert/strict'
 import { mkdirSync, writeFileSync } from 'node:fs'
 import { base, frame, hashOf, work } from './screens.mjs'
 
 export const [WIDTH, HEIGHT] = [160, 100]
-// As the command sees what the pages' cameras see: engines have y up and z back.
+// The pages' camera for the command: engines have y up and z back.
 export const EYE = ['--eye', '0,-1,-4', '--look', '0,0,0', '--near', '0.1']
 export const seen = frame('knot', WIDTH, HEIGHT, EYE)
 
-/** What pages with an engine need. */
 export const PAGE = `const { render, pick } = await import('fixsplat')
   const [width, height] = [${WIDTH}, ${HEIGHT}]
   function bytesOf(canvas) {
@@ -51,14 +50,13 @@ export const PAGE = `const { render, pick } = await import('fixsplat')
     return all
   }`
 
-/** Before splats there is the wall alone, behind them more of them than amid. */
+/** A wall in front hides all splats; a wall behind shows more of them than one amid. */
 export function checkWalls(name, [before, amid, behind]) {
   assert.ok(Math.max(before.most, amid.most, behind.most) <= 1, `${name}: ${amid.most} and ${behind.most} apart`)
   assert.ok(before.wall > 1000 && !before.both && !before.splats, `${name}: ${JSON.stringify(before)}`)
   assert.ok(amid.splats > 100 && behind.splats > amid.splats + 50, `${name}: ${JSON.stringify([amid, behind])}`)
 }
 
-/** Writes the page's pictures where PICTURES says. */
 export function keepPictures(pictures) {
   const folder = process.env.PICTURES
   if (folder) mkdirSync(folder, { recursive: true })
@@ -66,7 +64,7 @@ export function keepPictures(pictures) {
     writeFileSync(`${folder}/${name}.png`, Buffer.from(text, 'base64'))
 }
 
-/** The hash of the command's picture of objects as the page has placed them. */
+/** The hash of the command's picture of objects placed as in the page. */
 export function hashOfPlaced(placed) {
   const objects = placed.map((how) => ({ file: 'knot.fxs', ...how }))
   writeFileSync(`${work}/placed.json`, JSON.stringify({ objects }))
@@ -74,13 +72,13 @@ export function hashOfPlaced(placed) {
   return hashOf({ args: ['--scene', `${work}/placed.json`, ...args] })
 }
 
-/** A page of docs/examples: what it shows, before and after a click on what is drawn there. */
+/** Opens a page of docs/examples, before and after a click on the drawn object. */
 export async function example(browser, address) {
   const page = await browser.newPage(), faults = []
   page.on('pageerror', ({ message }) => faults.push(message))
   await page.setViewport({ width: 660, height: 420 })
   await page.goto(`${base}examples/${address}?scene=/work/knot.fxs`)
-  // How much of the picture is neither the background nor a canvas before its first frame, and how much is the mark.
+  // The share of the picture that is drawn, and the share of the mark.
   async function look(name) {
     const text = await page.screenshot({ encoding: 'base64', clip: { x: 8, y: 8, width: 640, height: 400 } })
     keepPictures({ [name]: text })
@@ -102,7 +100,7 @@ export async function example(browser, address) {
     return seen
   }
   const before = await until(`${address}-before`, ({ drawn }) => drawn >= 50000)
-  await page.mouse.click(8 + 150, 8 + 265)                   // where the knot does not come
+  await page.mouse.click(8 + 150, 8 + 265)                   // away from the knot
   const after = await until(`${address}-after`, ({ marked }) => marked > 20)
   await page.close()
   assert.deepEqual(faults, [])

@@ -1,6 +1,6 @@
-// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: every scene of SCENES/real in the viewer's page, with one and
-// two threads, by the processor and by WebGL 2, against the command; and 100 scenes opened and closed. What
-// tests/scripts/page.sh asks for make test-all.
+// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real in the viewer's page with
+// the command, with one and two threads, by the processor and by WebGL 2. Then opens and closes 100 scenes; memory must
+// not grow.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'
@@ -8,20 +8,19 @@ import { run, scenes, viewOf } from './chromium.mjs'
 
 const SIZE = [1280, 720]
 const LOADS = 50
-const FIRST = 50 // loads until the browser's caches are full
-const MORE = 1.05 // times the memory after the first, at most
+const FIRST = 50 // scenes until the browser's caches are full
+const MORE = 1.05 // largest ratio of memory to the memory after FIRST
 
 const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)
 const files = readdirSync(`${scenes}/real`, { recursive: true }).filter(isScene)
 const tests = {}
 
-/** The milliseconds of a second picture by what the page has. */
+/** Milliseconds of a second picture, as the page reports them. */
 const time = () =>
   inside(`return await new Promise((done) => {
     v.addEventListener('frame', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
     v.setAttribute('background', '#0e1116') })`)
 
-/** Threads that there are beside the one of the scene. */
 const helpers = () => page.workers().filter((worker) => worker.url().endsWith('/thread.js')).length
 
 for (const file of files)
@@ -44,9 +43,8 @@ for (const file of files)
     console.log(`  ${file}: ${times.join(', ')}`)
   }
 
-/** Bytes that the page and its workers hold, and those of Chromium's processes for it. */
 async function memory() {
-  await pause(5000) // notes are over
+  await pause(5000) // notes have gone
   const { bytes } = await page.evaluate(() => performance.measureUserAgentSpecificMemory())
   const resident = (id) => 4096 * Number(readFileSync(`/proc/${id}/statm`, 'utf8').split(' ')[1])
   return { bytes, resident: Math.max(...(await processes('renderer')).map(resident)) }
@@ -55,7 +53,7 @@ async function memory() {
 tests['memory after 50 scenes'] = async () => {
   await go('')
   await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>`)
-  /** All in one go, as each thing that is asked of the page takes some memory too. */
+  /** In a single call, since each call to the page takes memory too. */
   const openMany = (count) =>
     page.evaluate(
       async (src, count) => {

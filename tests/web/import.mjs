@@ -1,4 +1,4 @@
-// node import.mjs PACKAGE WORD ARGUMENT...: what tests/scripts/web.sh asks of the readers and of `load`.
+// node import.mjs PACKAGE WORD ARGUMENT...: the checks of readers and `load` for tests/scripts/web.sh.
 import assert from 'node:assert/strict'
 import { File } from 'node:buffer'
 import { once } from 'node:events'
@@ -12,7 +12,7 @@ const [folder, word, ...args] = process.argv.slice(2)
 const part = (name) => import(pathToFileURL(resolve(folder, name)))
 const { load } = await part('fixsplat.js')
 
-/** Fails with words, and not by a fault of JavaScript or the module. */
+/** Loading must fail with a message, not with a JavaScript or WebAssembly fault. */
 async function refused(source, words, options) {
   await assert.rejects(load(source, options), (error) => {
     assert.equal(error.constructor, Error, error.stack)
@@ -22,14 +22,12 @@ async function refused(source, words, options) {
   })
 }
 
-/** A server whose answers `serve(request, answer)` writes, and its address. */
 async function serverOf(serve) {
   const server = createServer(serve).listen(0, '127.0.0.1')
   await once(server, 'listening')
   return [server, `http://127.0.0.1:${server.address().port}`]
 }
 
-/** Sends an endless body, or `drip` bytes at a time, until nobody listens. */
 async function sendOn(answer, drip = 0) {
   const bytes = Buffer.alloc(drip || 1 << 16)
   while (!answer.destroyed) {
@@ -38,7 +36,6 @@ async function sendOn(answer, drip = 0) {
   }
 }
 
-/** Milliseconds until a promise is settled, and what it was rejected with. */
 async function timed(promise) {
   const start = performance.now()
   const error = await promise.then(() => null, (error) => error)
@@ -49,7 +46,7 @@ const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseco
 const packedOf = async (source) => Buffer.from((await load(source)).packed)
 
 const words = {
-  // The first of a scene's files: the same bytes from a path, a server and a list of files.
+  // Scenes of several files: the same bytes from a path, a server and a list of files.
   async beside(path) {
     const [root, name] = [dirname(path), basename(path)]
     const want = await packedOf(path)
@@ -70,14 +67,14 @@ const words = {
       await refused(files.filter((file) => file.name === name), /cannot be opened|needs the file|no .* beside/)
   },
 
-  // Cut anywhere, or with any byte another: words, or a scene.
+  // Truncated anywhere or with any byte changed: a message or a scene.
   async hurt(...paths) {
     for (const path of paths) {
       const bytes = new Uint8Array(readFileSync(path))
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
-        if (path.endsWith('.splat') && end % 32 === 0) continue       // a scene of fewer
-        if (path.endsWith('.spz') && end >= bytes.length - 12) continue   // without its extension
+        if (path.endsWith('.splat') && end % 32 === 0) continue       // whole records
+        if (path.endsWith('.spz') && end >= bytes.length - 12) continue   // whole without its extension
         await refused(bytes.slice(0, end), /./)
       }
       for (let at = 0; at < bytes.length; at += step) {
@@ -91,7 +88,7 @@ const words = {
     }
   },
 
-  // What tests/test_bombs.c wrote into a folder.
+  // A folder written by tests/test_bombs.c.
   async bombs(root) {
     const beyond = /Gaussians or more in \d+ bytes of files, beyond the limit/
     await refused(join(root, 'padded.sog'), beyond)
@@ -101,8 +98,8 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // ROOT, with a streamed SOG in ROOT/plain: names in its indexes that lead out of its folder are not fetched, and the
-  // scene is loaded.
+  // ROOT, with a streamed SOG in ROOT/plain. Names in its indexes that lead out of the folder are not fetched; the
+  // scene loads.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -138,7 +135,7 @@ const words = {
     assert.deepEqual(await packedOf(join(root, 'foreign', 'lod-meta.json')), want)
     const within = pathToFileURL(join(root, 'foreign')).href
     for (const url of read.filter((url) => !url.endsWith('.wasm'))) assert.ok(url.startsWith(`${within}/`), url)
-    // A link that leads out is followed by nobody.
+    // A symbolic link that leads out is not followed.
     const [image] = readdirSync(join(root, 'foreign'), { recursive: true }).filter((name) => /\.webp$/.test(name))
     fs.mkdirSync(join(root, 'out'))
     fs.renameSync(join(root, 'foreign', image), join(root, 'out', 'image'))
@@ -148,7 +145,7 @@ const words = {
     other.close()
   },
 
-  // SOG: a server that sends 2 bytes at a time is given up, and loading ends when its caller wants that.
+  // SOG: loading from a server that sends 2 bytes at a time times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -191,7 +188,8 @@ const words = {
     server.closeAllConnections()
   },
 
-  // PLY (of 700 Gaussians) FXS: bodies without an end, or of 2 GB that do not come, are refused by their first bytes.
+  // PLY (of 700 Gaussians) FXS: endless bodies, and bodies that claim 2 GB and never come, are refused by their first
+  // bytes.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),
@@ -231,7 +229,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // An answer that leads from https to http is refused, whole or in parts.
+  // A redirect from https to http is refused, whole or in ranges.
   async redirected(fxs) {
     const { fetch } = globalThis
     globalThis.fetch = async (url, { headers } = {}) => {
@@ -249,12 +247,10 @@ const words = {
     }
   },
 
-  // An .spz of version 4, where zstd is not built in.
   async without(path) {
     await refused(path, /built without zstd/)
   },
 
-  // A scene of 20000 Gaussians, sent in parts.
   async preview(path) {
     const bytes = readFileSync(path)
     const parts = [0, 0.4, 0.41, 0.8, 1].map((share) => Math.floor(share * bytes.length))
@@ -292,7 +288,7 @@ const words = {
     server.close()
   },
 
-  // A scene that is there at once: of a large one every so many-th Gaussian before it is packed, of others nothing.
+  // In-memory scenes: a large one is previewed by evenly sampled Gaussians before packing, a smaller one is not.
   async sampled() {
     const records = new Float32Array(8 * 640000).map((_, i) => (i & 7) < 3 ? (i % 999) / 99 : (i & 7) < 6 ? 0.1 : 1)
     const seen = []

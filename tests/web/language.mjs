@@ -1,5 +1,4 @@
-// node language.mjs VIEWER: whether each table of the viewer's languages has every word that the viewer says, and no
-// other.
+// node language.mjs VIEWER: checks that each language table has exactly the texts that the viewer shows.
 import assert from 'node:assert/strict'
 import { readdirSync, readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -7,9 +6,9 @@ import { pathToFileURL } from 'node:url'
 
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
-// Of another page, or lines about a file or a call for who has written that.
+// Scripts of other pages, or with messages for authors of files and calls.
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
-// Names of keys and classes, what words.js finds words for, and lines for who writes a program or a settings file.
+// Names of keys and classes, texts translated by words.js, and messages for authors of programs or settings files.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
   /^(The headset:|the headset's picture:)$/,
   /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/, /: left out$/]
@@ -20,10 +19,10 @@ const wordsOfHtml = (html) => [
   ...[...html.matchAll(/(?:aria-label|title|placeholder)="([^"$]*)"/gs)].map(([, words]) => words.replace(/\s+/g, ' ')),
 ]
 
-/** The texts in a source: what stands in quotes, and the pieces of templates. */
+/** Texts in a source: string literals, and the pieces of templates. */
 function textsOf(source) {
   const texts = []
-  const templates = [] // of each that is open, how many braces are
+  const templates = [] // for each open template, its open braces
   let at = 0
   let before = '('
   const text = (end) => {
@@ -67,7 +66,7 @@ export async function wordsOfViewer() {
   const parts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, '')))
   const texts = parts.map((text) => text.trim()).filter(isWords)
   const all = [...html, ...Object.values(backends), ...texts].map((words) => words.trim())
-  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // of formats and keys too
+  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // also names of formats and keys
   return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !isName.test(words)).sort()
 }
 

@@ -1,4 +1,4 @@
-// node package.mjs PACKAGE WORD ARGUMENT...: what tests/scripts/web.sh asks of the npm package in the folder PACKAGE.
+// node package.mjs PACKAGE WORD ARGUMENT...: the checks of the npm package in PACKAGE for tests/scripts/web.sh.
 import assert from 'node:assert/strict'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -16,7 +16,7 @@ function hash(pixels) {
   return h.toString(16).padStart(16, '0')
 }
 
-/** Fails with words, and not by a fault of JavaScript or the module. */
+/** Loading must fail with a message, not with a JavaScript or WebAssembly fault. */
 async function refused(source, words = /./, options) {
   await assert.rejects(load(source, options), (error) => {
     assert.equal(error.constructor, Error, error.stack)
@@ -30,7 +30,6 @@ const memoryOf = (scene) => scene.inside[0].c.memory.buffer.byteLength
 
 const modules = { core: { simd: false }, simd: { threads: 1 }, threads: { threads: 2 } }
 
-/** Until every thread is there that the module has. */
 async function started(scene, module) {
   const { threads = 1 } = modules[module]
   for (let i = 0; scene.threads < threads; i++) {
@@ -40,7 +39,7 @@ async function started(scene, module) {
 }
 
 const words = {
-  // MODULE CAMERA OPTIONS OBJECTS SCENE...: the hash of a picture; objects are placements, in the scenes' order.
+  // MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture; OBJECTS are placements, in the scenes' order.
   async hash(module, camera, options, objects, ...files) {
     const scenes = []
     for (const file of files) scenes.push(await load(file, modules[module]))
@@ -49,7 +48,7 @@ const words = {
     console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
   },
 
-  // MODULE FILE LEFT RIGHT OPTIONS OUT: two eyes beside each other, as `fixsplat render --stereo` writes them.
+  // MODULE FILE LEFT RIGHT OPTIONS OUT: writes two eyes side by side, like `fixsplat render --stereo`.
   async stereo(module, file, left, right, text, out) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -60,8 +59,8 @@ const words = {
     writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
   },
 
-  // MODULE FILE CAMERA OPTIONS FOLDER: coverage.raw, ids.raw, depth.pfm and mean.pfm as the command writes them; a fog of
-  // the depths that are there; and what a format of colours is of another.
+  // MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command. Also
+  // checks a fog from the depths, and that colour formats agree.
   async targets(module, file, camera, text, folder) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -100,7 +99,7 @@ const words = {
     assert.ok(coverage.some(Boolean) && !hidden.coverage.some(Boolean))
   },
 
-  // The picture is the one from before, whatever was damaged in between.
+  // Damaged scenes do not change the next picture.
   async damage(...files) {
     for (const file of files) {
       const bytes = new Uint8Array(readFileSync(file))
@@ -132,7 +131,6 @@ const words = {
     assert.ok(last <= 1.05 * first, `the module had ${first} bytes, then ${last}`)
   },
 
-  // Every kind of source, and what is wrong with one.
   async sources(file) {
     const bytes = readFileSync(file)
     let givenUp
@@ -167,7 +165,6 @@ const words = {
     await refused(Buffer.from(huge))
   },
 
-  // A packed scene; the same to be packed.
   async misuse(file, ply) {
     const scene = await load(file)
     const size = { width: 64, height: 48 }
@@ -253,7 +250,7 @@ const words = {
     assert.throws(() => scene.render({}, size), /freed/)
   },
 
-  // FILE: where a picture of 16384 x 16384 has no room, that is said before it is drawn.
+  // FILE: too little memory for a picture of 16384 x 16384 is reported before drawing.
   async noRoom(file) {
     const size = { width: 16384, height: 16384 }
     const most = { colour: 'premultiplied16', coverage: true, depth: true, ids: true }
@@ -277,7 +274,7 @@ const words = {
     assert.equal(scene.render({}, { width: 64, height: 48 }).length, 4 * 64 * 48)
   },
 
-  // FILE: a scene with levels, and how many Gaussians budgets draw of it.
+  // FILE: a scene with levels, and the Gaussians drawn with budgets.
   async budgets(file) {
     const scene = await load(file)
     assert.equal(scene.levels, true)
@@ -294,7 +291,7 @@ const words = {
     assert.equal(before, 256 * Math.ceil(scene.count / 256))
   },
 
-  // ADDRESS CAMERA OPTIONS: the hash of a picture of a scene that comes in parts, once it is whole.
+  // ADDRESS CAMERA OPTIONS: the hash of a picture of a paged scene, once complete.
   async parts(address, camera, options) {
     const scene = await load(address)
     assert.equal(scene.paged, true)
@@ -303,13 +300,12 @@ const words = {
     scene.free()
   },
 
-  // CAMERA X Y: as `fixsplat render --pick --json` says it.
+  // CAMERA X Y: prints what `fixsplat render --pick --json` prints.
   async pick(file, camera, options, x, y) {
     const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))
     console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
   },
 
-  // A .png holds the pixels.
   async png(file) {
     const pixels = (await load(file)).render({}, { width: 61, height: 47 })
     const bytes = Buffer.from(await png(pixels, 61, 47))
@@ -321,22 +317,21 @@ const words = {
     }
   },
 
-  // Whether products are relaxed here.
   async relaxed() {
     console.log(hasRelaxed)
   },
 
-  // FILE: bytes that are i16x8.q15mulr_sat_s, or look like it.
+  // FILE: counts bytes that look like i16x8.q15mulr_sat_s.
   async products(file) {
     console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
   },
 
-  // FILE PROFILE [MODULE]: the packed scene, to standard output.
+  // FILE PROFILE [MODULE]: writes the packed scene to standard output.
   async pack(file, profile, module) {
     process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
-  // MODULE FILE CAMERA WIDTH HEIGHT: the least milliseconds of twelve frames, or of some seconds.
+  // MODULE FILE CAMERA WIDTH HEIGHT: the least milliseconds of twelve frames, or of 3 seconds.
   async speed(module, file, camera, width, height) {
     const scene = await load(file, modules[module])
     await started(scene, module)

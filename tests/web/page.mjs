@@ -1,4 +1,4 @@
-// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of the viewer's page.
+// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the checks of the viewer's page for tests/scripts/page.sh.
 import assert from 'node:assert/strict'
 import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -9,11 +9,11 @@ import { base, go, hash, inside, moved, native, open, page, pause, picture, show
 
 const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
-/** Workers with a scene; the others are threads of theirs. */
+/** Workers with a scene; other workers are their threads. */
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
 const SCENE = '?scene=/scenes/scene.ply'
 
-/** For a page where WebGL counts as fast, and one of its workers, by its number, as slow. */
+/** Makes WebGL count as fast, and worker `number` slow. */
 const slowWorker = (number) => `{
   const own = HTMLCanvasElement.prototype.getContext
   HTMLCanvasElement.prototype.getContext = function (kind) { return own.call(this, kind) }
@@ -160,7 +160,7 @@ const tests = {
         own.remove()
       }
     }, at)
-    await are(enginesOf, 2) // of many that are away, two keep their scenes
+    await are(enginesOf, 2) // of the removed viewers, two keep their scenes
   },
 
   async 'several scenes at their places, moved, taken away and put back'() {
@@ -193,7 +193,7 @@ const tests = {
       const names = new Set(found.filter(Boolean).map(({ scene }) => scene.name))
       assert.deepEqual(names, new Set(['scene.ply', 'levels.fxs']))
 
-      // In another place of the page, and away for a while: the same worker, and no download.
+      // Moved within the page, and removed for a while: the same worker, and no download.
       const before = { ...counts }
       await inside(`document.getElementById('b').append(v)`)
       await moved()
@@ -213,7 +213,7 @@ const tests = {
       assert.equal(await hash(), together)
       assert.deepEqual(counts, before)
 
-      // Its place is changed, and a wrong one is said and changes nothing.
+      // Its placement changes; a wrong one is reported and changes nothing.
       await inside(`window.child.position = [0, 0, 0]`)
       await moved()
       assert.notEqual(await hash(), together)
@@ -227,7 +227,7 @@ const tests = {
       await moved()
       assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
 
-      // Beside a scene that fails the others are there; one that is taken away on its way is not.
+      // A scene that fails does not hide the others. A scene removed while loading does not appear.
       await inside(`window.child.src = 'scenes/levels.fxs'; window.child.hidden = false
         const other = document.createElement('fixsplat-viewer')
         other.setAttribute('src', 'scenes/none.ply')
@@ -279,7 +279,7 @@ const tests = {
     await page.mouse.down()
     await page.mouse.move(420, 220, { steps: 3 })
     await page.mouse.up()
-    assert.equal(await flight, false) // a hand has taken it
+    assert.equal(await flight, false) // user input took over
     const cameras = await told('camera')
     assert.ok(cameras.some(({ byHand }) => byHand) && cameras.some(({ byHand }) => !byHand))
 
@@ -311,7 +311,7 @@ const tests = {
       await pause(400)
       return [(await viewOf()) !== before, (await page.evaluate(() => scrollY)) !== top]
     }
-    assert.deepEqual(await wheel(), [true, false]) // it has the focus, by the clicks
+    assert.deepEqual(await wheel(), [true, false]) // the clicks gave it the focus
     await inside('document.activeElement.blur()')
     assert.deepEqual(await wheel(), [false, true])
     assert.match(await inside(`return $('note').textContent`), /hold Ctrl/)
@@ -327,7 +327,7 @@ const tests = {
     const [ups, given] = [[0.5, -0.8660254, 0], [0.6, -0.64, 0.48]]
     const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0)
     const near = (a, b) => assert.ok(a.every((x, i) => Math.abs(x - b[i]) < 2e-4), `${a} is not ${b}`)
-    /** How far a camera is rolled where that is up, and how far it is turned and above what it looks at. */
+    /** The roll of a camera relative to `up`, its turn, and its height above the target. */
     const seen = async (up) => {
       const { eye, look, up: top } = await inside('return v.camera')
       const [b, a] = [top, eye.map((x, i) => x - look[i])]
@@ -355,7 +355,7 @@ const tests = {
     await still()
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
-    // A camera of a settings file that is not rolled there leaves up as it is; another says what is up.
+    // A settings file's camera without roll keeps `up`; with roll it defines `up`.
     const readCamera = (camera) =>
       inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')
@@ -367,7 +367,7 @@ const tests = {
     near(await inside('return v.settings.up.map((x) => x / 3)'), given)
     await dragged(150, 0)
     near([(await seen(given))[0]], [0])
-    // Of views of a file too: what the scene says is up goes before them.
+    // The scene's own up takes precedence over that of views in a file.
     await go('?scene=/scenes/leant.fxs&cameras=/scenes/cameras.json')
     await still()
     near(await inside('return v.settings.up'), ups)
@@ -439,7 +439,7 @@ const tests = {
     await moved()
     assert.equal(await inside(`return $('name').textContent + ' | ' + $('count').textContent`),
       'levels.fxs and 1 more | 40,000 splats')
-    assert.equal(await inside(`return $('after').hidden`), false) // it has views
+    assert.equal(await inside(`return $('after').hidden`), false) // views are loaded
     assert.equal(await hash(), rendered('levels.fxs', `${scenes}/scene.ply`, '--cameras', `${scenes}/cameras.json`,
       '--size', '640x360', '--bg', '0e1116'))
 
@@ -496,8 +496,10 @@ const tests = {
     const { Pace } = await import(resolve(folder, 'viewer/pace.js'))
     let seed = 1
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647
-    /** The divisor of most pictures and how often it changed: of pictures that take `fixed` ms, and `all` for the pixels
-        of a whole one. */
+    /**
+     * The most frequent divisor and the number of changes, for pictures that take `fixed` ms plus `all` ms for the
+     * pixels of a full one.
+     */
     const most = (fixed, all, noise) => {
       const pace = new Pace()
       const take = (divisor) => pace.take(divisor, (fixed + all / divisor ** 2) * (1 + noise * (2 * random() - 1)))
@@ -516,7 +518,7 @@ const tests = {
       [0, 30, 0.1, 1],
       [0, 130, 0.1, 2],
       [10, 110, 0.1, 2],
-      [70, 85, 0.1, 2], // smaller ones would gain little
+      [70, 85, 0.1, 2], // smaller pictures would gain little
       [300, 50, 0.1, 1],
       [10, 1000, 0.2, 4],
     ]) {
@@ -564,7 +566,7 @@ const tests = {
     const contrast = await inside(`const of = (text) => text.match(/[\\d.]+/g).map(Number)
       const [plate, ink] = ['backgroundColor', 'color'].map((one) => of(getComputedStyle($('name').parentNode)[one]))
       const light = (rgb) => [0.2126, 0.7152, 0.0722].reduce((sum, share, i) => sum + share * (rgb[i] / 255) ** 2.2, 0)
-      return (light(plate.map((x) => x * (plate[3] ?? 1))) + 0.05) / (light(ink) + 0.05)`) // over black
+      return (light(plate.map((x) => x * (plate[3] ?? 1))) + 0.05) / (light(ink) + 0.05)`)
     assert.ok(contrast > 7, contrast)
     await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
     await inside(`v.removeAttribute('label')`)
@@ -600,13 +602,11 @@ const tests = {
     await picture('phone-keys')
   },
 
-  async 'each back end that is asked for: exact ones in the same bytes'() {
-    for (const backend of ['wasm', 'webgl2', 'webgl2-quads']) {
+  async 'each back end that is asked for: in the same bytes'() {
+    for (const backend of ['wasm', 'webgl2']) {
       await open(`${SCENE}&backend=${backend}`)
       assert.equal(await inside('return v.backend'), backend)
-      const exact = native('scene.ply', await viewOf(), '640x360')
-      if (backend === 'webgl2-quads') assert.notEqual(await hash(), exact)
-      else assert.equal(await hash(), exact)
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
       await inside(`$('set').click()`)
       assert.equal(await inside(`return v.shadowRoot.querySelector('[name=backend]').value`), backend)
     }
@@ -619,7 +619,7 @@ const tests = {
     const count = (text) => `${text}\nself.count = () => Object.keys(screens).length`
     await changed('/viewer/worker.js', count, async () => {
       await open(`${SCENE}&backend=wasm`)
-      const asked = ['webgl2', 'webgl2-quads', 'wasm', 'webgl2', 'wasm']
+      const asked = ['webgl2', 'wasm', 'webgl2', 'wasm']
       await inside(`for (const name of args[0]) v.setAttribute('backend', name)`, asked)
       await moved()
       await pause(300)
@@ -714,7 +714,7 @@ const tests = {
     assert.ok(count > 3)
     await open(PARTS)
     await exact()
-    assert.equal(ranges.sent, 192) // the rest was kept
+    assert.equal(ranges.sent, 192) // the rest came from the cache
     await page.evaluate(async () => {
       const cache = await caches.open('fixsplat')
       for (const key of await cache.keys()) {
@@ -722,12 +722,12 @@ const tests = {
         await cache.put(key, new Response(bytes.fill(9, bytes.length >> 1)))
       }
     })
-    await open(PARTS) // damage there is found, and what is right is fetched
+    await open(PARTS) // damage in the cache is found, and the right bytes are fetched
     await exact()
     assert.ok(ranges.sent > 10000)
     ranges.tag = '"two"'
     ranges.sent = 0
-    await open(PARTS) // of another version nothing is left
+    await open(PARTS) // nothing of another version is kept
     await exact()
     assert.ok(ranges.sent > 10000 && (await kept()) <= count + 2)
   },
@@ -774,7 +774,7 @@ const tests = {
       })
     await open(SCENE)
     await pause(1000)
-    assert.equal(enginesOf().length, 1) // WebGL by the processor is not tried
+    assert.equal(enginesOf().length, 1) // software WebGL is not tried
   },
 
   async 'a lost context: the same anew, and the processor where it is lost again'() {
@@ -1027,7 +1027,7 @@ const tests = {
       guitar: 'guitar.compressed.ply',
       snowmiku: 'snowmiku.ply&cameras=/scenes/real/snowmiku/cameras.json',
     }
-    if (pictures === scenes) delete list.guitar // pictures are not kept
+    if (pictures === scenes) delete list.guitar
     for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
       await without(
         () => addEventListener('frame', ({ target }) => (window.first ??= target.state), true),

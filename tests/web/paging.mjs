@@ -1,5 +1,5 @@
-// node paging.mjs PACKAGE SCENE HASH: what tests/scripts/web.sh asks of scenes with levels of detail that come in
-// parts. HASH is that of the command for CAMERA and OPTIONS; SCENE has levels.
+// node paging.mjs PACKAGE SCENE HASH: the checks of paged scenes with levels for tests/scripts/web.sh. HASH: the
+// command's picture with CAMERA and OPTIONS.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -27,7 +27,6 @@ async function exact(scene) {
   assert.deepEqual([missing, hash(colour)], [0, wanted])
 }
 
-/** Runs with a server and what is loaded from it. */
 async function served(options, run, paging = {}, more = {}) {
   const server = await serveRanges(file, options)
   let scene
@@ -42,7 +41,7 @@ async function served(options, run, paging = {}, more = {}) {
 
 const refused = (options, words, paging) => assert.rejects(served(options, () => {}, paging), words)
 
-/** A failure after the scene was opened: in words, once, and the picture stays as it was. */
+/** A failure after opening gives one message, and the picture stays. */
 async function fails(change, words, paging = {}) {
   const said = []
   await served({}, async (scene, server) => {

@@ -1,6 +1,6 @@
-// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: the first picture of a scene with levels of detail from
-// a server that sends RATE bytes a second, a walk of FRAMES pictures 33 ms apart around the middle of the scene, then a
-// tenth of them when nothing is missing; and the memory.
+// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: measures the first picture of a paged scene from a
+// server of RATE bytes a second; then a walk of FRAMES pictures, 33 ms apart, around the scene's middle; then a tenth
+// of the frames with no chunk missing; and the memory.
 import { fork } from 'node:child_process'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'

@@ -1,5 +1,5 @@
-// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: what tools/peers.sh measures. MADE: where
-// landscape.ply lies, a million Gaussians of fixsplat make-scene.
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: the measurements of tools/peers.sh. MADE:
+// folder of landscape.ply, a million Gaussians of fixsplat make-scene.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -13,11 +13,11 @@ const [folder, scenes, makes, modules, pictures, rounds = '3', ...asked] = proce
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', json: 'application/json' }
 const [WIDTH, HEIGHT] = [1280, 720]
-const STEP = 2 // degrees that the camera goes around from frame to frame
+const STEP = 2 // degrees the camera turns per frame
 const LEAST_FRAMES = 8
-const MOTION_MS = 12000 // at least, and at most five times as long
-const QUIET_MS = 6000 // without a frame, a viewer is done
-const SAME = 1 // of 255, mean: the same picture
+const MOTION_MS = 12000 // minimum; at most five times as long
+const QUIET_MS = 6000 // without a frame for this time, a viewer has finished
+const SAME = 1 // mean difference of 255 that counts as the same picture
 
 // Scene axes, y down. snowmiku: its first view.
 const VIEWS = {
@@ -31,7 +31,6 @@ const VIEWS = {
   landscape: { file: '/makes/landscape.ply', eye: [4.6, -1.9, -12.7], look: [0, -2.2, 0], fov: 52 },
 }
 
-/** The camera turned about the vertical through what it looks at. */
 function turned({ eye, look, fov }, degrees) {
   const [s, c] = [Math.sin, Math.cos].map((f) => f((degrees * Math.PI) / 180))
   const [x, y, z] = eye.map((e, i) => e - look[i])
@@ -40,7 +39,7 @@ function turned({ eye, look, fov }, degrees) {
 
 // ---- Pages ------------------------------------------------------------------------------------------------------------
 
-/** supersplat-viewer has y up, the scene turned by half a turn about z, and the field of view across. */
+/** supersplat-viewer has y up, the scene turned by 180 degrees about z, and the horizontal field of view. */
 function settingsOf(view) {
   const half = Math.tan((view.fov * Math.PI) / 360)
   const across = (360 / Math.PI) * Math.atan((half * WIDTH) / HEIGHT)
@@ -104,7 +103,7 @@ mesh.initialized.then(() => { peer.loaded = true })
 renderer.setAnimationLoop(() => renderer.render(scene, camera))
 </script>`
 
-/** Their own page, which keeps the viewer for what is asked of it below. */
+/** Their own page, changed to expose the viewer. */
 const supersplatPage = () =>
   readFileSync(join(modules, '@playcanvas/supersplat-viewer/public/index.html'), 'utf8').replace(
     'createViewer({ container',
@@ -127,7 +126,7 @@ const viewers = {
 }
 
 const only = process.env.VIEWERS?.split(' ') ?? Object.keys(viewers)
-const sent = new Set() // of the page on show, but for the scene
+const sent = new Set() // files of the current page, without the scene
 let now = {}
 const made = {
   '/settings.json': () => JSON.stringify(settingsOf(now.view)),
@@ -158,7 +157,6 @@ function answer(request, response) {
   } else response.writeHead(404).end()
 }
 
-/** What came with the page, gzipped file by file. */
 function downloaded() {
   let bytes = 0
   for (const path of sent) {
@@ -171,21 +169,23 @@ function downloaded() {
 
 // ---- Measuring --------------------------------------------------------------------------------------------------------
 
-/** Seconds of all processors that a process and those that it started have taken, also where they ended. */
+/** Processor seconds of a process and its descendants, ended ones included. */
 function processorTime(root) {
   const all = readdirSync('/proc').filter((name) => /^\d+$/.test(name))
   const fields = new Map()
   for (const pid of all)
     try {
       fields.set(pid, readFileSync(`/proc/${pid}/stat`, 'utf8').replace(/^.*\) /s, '').split(' '))
-    } catch {} // ended meanwhile
+    } catch {}
   const isIn = (pid) => pid === root || (fields.has(pid) && isIn(fields.get(pid)[1]))
   const ticks = (f) => f.slice(11, 15).reduce((sum, n) => sum + Number(n), 0)
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/** In every page. `peer.frames`: when each picture was complete, and while `peer.small` is true the picture, 160x90. A frame of WebGL is
-    complete when one of its pixels has been read, at the end of the animation frame that drew onto the canvas. */
+/**
+ * Runs in every page. `peer.frames`: completion time of each picture and, while `peer.small` is true, the picture at
+ * 160x90. A WebGL frame is complete once a pixel has been read back at the end of its animation frame.
+ */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {
@@ -255,7 +255,7 @@ function watch(width, height) {
   })
 }
 
-/** Until the picture stays: loaded, and three frames alike or none for a while. */
+/** Waits until the picture is stable: loaded, and three equal frames or no frame for a while. */
 async function settled(page) {
   await page.waitForFunction(() => window.peer?.loaded, { timeout: 120000, polling: 200 })
   await page.waitForFunction(
@@ -272,7 +272,7 @@ async function settled(page) {
   )
 }
 
-/** When the picture was complete: the first frame after which it does not change. */
+/** The first frame from which the picture does not change. */
 const firstPicture = (page) =>
   page.evaluate((same) => {
     const last = peer.frames.at(-1).small
@@ -282,7 +282,6 @@ const firstPicture = (page) =>
     return { i, at: peer.frames[i].at }
   }, SAME)
 
-/** Milliseconds between complete pictures while each is of another camera. */
 async function motion(page, look, view) {
   const path = Array.from({ length: 180 }, (_, i) => turned(view, STEP * i))
   await page.evaluate(

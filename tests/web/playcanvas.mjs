@@ -1,9 +1,8 @@
-// What webgl.mjs asks of fixsplat/playcanvas.
+// The checks of fixsplat/playcanvas for webgl.mjs.
 import assert from 'node:assert/strict'
 import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
-/** What pages with an application need. */
 const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await import('fixsplat/playcanvas')
   ${PAGE}
   async function appOf(how = {}) {
@@ -58,7 +57,7 @@ const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await
       return target ? readOf(target) : bytes
     })`
 
-/** Two objects, in the page: one picture in one order. */
+/** Two objects in the page, drawn in one order. */
 const TWO = `const second = splats.clone()
   second.setPosition(0.7, 0.4, 0.5)
   second.setEulerAngles(0, 40, 0)

@@ -1,6 +1,6 @@
-// node preview.mjs FIXSPLAT SET MODULES PICTURES: whether the page of `fixsplat fit SET --preview` shows the scene as it is
-// fitted, holds the camera where it was turned, draws the curve, and has the last scene at the end. In SET/.., where it
-// leaves page.fxs.
+// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks that the page of `fixsplat fit SET --preview` shows the scene
+// during the fit, keeps a turned camera, draws the curve, and ends with the last scene. Runs in SET/.. and leaves
+// page.fxs there.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { once } from 'node:events'
@@ -19,7 +19,6 @@ page.on('pageerror', (error) => faults.push(error.message))
 await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
 const fits = []
 
-/** A fit, and the address of its page. */
 async function begin(port, ...options) {
   const { FIXSPLAT_QUIET, ...env } = process.env
   const words = ['fit', set, '-o', 'page.fxs', '--preview', '--port', port, ...options]
@@ -45,7 +44,6 @@ const until = (body) =>
 const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 120000 })
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** The hash of the picture, and how many colours it has. */
 async function shown() {
   await still()
   await pause(250)
@@ -59,7 +57,6 @@ async function shown() {
       size: [seen.width, seen.height].join('x') }`)
 }
 
-/** That of the command's picture. */
 function rendered(scene, view, size) {
   const n = view.split(',')
   const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
@@ -132,7 +129,7 @@ try {
   await test('it goes on when the fit does, and has the last scene when that is over', async () => {
     const steps = Number(long.said().match(/stopped after (\d+)/)[1]) + 3000
     const rest = await begin(port, '--resume', 'page.fxs.fit', '--steps', String(steps))
-    await inside(`v.setAttribute('backend', 'webgl2')`)   // whose script comes from that server
+    await inside(`v.setAttribute('backend', 'webgl2')`)   // its script comes from the new server
     await until(`return v.backend === 'webgl2'`)
     await until(`return $('state').textContent === 'The fit is over'`)
     assert.deepEqual(await rest.exit, [0, null])

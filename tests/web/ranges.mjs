@@ -1,12 +1,14 @@
-// A server of one file in ranges, for tests: it counts what it sends, sends no faster than it is told, and has faults.
+// A test server of one file in ranges. It counts the bytes sent, limits the rate, and simulates faults.
 import { createReadStream, openSync, readSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** `faults` is called with { first, end, count } and the request: what it returns changes the answer: { status, headers,
-    bytes (a function of the right ones), cut (bytes that are sent), drip (two bytes at a time), silent, whole, delay
-    (milliseconds) }. */
+/**
+ * `faults` is called with { first, end, count } and the request. Its result changes the answer: { status, headers,
+ * bytes (a function of the right ones), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay
+ * (milliseconds) }.
+ */
 export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
   const file = openSync(path)
   const { size } = statSync(path)

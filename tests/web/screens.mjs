@@ -1,5 +1,5 @@
-// What webgl.mjs and webgpu.mjs need: a server of the package and of scenes, code that runs in a page of it, and frames
-// that a Screen draws as the command does. node TEST.mjs PACKAGE WORK MODULES COMMAND [1].
+// Shared by webgl.mjs and webgpu.mjs: a server of the package and of scenes, code run in its pages, and frames that a
+// Screen must draw like the command. node TEST.mjs PACKAGE WORK MODULES COMMAND [1].
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
@@ -17,7 +17,6 @@ export function hash(bytes) {
   return h.toString(16).padStart(16, '0')
 }
 
-// What the page and the worker share.
 const COMMON = `import { load, Screen } from '/fixsplat.js'
   export { Screen }
   export const canvas = () => new OffscreenCanvas(8, 8)
@@ -25,11 +24,6 @@ const COMMON = `import { load, Screen } from '/fixsplat.js'
   export const sceneOf = (name, options) =>
     (scenes[name + JSON.stringify(options)] ??= load('/work/' + name + '.fxs', options))
   export ${hash}
-  export function psnr(a, b) {
-    let sum = 0
-    for (let i = 0; i < a.length; i++) sum += i % 4 < 3 ? (a[i] - b[i]) ** 2 : 0
-    return 10 * Math.log10((255 ** 2 * a.length * 0.75) / sum)
-  }
   export async function drawn(screen, { objects, camera, options }) {
     const placed = await Promise.all(objects.map(async (o) => ({ ...o, scene: await sceneOf(o.scene) })))
     screen.draw(placed, camera, options)
@@ -64,7 +58,6 @@ const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/mesh-gpu': MESH_G
 const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
                   playcanvas: `${modules}/playcanvas/build` }
 
-/** A part of a file, for scenes that come in parts. */
 function answerRange(file, range, answer) {
   const [first, last] = range.match(/\d+/g).map(Number)
   const all = readFileSync(file)
@@ -98,25 +91,24 @@ export const launch = (...args) =>
     protocolTimeout: 600000,
   })
 
-/** What runs code in a page. On the isolated one there are threads, and memory that they share. */
+/** Opens a page and returns a function that runs code in it. The isolated page has threads and shared memory. */
 export async function open(browser, address) {
   const page = await browser.newPage()
   await page.goto(base + address)
   const run = (body, ...values) =>
     page.evaluate(`(async (...args) => {
-      const { Screen, canvas, sceneOf, hash, psnr, drawn } = await import('/common.js')
+      const { Screen, canvas, sceneOf, hash, drawn } = await import('/common.js')
       const wordsOf = (made) => made.then(() => 'nothing', (error) => error.message)
       ${body} })(...${JSON.stringify(values)})`)
   return { run, page, close: () => page.close() }
 }
 
-/** The same once, in a page of its own. */
 export async function runIn(browser, address, ...args) {
   const page = await open(browser, address)
   return page.run(...args).finally(page.close)
 }
 
-/** A frame: what the page draws and what the command is asked for. */
+/** A frame: the page's arguments and the command's. */
 export const frame = (scene, width, height, args = [], options = {}, camera = {}, more = []) => ({
   objects: [{ scene }, ...more],
   camera,
@@ -149,7 +141,7 @@ export const FRAMES = {
 export const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
 
-/** Screens of some back ends in one page: over a backdrop the bytes of `render`, without it those of the command. */
+/** Screens of some back ends in one page: over a backdrop the bytes of `render`, without it the command's. */
 export async function drawsOverBackdrop(run, ...backends) {
   const [over, ...seen] = await run(
     `const { render } = await import('/fixsplat.js')
@@ -177,7 +169,6 @@ export async function drawsOverBackdrop(run, ...backends) {
   assert.deepEqual(seen, backends.flatMap(() => [over, plain, over, `backdrop: expected ${count} numbers`]))
 }
 
-/** Runs the tests, and what measures if that is asked for. */
 export async function runTests(browser, tests, measure) {
   let failed = 0
   const only = new RegExp(process.env.ONLY ?? '')

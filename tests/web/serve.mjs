@@ -1,6 +1,5 @@
-// node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address. Below /isolated/ too, with
-// the headers that let a page have threads, and below /blocked/ with those and a policy against workers. What a page posts
-// is printed.
+// node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address. /isolated/ adds the
+// headers that allow threads; /blocked/ adds these and a policy against workers. Prints everything that a page posts.
 import { createReadStream, existsSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { extname, join } from 'node:path'

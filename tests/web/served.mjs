@@ -1,6 +1,6 @@
-// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: whether the pages of `fixsplat view --web FOLDER` list its scenes with
-// pictures, show one, follow its file by the same camera, and say what is wrong with that. FOLDER has knot.ply and
-// bad.ply, which is damaged.
+// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks that the pages of `fixsplat view --web FOLDER` list its
+// scenes with pictures, show one, keep the camera when its file changes, and report a damaged file. FOLDER has knot.ply
+// and bad.ply, which is damaged.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { renameSync, rmSync, writeFileSync } from 'node:fs'
@@ -22,7 +22,6 @@ const count = (splats) => until(`document.querySelector('fixsplat-viewer').shado
 const make = (kind, many, to) => execFileSync(fixsplat, ['make-scene', kind, '--count', many, '-o', to])
 const viewOf = () => page.$eval('fixsplat-viewer', (viewer) => viewer.view)
 
-/** The page's picture, and the command's by the same camera. */
 async function compare(scene) {
   await still()
   await new Promise((done) => setTimeout(done, 400))
@@ -69,7 +68,7 @@ try {
     await still()
     await count('2,000')
     const named = `document.querySelector('fixsplat-viewer').shadowRoot.getElementById('name').textContent`
-    assert.equal(await page.evaluate(named), 'knot.ply') // and not that of what it was packed as
+    assert.equal(await page.evaluate(named), 'knot.ply') // not the packed file's name
     await compare(knot)
   })
   let view

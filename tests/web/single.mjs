@@ -1,5 +1,5 @@
-// node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: whether the page that `fixsplat publish --single` wrote shows its
-// scene by file://, without a network and without asking for anything: the bytes of the command's picture of SCENE.
+// node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: checks that a page written by `fixsplat publish --single` shows
+// its scene from file://, without a network and without requests, with the bytes of the command's picture of SCENE.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createRequire } from 'node:module'

@@ -1,14 +1,14 @@
-// Spark's own reader (the worker of @sparkjsdev/spark, with its WebAssembly) on a .rad, without a browser.
-// node spark.mjs MODULES decode FILE.rad OUT.ply: what it reads, as a .ply of floats, SH too; of a tree its leaves
-// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: the nodes that it would draw, at most so many, of a .rad, or of
-// the tree of its quality builder. VIEW: X,Y,Z for all around; or with the camera's axes (right, down, ahead) behind,
-// Spark's defaults: less of what is beside and behind.
+// Runs Spark's own reader (the worker of @sparkjsdev/spark, with its WebAssembly) on a .rad, without a browser.
+// node spark.mjs MODULES decode FILE.rad OUT.ply: writes a .ply of floats with SH; of a tree its leaves.
+// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the nodes, at most SPLATS, that Spark would draw of
+// a .rad or of the tree of its quality builder. VIEW: X,Y,Z for all directions; followed by the camera's axes (right,
+// down, ahead), Spark's defaults: fewer nodes to the sides and behind.
 import { readFileSync, writeFileSync } from 'node:fs'
 
 const [modules, command, file, ...rest] = process.argv.slice(2)
 const source = readFileSync(`${modules}/@sparkjsdev/spark/dist/spark.module.js`, 'utf8')
 
-// ---- The worker: a text in the module, which is given its WebAssembly by a message --------------------------------------
+// ---- The worker: a text in the module, which receives its WebAssembly by a message ----------------------------------
 
 const wasm = Buffer.from(source.match(/\nconst WASM = decode64\("([^"]*)"\)/)[1], 'base64')
 const text = Function(`return ${source.match(/\nconst jsContent = ('(?:[^'\\]|\\.)*')/)[1]}`)()
@@ -33,7 +33,7 @@ const call = (name, args) => new Promise((resolve, reject) => {
     send({ id: calls, name, args })
 })
 
-// ---- What it reads -------------------------------------------------------------------------------------------------------
+// ---- Decoding -------------------------------------------------------------------------------------------------------
 
 const half = bits => {
     const exponent = bits >> 10 & 31, fraction = bits & 1023
@@ -41,7 +41,7 @@ const half = bits => {
     return bits >> 15 & 1 ? -value : value
 }
 
-// x y z w: 10 bits each for the axis by an octahedron, 12 for the angle
+// x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle
 const rotation = bits => {
     let x = (bits & 1023) / 511.5 - 1, y = (bits >> 10 & 1023) / 511.5 - 1
     const z = 1 - Math.abs(x) - Math.abs(y), fold = Math.max(-z, 0), angle = (bits >>> 20) / 4095 * Math.PI / 2
@@ -51,7 +51,7 @@ const rotation = bits => {
     return [x * sine, y * sine, z * sine, Math.cos(angle)]
 }
 
-// Three numbers of 8 bits with their signs and an exponent
+// Three 8-bit numbers with signs and a common exponent
 const triple = bits => {
     const unit = 2 ** ((bits >>> 27) - 15) / 255
     return [0, 1, 2].map(c => (bits >>> 8 * c & 255) * unit * (bits >>> 24 + c & 1 ? -1 : 1))
@@ -66,10 +66,9 @@ const tree = splats.extra.lodTree
 const arrays = [splats.extra.sh1, splats.extra.sh2, splats.extra.sh3a, splats.extra.sh3b].filter(array => array)
 const degree = Math.min(arrays.length, 3)
 
-// Four coefficients in each array, one degree after the other
+// Four coefficients per array, degree by degree
 const sh = i => arrays.flatMap(array => [...array.subarray(4 * i, 4 * i + 4)]).slice(0, degree * (degree + 2)).map(triple)
 
-// A row of Inria's .ply.
 const row = (i, opacity) => {
     const at = 4 * i, words = new Float32Array(first.buffer, 16 * i, 3)
     const alpha = Math.min(Math.max(opacity, 1e-6), 1 - 1e-6), [x, y, z, w] = rotation(second[at + 3])
@@ -80,7 +79,8 @@ const row = (i, opacity) => {
         Math.log(alpha / (1 - alpha)), ...scale, w, x, y, z]
 }
 
-// A node of an opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A: as A opaque ones in one place, here 64 at most.
+// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place; here at
+// most 64.
 const rows = i => {
     const code = half(first[4 * i + 3] & 65535), d = Math.min(4 * code - 3, 5)
     if (!tree || code <= 1) return [row(i, code)]
@@ -104,7 +104,6 @@ const write = (path, indices) => {
 const all = Array.from({ length: splats.numSplats }, (_, i) => i)
 const children = i => tree ? tree[4 * i + 2] & 65535 : 0
 
-// Its nodes for a camera.
 const cut = async (lodId, maxSplats, view, out, parent) => {
     const [eye, right, down, ahead] = [0, 3, 6, 9].map(k => view.slice(k, k + 3)), back = v => v.map(x => -x)
     const fovs = right.length ? { behindFoveate: 0.2, coneFoveate: 0.4, coneFov0: 90, coneFov: 120 }

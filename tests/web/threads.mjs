@@ -11,7 +11,7 @@ const workers = createRequire(import.meta.url)('node:worker_threads')
 const size = { width: 320, height: 200 }
 let copies = 0
 
-/** The package once more, with nothing loaded. */
+/** Imports a fresh copy of the package. */
 const anew = (from = folder) => import(`${pathToFileURL(resolve(from, 'fixsplat.js'))}?${copies++}`)
 
 function hash(pixels) {
@@ -28,7 +28,6 @@ async function until(is, words) {
   assert.fail(words)
 }
 
-/** While `run` runs, Node's Worker is another. */
 async function withWorker(Worker, run) {
   const before = workers.Worker
   workers.Worker = Worker
@@ -118,7 +117,7 @@ const cases = {
     isRight(scene)
   },
 
-  // With a stack of a few bytes its first job is out of the memory.
+  // With a stack of 16 bytes, its first job leaves the memory.
   async 'a thread that traps'() {
     const small = class extends workers.Worker {
       constructor(url, options) {
@@ -179,4 +178,4 @@ for (const [name, run] of Object.entries(cases)) {
   console.log(name)
   await run()
 }
-console.log('all')                 // and Node ends, though threads wait for ever
+console.log('all')                 // Node exits although threads wait forever

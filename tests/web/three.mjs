@@ -1,11 +1,10 @@
-// What webgl.mjs and webgpu.mjs ask of fixsplat/three.
+// The checks of fixsplat/three for webgl.mjs and webgpu.mjs.
 import assert from 'node:assert/strict'
 import {
   checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH,
 } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
-/** What pages with a renderer need. */
 const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await import('fixsplat/three')
   ${PAGE}
   function cameraOf(kind = 'perspective') {
@@ -35,7 +34,7 @@ const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await i
     return drawMesh(wall(camera, distance))
   })`
 
-/** Two objects, in the page: one picture in one order. */
+/** Two objects in the page, drawn in one order. */
 const TWO = `const second = splats.clone()
   second.position.set(0.7, 0.4, 0.5)
   second.rotation.y = 0.7
@@ -362,7 +361,7 @@ export const threeTests = (browser) => ({
   ...(ALL && { 'three.js: docs/examples/three-webgl.html': () => example(browser, 'three-webgl.html') }),
 })
 
-/** By a WebGPURenderer; each device compiles the shaders anew. */
+/** With a WebGPURenderer; each device compiles the shaders again. */
 export const threeGpuTests = (browser) => ({
   async 'three.js by WebGPU: the bytes of the command, walls, sizes, two objects, given back, errors in words'() {
     const { hashes, walls, placed, counts, said, pictures } = await runIn(browser, 'mesh-gpu', `${STAGE}

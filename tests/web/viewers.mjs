@@ -1,4 +1,4 @@
-// What webgpu_peers.mjs and dawn.mjs measure: viewers by WebGPU, and from where they look.
+// Shared by webgpu_peers.mjs and dawn.mjs: WebGPU viewers and their views.
 
 // y up. snowmiku: its first view.
 export const VIEWS = {
@@ -6,8 +6,8 @@ export const VIEWS = {
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// Each opens the scene at `url`, with `bring` for import, and returns a function that draws from an eye into the canvas, the
-// scene turned by half a turn about x, and awaits until the device is done.
+// Each opens the scene at `url`, with `bring` as import, turned by 180 degrees about x. It returns a function that
+// draws from an eye into the canvas and waits for the device.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]
@@ -68,8 +68,10 @@ export const VIEWERS = {
     }`,
 }
 
-/** The text of a function of bring, canvas, url, width, height and a number of frames: the milliseconds of each frame after
-    two that are not counted, while the camera goes around the scene. */
+/**
+ * Source of a function of bring, canvas, url, width, height and a number of frames. It returns the milliseconds of each
+ * frame, after two warm-up frames, while the camera goes around the scene.
+ */
 export const measureText = (name, scene) => `
   const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}
   const [x, y, z] = eye.map((e, i) => e - look[i])
@@ -84,7 +86,6 @@ export const measureText = (name, scene) => `
 
 export const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
-/** Measures viewers in turns, and prints a line of each. */
 export async function inTurns(names, rounds, what, measure) {
   const found = Object.fromEntries(names.map((name) => [name, []]))
   for (let round = 0; round < rounds; round++) for (const name of names) found[name].push(await measure(name))

@@ -1,5 +1,5 @@
-// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a program of WASI; where RELAXED is set, with the products that
-// fixsplat.js puts in the place of others.
+// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program; with RELAXED set, after replacing products by relaxed
+// ones as fixsplat.js does.
 import { readFileSync } from 'node:fs'
 import { WASI } from 'node:wasi'
 

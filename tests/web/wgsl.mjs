@@ -1,5 +1,5 @@
-// node tests/web/wgsl.mjs FOLDER MODULES: compiles every .wgsl of FOLDER in headless Chromium, for WebGPU by
-// SwiftShader, and makes a pipeline of each entry point. Fails with what the compiler says.
+// node tests/web/wgsl.mjs FOLDER MODULES: compiles every .wgsl of FOLDER in headless Chromium, for WebGPU on
+// SwiftShader, and makes a pipeline of each entry point. Fails with the compiler's messages.
 import { readFileSync, readdirSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
@@ -15,7 +15,6 @@ const browser = await puppeteer.launch({
   args: ['--no-sandbox', ...WEBGPU],
 })
 
-/** Runs in the page. */
 async function compile(code, entries) {
   const adapter = await navigator.gpu?.requestAdapter()
   const device = await adapter?.requestDevice()

@@ -1,4 +1,4 @@
-// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: the viewer in a headset and a phone of iwer.
+// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: the viewer in iwer's simulated headset and phone.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -10,10 +10,12 @@ import {
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 
-const [width, height] = [320, 160] // of both eyes
-const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a metre is a unit there
+const [width, height] = [320, 160] // both eyes
+const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // there, one metre is one unit
 
-/** In the page, before its script: a headset whose eyes look past each other; what it shows; its clock and delays. */
+/**
+ * Runs in the page before its script: a headset with diverging eyes, a record of its pictures, and a controlled clock.
+ */
 function prepare() {
   const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.0625, visibilityMask: null })
   device.installRuntime({ forceInstall: true })
@@ -30,7 +32,7 @@ function prepare() {
   const clock = performance.now.bind(performance)
   let [from, rate, base] = [0, 1, 0]
   performance.now = () => base + rate * (clock() - from)
-  /** The page's clock goes so many times as fast: what a picture takes does not depend on the machine. */
+  /** Speeds up the page's clock, so that the time of a picture does not depend on the machine. */
   test.run = (times) => ([base, from, rate] = [performance.now(), clock(), times])
   test.skip = (milliseconds) => (base += milliseconds)
   const { getContext } = HTMLCanvasElement.prototype
@@ -45,7 +47,7 @@ function prepare() {
     else postMessage.call(this, message, ...more)
   }
   addEventListener('eyes', ({ detail }) => test.seen.push(detail), true)
-  /** What both eyes see: RGBA, rows from the top, the left one's first. */
+  /** Pixels of both eyes: RGBA, rows from the top, left eye first. */
   test.pixels = () => {
     const { gl } = test
     const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
@@ -58,8 +60,10 @@ function prepare() {
   }
 }
 
-/** Also there: a phone with one view, whose sessions of AR show the page over the camera's picture and find surfaces: a
-    wall close by, and level ones at heights. */
+/**
+ * Also runs in the page: a phone with one view and AR sessions that show the page over the camera's picture and find
+ * surfaces: a wall close by, and level ones at given heights.
+ */
 function prepareRoom() {
   const { test } = window
   Object.assign(test, { isPhone: false, heights: [0], finds: true, hasFloor: true, hasPage: true, asked: [] })
@@ -122,7 +126,7 @@ async function enter() {
   await inside('test.run(0.01)')
 }
 
-/** AR; with a tap, as soon as there is a ring. */
+/** Enters AR; with `taps`, taps as soon as the ring appears. */
 async function enterRoom(taps) {
   await until(`!$('room').hidden`)
   await inside(`test.seen = []; $('room').click()`)
@@ -135,13 +139,13 @@ async function enterRoom(taps) {
   await drawn()
 }
 
-/** Waits for the picture of the newest pose. */
+/** Waits for a picture of the newest pose. */
 async function drawn() {
   await inside('test.seen = []')
   await until('test.seen.length > 2')
 }
 
-/** The same at full size. */
+/** Waits for a full-size picture of the newest pose. */
 async function settle() {
   await drawn()
   await until('test.seen.at(-1).scale === 1')
@@ -153,7 +157,7 @@ async function leave() {
   await until(`!v.hasAttribute('headset')`)
 }
 
-/** The head and the hands: to where, and turned by angles to the left and up. */
+/** Moves the head and hands, and turns them left and up by angles. */
 const pose = (position, left = 0, up = 0) =>
   inside(
     `test.device.position.set(...args[0]);
@@ -169,13 +173,11 @@ const stick = (hand, ...at) =>
 const hand = (name, ...at) => inside(`test.device.controllers[args[0]].position.set(...args[1])`, name, at)
 const grip = (name, value) =>
   inside(`test.device.controllers[args[0]].updateButtonValue('squeeze', args[1])`, name, value)
-/** Runs while two frames go by. */
 const frames = (body, ...args) =>
   inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
   frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
-/** Fingers at the device's place, or controllers there, that point to the left and up by angles: they are put down, and
-    taken away from where they are drawn to. */
+/** Fingers at the device's place, or controllers, that point left and up by angles: pressed, moved and released. */
 const drag = (...fingers) =>
   inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
     const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])
@@ -205,20 +207,18 @@ function hash(bytes) {
 }
 
 const BETWEEN = ['--eye', '0,-2,-9', '--look', '0,-2,-7', '--near', '0.1', '--size', `${width / 2}x${height}`]
-const APART = ['--stereo', '0.0625', '--stereo-exact', '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030']
+const APART = ['--stereo', '0.0625', '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030']
 
-/** The hash of the command's picture of both eyes at the view's place. */
 const native = () => rendered('scene.ply', ...BETWEEN, ...APART)
 
 const scene = await load(`${scenes}/scene.ply`)
-/** The package's picture of the cameras. */
 function packaged(pair, how) {
-  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, exact: true, ...how })
+  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, ...how })
   const row = (pixels, y) => Buffer.from(pixels.buffer, 2 * width * y, 2 * width)
   return Buffer.concat(Array.from({ length: height }, (_, y) => eyes.map((eye) => row(eye, y))).flat())
 }
 
-/** AR by the graphics card: the bytes with alpha, which come as a bitmap. */
+/** AR on the GPU: pictures with alpha, received as a bitmap. */
 async function seenThrough() {
   await engineOf().evaluate(() => (self.bitmaps = 0))
   await inside('test.finds = false')
@@ -233,7 +233,6 @@ async function seenThrough() {
   await pose([0, 1.6, 0])
 }
 
-/** Decibels. */
 function likeness(a, b) {
   let sum = 0
   for (let i = 0; i < a.length; i++) sum += (a[i] - b[i]) ** 2
@@ -241,17 +240,17 @@ function likeness(a, b) {
 }
 const near = (a, b, most = 1e-6) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < most, `${a}, not ${b}`))
 
-/** The room's direction to the left and up by angles. */
 function direction(left, up) {
   const [a, b] = [left, up].map((degrees) => (degrees * Math.PI) / 180)
   return [-Math.sin(a) * Math.cos(b), Math.sin(b), -Math.cos(a) * Math.cos(b)]
 }
-/** Where a ray from an eye meets the table. */
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
-/** A vector of the room in the scene that stands there, of so many units a metre. The page's camera looks along z, with
-    y down, and that is where the person at `eye` looked when the scene was put at `foot`. Then it was turned to the
-    left, as seen from above. */
+/**
+ * Converts a vector of the room to the placed scene, `units` per metre. The page's camera looks along z with y down;
+ * this is the direction from the person at `eye` to `foot` when the scene was placed. Then the scene was turned left,
+ * seen from above.
+ */
 function inScene([x, y, z], eye, foot, turn, units) {
   const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
   const [c, s] = [Math.cos(turn), Math.sin(turn)]
@@ -261,9 +260,9 @@ function inScene([x, y, z], eye, foot, turn, units) {
 
 const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[i] + scene.high[i]) / 2))
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
-const TABLE = 2 * longest // units a metre, where the longest side is half a metre
+const TABLE = 2 * longest // units per metre: the longest side is half a metre
 
-/** Whether the camera of a picture is the one of an eye, before the scene that stands at `at`; it was put at `put`. */
+/** Asserts that a picture's camera is an eye before the scene that stands at `at` and was placed at `put`. */
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
   near(position, middle().map((x, i) => x + to[i]), 1e-4)
@@ -272,8 +271,8 @@ function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, 
 
 const EYE = [0.4, 1.6, 0.2]
 const LOOKS = [30, -45]
-const HEIGHT = 0.9 // of the table
-const BEFORE = 0.7 // to the near side, where no surface is known
+const HEIGHT = 0.9 // the table's height
+const BEFORE = 0.7 // toward the near side, where no surface is known
 
 const tests = {
   async 'both eyes: the pixels of the command'() {
@@ -415,7 +414,7 @@ const tests = {
     await inside(`test.run(1); test.gl.getExtension('WEBGL_lose_context').loseContext()`)
     await until(`!v.hasAttribute('headset') && !$('error').hidden`)
     assert.match(await inside(`return $('words').textContent`), /headset: its graphics context was lost/)
-    faults.length = 0                 // iwer asks the lost context for the colour that it clears with
+    faults.length = 0                 // iwer asks the lost context for its clear colour
     await inside(`$('closeError').click()`)
     await enter()
     await settle()
@@ -465,11 +464,11 @@ const tests = {
     const most = far.reduce((a, b) => Math.max(a, b))
     const same = (100 * far.filter((one) => one <= 0.5).length) / far.length
     console.log(`  over a colour ${same.toFixed(2)} % are the page's bytes, the others at most ${most.toFixed(2)} away`)
-    assert.ok(most <= 1.5, `${most}`) // three roundings: of the colour, of the coverage, of the page's own
+    assert.ok(most <= 1.5, `${most}`) // three roundings: colour, coverage, and the page's own
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
-    await inside('test.delay = 30') // fewer pictures
+    await inside('test.delay = 30')
     const put = onTable(EYE, direction(...LOOKS))
     await drag(['right', LOOKS, [20, -40]])
     await drawn()
@@ -539,7 +538,7 @@ const tests = {
     await check(EYE, LOOKS, 0)
     await settle()
     assert.ok(Buffer.compare(await pixels(), packaged(await cameras(), { alpha: true })) === 0)
-    await pose(EYE, 0, 0) // where the device is, iwer's next space begins
+    await pose(EYE, 0, 0) // iwer's next space starts at the device's pose
     await drawn()
     await leave()
     await inside('test.hasFloor = false')
@@ -596,7 +595,7 @@ const tests = {
     await page.setUserAgent('Mozilla/5.0 (X11; Linux x86_64; Quest 3) OculusBrowser/35.0 Chrome/126.0')
     await page.goto(`${base.replace('127.0.0.1', 'far.test')}/viewer/index.html?scene=/scenes/scene.ply`)
     await still()
-    faults.length = 0 // the browser says that it does not isolate such a page
+    faults.length = 0 // the browser warns that it does not isolate such a page
     assert.equal(await inside('return isSecureContext'), false)
     await inside(`$('headset').click()`)
     await until(`/https/.test($('words').textContent)`)

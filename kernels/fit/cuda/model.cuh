@@ -15,8 +15,8 @@
 namespace {
 #define static static __host__ __device__
 #include "src/fit/curve.h"
-#include "src/fit/fates.h"
-#include "src/fit/sharing.h"
+#include "src/fit/densify_one.h"
+#include "src/fit/relocate_one.h"
 #undef static
 
 const uint32_t MODEL_THREADS = 256;

@@ -78,7 +78,8 @@ int main(void)
     board_stack_mark();
     console_command(line, sizeof line);
     fxs_request_init(&request, &table.object, 1);
-    request.options = (fxs_options){.sh_degree = (int)console_option(line, "degree", 3), .background = {0x11, 0x13, 0x1b},
+    request.options = (fxs_options){.sh_degree = (int)console_option(line, "degree", 3),
+                                    .background = {0x11, 0x13, 0x1b},
                                     .budget = console_option(line, "budget", 0)};
     const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
     const uint32_t rows = console_option(line, "rows", 16), frames = console_option(line, "frames", 4);

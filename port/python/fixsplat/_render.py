@@ -129,14 +129,12 @@ class Backend:
     name: the name that `render` takes. does: a description in words.
     devices: the names of its devices, in the order of their numbers.
     missing: the reason why the back end has no device, in words; None where it has one.
-    exact: True where its pictures have the same bytes as those of the processor.
     depths: True where it can write the targets of depths and ids.
     """
     name: str
     does: str
     devices: Tuple[str, ...]
     missing: Optional[str]
-    exact: bool
     depths: bool
 
 
@@ -156,7 +154,7 @@ def backends() -> "list[Backend]":
                 break
         missing = None if devices else string(message.text)
         result.append(Backend(string(table.name), string(table.does), tuple(devices), missing,
-                              bool(table.can & lib.FXS_CAN_EXACT), bool(table.can & lib.FXS_CAN_TRACE)))
+                              bool(table.can & lib.FXS_CAN_TRACE)))
 
 
 class Renderer:

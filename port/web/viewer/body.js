@@ -99,8 +99,7 @@ const settings = `
 <label>Drawn by <select name="backend">
   <option value="">What is faster</option><option value="wasm">Processor</option>
   <option value="webgpu">Graphics card</option>
-  <option value="webgl2">Graphics card and processor</option>
-  <option value="webgl2-quads">Graphics card, roughly</option></select></label>
+  <option value="webgl2">Graphics card and processor</option></select></label>
 <p class="fine" id="draws"></p>
 <label id="arSize" hidden>In your room <select name="ar">
   <option value="table">On the table</option><option value="true">True size</option></select></label>

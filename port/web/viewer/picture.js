@@ -1,6 +1,5 @@
 // The picture in the page: its canvas, the back end that draws on it, and its size. The first back end is 'wasm',
-// unless one was chosen. Then a trial in a second worker times the exact back ends of the GPU once; the fastest one
-// draws.
+// unless one was chosen. Then a trial in a second worker times the back ends of the GPU once; the fastest one draws.
 import { Pace } from './pace.js'
 
 const MOST_PIXELS = 1 << 23
@@ -9,13 +8,12 @@ const SHOWN_MS = 100 // time in which the browser shows a picture of a worker
 const AGAIN_MS = 5000 // a back end that loses its context sooner is not opened again
 const TRIES = 3
 const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i // GPUs emulated by the processor
-const NEXT = { webgpu: 'webgl2', webgl2: 'wasm', 'webgl2-quads': 'wasm' } // fallbacks
+const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' } // fallbacks
 
 export const backends = {
   wasm: 'the processor',
   webgpu: 'the graphics card',
   webgl2: 'the graphics card and the processor',
-  'webgl2-quads': 'the graphics card, roughly',
 }
 
 let screens = 0
@@ -105,8 +103,8 @@ export class Picture {
 
   // ---- Back ends ----------------------------------------------------------------------------------------------------
 
-  // Times the exact back ends of the GPU once, on hidden canvases in a new worker; copy(engine) gives it the scenes. If
-  // one is faster, it draws from now on, and its engine is returned; else null.
+  // Times the back ends of the GPU once, on hidden canvases in a new worker; copy(engine) gives it the scenes. If one
+  // is faster, it draws from now on, and its engine is returned; else null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true
@@ -150,7 +148,7 @@ function free(canvas) {
   canvas.remove()
 }
 
-/** The exact back ends on a real GPU, which the processor does not emulate. */
+/** The back ends on a real GPU, which the processor does not emulate. */
 async function ofGraphicsCard() {
   if (!globalThis.OffscreenCanvas) return []
   return [(await hasWebGpu()) && 'webgpu', hasWebGl() && 'webgl2'].filter(Boolean)

@@ -1,7 +1,7 @@
 import type { Vector } from '../fixsplat.js'
 
 type How = boolean | AddEventListenerOptions
-export type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
+export type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
 /** The camera of the viewer. */
 export interface ViewerCamera {
@@ -84,7 +84,7 @@ export interface Found {
 export interface Settings {
   /** The background colour, #rrggbb. By default dark or light, as the system prefers. */
   background: string
-  /** The back end; '' chooses the fastest exact one. */
+  /** The back end; '' chooses the fastest one. */
   backend: Backend | ''
   /** The largest number of Gaussians in a picture, for scenes with levels of detail; 0, the default: no limit. */
   budget: number

@@ -205,8 +205,7 @@ const words = {
   /** Draws on a screen; for an unknown id, the answer has the pixels. */
   async draw(id, camera, options) {
     const start = performance.now()
-    const isRough = screens[id]?.backend === 'webgl2-quads'
-    const facts = await draw(id, camera, await withSky(isRough ? { ...options, sky: null } : options, camera))
+    const facts = await draw(id, camera, await withSky(options, camera))
     lookAhead(camera, options)
     onScreen(drawn)
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
@@ -217,7 +216,7 @@ const words = {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
     if (!cameras[1]) return { pictures: [render(objects(), cameras[0], options)] }
-    return { pictures: renderStereo(objects(), ...cameras, { ...options, exact: true }) }
+    return { pictures: renderStereo(objects(), ...cameras, options) }
   },
 
   packed: (key) => scenes.get(key).packed,

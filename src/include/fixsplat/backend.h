@@ -12,15 +12,12 @@ extern "C" {
 #endif
 
 /* Features of a back end beyond colour. Requests beyond them end with FXS_ERR_UNSUPPORTED; the processor has all
-   features except FXS_CAN_DEVICES. */
+   features except FXS_CAN_DEVICES. Every other request gets the same bytes as by the processor. */
 enum fxs_backend_can {
-    FXS_CAN_EXACT = 1,             /* renders the same bytes as the processor */
-    FXS_CAN_TRACE = 2,             /* depth and id targets */
-    FXS_CAN_COMPOSE = 4,           /* occluder, backdrop, coverage target, RGBA16 */
-    FXS_CAN_SHARE_EYES = 8,        /* two eyes that share the depth order and the colours; without it, each eye is a
-                                      frame */
-    FXS_CAN_DEVICES = 16,          /* several devices; each may render on its own thread */
-    FXS_CAN_PART = 32              /* scenes with only a part in memory (fxs_scene.places) */
+    FXS_CAN_TRACE = 1,             /* depth and id targets */
+    FXS_CAN_COMPOSE = 2,           /* occluder, backdrop, coverage target, RGBA16 */
+    FXS_CAN_DEVICES = 4,           /* several devices; each may render on its own thread */
+    FXS_CAN_PART = 8               /* scenes with only a part in memory (fxs_scene.places) */
 };
 
 /* All fields 0: the defaults. */

@@ -25,12 +25,12 @@ extern "C" {
    a back end that the build lacks, `device` and `open` report the reason. */
 FXS_API const fxs_backend *fxs_backend_at(int index);
 
-/* A back end by name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, gles-compute, osmesa, cuda; null
-   for other names. */
+/* A back end by name: cpu, auto (also the processor), gles, gles-fetch, gles-compute, osmesa, cuda; null for other
+   names. */
 FXS_API const fxs_backend *fxs_backend_find(const char *name);
 
-FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,
-                         fxs_backend_gles_compute, fxs_backend_osmesa, fxs_backend_cuda;
+FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_compute,
+                         fxs_backend_osmesa, fxs_backend_cuda;
 
 #ifdef __cplusplus
 }

@@ -77,8 +77,8 @@ FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
    read back, only 64 bytes that tell whether the frame fitted into the device's buffers; the call waits for these
    before it draws. (fxs_compute_render does not preserve the GL state.)
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
-   for `fetch` and `quads`. After an error nothing was drawn, unless the device failed while drawing. The first call
-   takes longer, as shaders are compiled. */
+   for `fetch`. After an error nothing was drawn, unless the device failed while drawing. The first call takes longer,
+   as shaders are compiled. */
 FXS_API int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                              const fxs_gles_target *target, void *memory, fxs_stats *stats, fxs_message *why);
 

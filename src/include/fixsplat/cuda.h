@@ -21,8 +21,8 @@ typedef struct fxs_cuda fxs_cuda;
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* packed scenes; for scenes that do not fit, the part on the device */
     uint64_t splats;               /* per slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
-                                      detail also 6.3 MB, 18 bytes for each chunk and node of the scenes, 312 per object
-                                      and eye (none of these in the slot of a right eye that shares) */
+                                      detail also 6.3 MB, 18 bytes for each chunk and node of the scenes, 312 an
+                                      object */
     uint64_t tiles;                /* per slot: 136 bytes a tile, 8.5 KB */
     uint64_t entries;              /* per slot: capacity of the tile lists, 8 bytes an entry */
     uint64_t pixels;               /* targets of fxs_cuda_render_host; per slot: targets in pinned host memory */
@@ -41,7 +41,7 @@ enum fxs_cuda_stage {
 
 typedef struct fxs_cuda_stats {
     uint32_t gaussians;            /* sums over all frames of the batch (also visible and entries) */
-    uint32_t visible;              /* two eyes that share: Gaussians that either eye sees */
+    uint32_t visible;
     uint64_t entries;
     float milliseconds[FXS_CUDA_STAGES];   /* with fxs_cuda_time: sum over the last frame of each slot; else 0 */
     fxs_cuda_memory memory;
@@ -88,15 +88,6 @@ FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
    of the last frame's blend; 0 without fxs_cuda_time or after an error. If a frame was rendered again, it includes the
    host's time in between. */
 FXS_API float fxs_cuda_milliseconds(const fxs_cuda *cuda);
-
-/* Switches stereo sharing on or off. When on, frames 0 and 1 of later calls, 2 and 3, and so on, are the left and right
-   eye of a viewer and share colours and depth order, with the same bytes as fxs_render for two eyes without `exact`.
-   Gaussians are projected for both eyes at once. `count` must be even. The frames of two eyes must have the same
-   objects (same pointer and count), pictures of one size and projection, and targets that are not written where others
-   overlap; otherwise fxs_cuda_render and fxs_cuda_render_host return FXS_ERR_ARGUMENT, FXS_ERR_SIZE or FXS_ERR_TARGET,
-   with no frame in flight. Two eyes take two slots; options.stop is called once for both. While a scene is partly on
-   the device, only one pair is in flight at a time. Errors: FXS_ERR_ARGUMENT, also for a renderer with one slot. */
-FXS_API int fxs_cuda_share_eyes(fxs_cuda *cuda, int on, fxs_message *why);
 
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
    makes the stream wait for them. The frames' targets must not overlap. The pixels are complete once fxs_cuda_finish

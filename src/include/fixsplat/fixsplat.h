@@ -441,11 +441,6 @@ typedef struct fxs_frame_memory {
 FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                int32_t height, fxs_frame_memory *memory);
 
-/* Working memory of a stereo frame of this size: fxs_frame_bytes plus at most 68 bytes for every Gaussian (a partial
-   chunk counts as 256) and 512 for every object. 0 if an argument is out of range or the memory exceeds a size_t. */
-FXS_API size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                                int32_t height);
-
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
     uint32_t drawn;                /* slots of the projected chunks: all, or with a budget at most the budget (a chunk
@@ -469,8 +464,6 @@ typedef struct fxs_request {
     uint32_t eyes;                 /* 1, or 2: left and right */
     fxs_camera cameras[2];         /* one per eye */
     fxs_targets targets[2];
-    int exact;                     /* stereo only; nonzero: each eye is rendered independently, byte for byte a mono
-                                      frame */
 } fxs_request;
 
 /* One eye, options and targets of fxs_options_init and fxs_targets_init, a camera that is all 0. */
@@ -489,25 +482,19 @@ FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, u
    Targets: at least one is required; a back end gets them passed on and may run without any. Only pixels are written,
    not the bytes between rows. *stats may be null.
 
-   Stereo: both pictures have one size and projection; targets that are written must not overlap others. Each eye uses
-   the geometry of its own camera: field of view and principal point may differ, as in a headset. Colours are computed
-   once, as seen from the point between the eyes. The depth order is shared too if both cameras measure the same depth
-   (their z axes are parallel and their positions level along z, within 2^-14) and the right eye has no occluder;
-   otherwise each eye sorts its own splats. The bytes are the same on every machine, but equal two mono frames only if
-   both cameras are equal. With eyes 2 % of the distance to the scene apart, each picture has a PSNR of 54 dB or more
-   against a mono frame on the scenes measured (the tests require 50). With `exact`, nothing is shared: each eye is byte
-   for byte a mono frame, in the time of two frames. Stereo has no bands: it needs fxs_stereo_bytes. *stats covers both
-   eyes: `visible` counts a Gaussian that both eyes see once, or with `exact` once for each eye.
+   Stereo: each eye is byte for byte the mono frame of its camera, in the time and the memory of mono frames. Both
+   pictures have one size and projection; field of view and principal point may differ, as in a headset. Targets that
+   are written must not overlap others. *stats has sums over both eyes, except for `gaussians`, `drawn` (right eye) and
+   `memory`.
 
    Errors that leave the targets untouched: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also if the
-   camera is more than 2^28 of an object's units from its origin, and in stereo beyond 2^28 Gaussians in whole chunks),
-   FXS_ERR_TARGET, FXS_ERR_MEMORY.
+   camera is more than 2^28 of an object's units from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY.
    Errors that may leave a part of the pixels written: FXS_ERR_SCENE, FXS_ERR_STOPPED, and a back end's errors. */
 FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                        fxs_stats *stats);
 
-/* Working memory of a request, for one eye or two: as fxs_frame_bytes and fxs_stereo_bytes, except that with a budget
-   it is in proportion to the budget, not to the scenes. *memory may be null. */
+/* Working memory of a request: as fxs_frame_bytes for one eye or two, except that with a budget it is in proportion to
+   the budget, not to the scenes. *memory may be null. */
 FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
 
 /* Prefetch: finds the chunks that a request's frame would draw and calls options.want for them as fxs_render does, but

@@ -1,5 +1,5 @@
 /* Foveated rendering: combines the whole picture at a quarter of its resolution, a window at half, and a smaller window
- * around the gaze at full resolution. The pixels of each are exactly the back end's, so every exact back end gives the
+ * around the gaze at full resolution. The pixels of each are exactly the back end's, so every back end gives the
  * same bytes; pixels at full resolution are the same as without foveation.
  *
  * A window is a square around the gaze, twice its radius wide, in whole tiles of 16x16 of its own pixels; near an edge

@@ -25,7 +25,6 @@ typedef struct fxs_gles_target {
     enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
     int top_down;                  /* 1: the picture's first row is the lowest, the row order of texture uploads */
     int fetch;                     /* 1: uses fxs_gles_draw_fetch; fxs_gles_render only */
-    int quads;                     /* 1: uses fxs_gles_draw_quads, without the features below; fxs_gles_render only */
     int over;                      /* 1: blends over the framebuffer's content, with premultiplied alpha (GL_ONE,
                                       GL_ONE_MINUS_SRC_ALPHA); `format` is RGBA8_COVERAGE. The picture has the same
                                       bytes on every device, but the device rounds the sums */

@@ -49,11 +49,6 @@ FXS_API fxs_draw_fn fxs_gles_draw_fetch;
 /* Null if fxs_gles_draw_fetch is supported; else the reason, one line. */
 FXS_API const char *fxs_gles_no_fetch(const fxs_gles *gles);
 
-/* Inexact variant of fxs_gles_draw: one quad per Gaussian, back to front, blended by the hardware in half floats if
-   supported, else in 10 or 8 bits. Needs fxs_config.draw_unlisted. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED
-   (the picture exceeds the largest render target, or the memory divides the frame into bands). */
-FXS_API fxs_draw_fn fxs_gles_draw_quads;
-
 /* Device time of the last frame, from the first upload to the last draw, without readback; 0 without a timer
    (EXT_disjoint_timer_query). Does not cover fxs_gles_render. */
 FXS_API uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
@@ -66,9 +61,8 @@ FXS_API uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
    nor written. Transform feedback must not be active. An active occlusion query counts this draw too.
    Further errors: FXS_ERR_TARGET (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop
    with RGBA8_COVERAGE, `over` without it, depths_and_ids in framebuffer 0), FXS_ERR_UNSUPPORTED (another format, a
-   picture larger than the device's textures, `fetch` without support (fxs_gles_no_fetch), `quads` with `fetch`, an
-   occluder, a backdrop or `over`, depths_and_ids with `fetch` or `quads`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (device
-   memory). */
+   picture larger than the device's textures, `fetch` without support (fxs_gles_no_fetch), depths_and_ids
+   with `fetch`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (device memory). */
 FXS_API int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
                             const fxs_gles_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);
 

@@ -19,17 +19,16 @@
  *   default
  *       uint16_t x[256], y[256], z[256]    position codes
  *       uint32_t rotation[256]             the rotation word: X and Y of the first axis, then the roll about it
- *       uint32_t scale[256]                the first axis in bits 9..0, the second in 19..10, half the code of the third
- *                                          in 28..20; the lowest bits of r, g, b in 29, 30, 31
- *       uint32_t colour[256]               the 8 upper bits of r in bits 7..0, g, b, opacity in bits 31..24
+ *       uint32_t scale[256]                scale codes: first axis in bits 9..0, second in 19..10, half of the third in
+ *                                          28..20; lowest bits of r, g, b in 29, 30, 31
+ *       uint32_t colour[256]               the 8 upper bits of r in bits 7..0, of g and b above; opacity in 31..24
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
  *
- *   compact: as default, but for
- *       uint8_t  sh[256][8, 13 or 21]      degree 1, 2, 3: signed index in each of three palettes, gain, then 3 K codes
- *                                          of 3 bits, two's complement, red first, from the low bits of each byte up
+ *   compact: as default, except
+ *       uint8_t  sh[256][8, 13 or 21]      degree 1, 2, 3: a signed index for each of three palettes, a gain, then 3 K
+ *                                          codes of 3 bits, two's complement, red first, low bits of a byte first
  *
- *   small: codes of fewer bits, spread to those of default (and half the third axis's code to 9 bits) by repeating their
- *   high bits below
+ *   small: shorter codes. Each is extended to the length in default by repeating its high bits below.
  *       uint32_t a[256]                    x in bits 10..0, y in 21..11, opacity in 31..24
  *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25
  *       uint32_t c[256]                    scale codes of the first axis in bits 6..0, the second in 13..7, the third in
@@ -40,10 +39,10 @@
  *
  *   A signed index: the entry in bits 6..0; bit 7: its coefficients change sign.
  *
- * Rows are whole, so that 16, 32 or 64 neighbours load at once. Chunks are the leaves of a k-d tree, in its order, and
- * small in space where they are seen from near. In a slot that holds no Gaussian all codes but those of SH are 0. A
- * Gaussian whose opacity has code 0 has another rotation word. Such slots lie behind the last Gaussian; those before it are holes, as
- * the chunks of few Gaussians that lie far out are not full. */
+ * Each row has 256 numbers, so a vector loads 16, 32 or 64 neighbours at once. Chunks are the leaves of a k-d tree, in
+ * its order; chunks near the viewer are small in space. In an empty slot all codes except SH are 0; a Gaussian never has
+ * rotation word 0 and opacity 0. Slots behind the last Gaussian are empty. Empty slots before it are holes: a chunk far
+ * out may hold few Gaussians. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
 
@@ -58,47 +57,47 @@ extern "C" {
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
 #define FXS_PACKED_VERSION 5u             /* without a tree */
-#define FXS_PACKED_VERSION_TREE 6u        /* with one */
+#define FXS_PACKED_VERSION_TREE 6u        /* with a tree */
 #define FXS_PACKED_ANTIALIASED 1u
-#define FXS_PACKED_UP 0x80000000u       /* the bits below say what is up: docs/format.md, fxs_start_of */
+#define FXS_PACKED_UP 0x80000000u       /* the up vector is stored in the bits below: docs/format.md, fxs_start_of */
 
 typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t magic, version;
-    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, with the holes */
+    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, holes included */
     uint32_t chunk_bytes;            /* of a chunk's rows */
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP with its bits */
     uint32_t checksum;               /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
-    int64_t inner_low_q32[3], inner_high_q32[3];   /* of what is seen: docs/format.md */
+    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part: docs/format.md */
     uint32_t profile;                /* enum fxs_profile */
-    uint32_t palette_entries;        /* of each stage, 1 to 128; 0 without a palette */
-    uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */
+    uint32_t palette_entries;        /* entries per stage, 1 to 128; 0: no palette */
+    uint32_t palette_step_q19;       /* palette coefficient = number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
-    uint32_t holes;                  /* slots among them that hold no Gaussian */
-    uint32_t start_tangent_q24;      /* start view (start.h): of half the vertical field of view; 0: there is none, */
-    int64_t start_q32[3];            /* the camera's centre, */
-    int32_t start_rotation_q30[4];   /* and the unit quaternion w, x, y, z of its rotation, world to camera */
+    uint32_t holes;                  /* empty slots before the last Gaussian */
+    uint32_t start_tangent_q24;      /* start view (start.h): tangent of half the vertical field of view; 0: none */
+    int64_t start_q32[3];            /* start view: camera centre */
+    int32_t start_rotation_q30[4];   /* start view: unit quaternion w, x, y, z of the rotation, world to camera */
 } fxs_packed_header;
 
 #define FXS_COLOUR_MOST 511        /* the largest code of a base colour */
 
-/* Law 0: the opacity of code c is c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, so that chunks
-   of fog have fine steps; but for code 0, which is 0. */
+/* Opacity of code c. Law 0: c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2 for c > 0, and 0 for
+   c = 0. The higher laws give fine steps to chunks of faint Gaussians. */
 #define FXS_OPACITY_LAWS 4u
 
 typedef struct fxs_chunk {           /* 128 bytes */
     int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
-    int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32: large sigmas, which */
-    int32_t colour_q16[3];           /* cover many pixels, get the fine steps */
+    int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32; finest for large sigmas */
+    int32_t colour_q16[3];
     uint32_t colour_step_q20[3];     /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, and of the chunk's rows */
     uint16_t sh_step_q19[3];         /* default: a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
     uint16_t step_shift;             /* 0 to 12 */
     uint16_t scale_step_q24;         /* at most 1026 */
-    uint16_t opacity_law;            /* how codes of opacity are read: 0 to 3 */
-    int8_t sh_mean[48];              /* compact and small: as an entry of a palette, added to each Gaussian's */
+    uint16_t opacity_law;            /* 0 to 3 */
+    int8_t sh_mean[48];              /* compact and small: mean SH, as a palette entry; added to each Gaussian's SH */
 } fxs_chunk;
 
 #define FXS_TREE_MAGIC 0x54535846u        /* "FXST" */
@@ -111,14 +110,14 @@ typedef struct fxs_tree_header {     /* 64 bytes */
     uint32_t reserved[13];           /* 0 */
 } fxs_tree_header;
 
-/* A node's chunk stands for what its two children draw together. Chunks are numbered: the leaves from 0 on, then the
-   nodes in their order, so that of node i has number chunk_count + i. A node comes before its children. */
+/* A node's chunk replaces both its children. Chunk numbers: the leaves from 0 on, then the nodes; node i has number
+   chunk_count + i. A node comes before its children. */
 typedef struct fxs_node {            /* 16 bytes */
     uint32_t children[2];            /* numbers of chunks */
-    int16_t gain_q8;                 /* log2 of the squared error, in colours^2 units^2, that the children remove; */
-    int16_t size_q8;                 /* of the sigma, in units, of what differs; */
-    int16_t area_q8;                 /* of the mean area sigma^2 of its Gaussians as they are seen, units^2; */
-    uint16_t swell_q8;               /* of the sum of the leaves' opacities below it, from 1/255.5 on, over its own */
+    int16_t gain_q8;                 /* log2 of the squared error that drawing the children removes, colours^2 units^2 */
+    int16_t size_q8;                 /* log2 of the sigma of the differences, units */
+    int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of its Gaussians, units^2 */
+    uint16_t swell_q8;               /* log2 of the opacity sum of the leaves below (each 1/255.5 or more) over its own */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)

@@ -202,7 +202,8 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (fault)
         return fault;
     s->antialiased = cJSON_IsTrue(member(root, "antialias"));
-    if (!fxs_json_whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
+    if (!fxs_json_whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX,
+                        &s->count))
         return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
     if (!fxs_json_numbers(member(means, "mins"), s->mins, 3) || !fxs_json_numbers(member(means, "maxs"), s->maxs, 3))
         return "no valid \"mins\" and \"maxs\" of \"means\"";

@@ -1,5 +1,5 @@
-// What a program does with the package, in each project of bundlers.mjs, which puts the names of the entries in. It
-// leaves in `globalThis.result` what it found.
+// A program that uses the package, for each project of bundlers.mjs, which fills in the entries' names. Stores its
+// findings in `globalThis.result`.
 import { load, Screen, setAssets } from '@LOAD@'
 import '@VIEWER@'
 
@@ -18,7 +18,7 @@ function hashOf(bytes) {
   return h.toString(16).padStart(16, '0')
 }
 
-/** By every module of WebAssembly, and by WebGL 2, whose functions are fetched when they are wanted. */
+/** Draws with every WebAssembly module, and with WebGL 2, which is fetched on demand. */
 async function run() {
   const many = globalThis.crossOriginIsolated ? 2 : 1
   const threaded = await draw(await load('/scene.ply', { threads: 2 }), many)

@@ -1,4 +1,4 @@
-// What TypeScript is to say of the package: errors where they are expected, and no others.
+// TypeScript must report the marked errors, and no others.
 import { load, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 import * as inline from 'fixsplat/inline'
 import 'fixsplat/inline/viewer'

@@ -1,8 +1,8 @@
 /* Densification of one Gaussian. Compiled for the CPU and for CUDA. */
-#ifndef FXS_FIT_FATES_H
-#define FXS_FIT_FATES_H
+#ifndef FXS_FIT_DENSIFY_ONE_H
+#define FXS_FIT_DENSIFY_ONE_H
 
-#include "far.h"
+#include "distant.h"
 #include "planes.h"
 
 #define SPLIT_SHARE 0.707106781f    /* factor of the longest sigma in a child */

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Scenes far from 0, as in UTM coordinates, keep their places when they are read, placed, edited, packed and written.
+# Scenes far from 0, as in UTM coordinates, keep their places when read, placed, edited, packed and written.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -8,7 +8,7 @@ back=--translate=-500000,-4500000,0
 near_view='--size 200x150 --eye 1,-2,-7 --look 0.5,0.25,0'
 far_view='--size 200x150 --eye 500001,4499998,-7 --look 500000.5,4500000.25,0'
 
-# rows FILE TYPE X Y: 1200 Gaussians in 4 units about X, Y, 0, at multiples of 2^-12, as text that has them exactly
+# rows FILE TYPE X Y: 1200 Gaussians within 4 units of X, Y, 0, at multiples of 2^-12, as exact text
 rows() {
     awk -v type="$2" -v x="$3" -v y="$4" '
         function random() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }
@@ -31,7 +31,6 @@ rows() {
 }
 
 picture() { "$fixsplat" render "$@" -o "$picture" --quiet; }
-# same NAME SCENE OPTION...: its picture is the one of the plain scene
 same() {
     name=$1
     shift
@@ -78,7 +77,6 @@ for ending in splat spz sog compressed.ply rad; do
     check ".$ending: a line" says "far.$ending: single precision moves positions so far out by up to 0.25 units; \
 nothing is lost with --translate -500000,-4500000,0"
 done
-# prints WORDS ARGUMENT...: of the command
 prints() {
     words=$1
     shift
@@ -127,7 +125,7 @@ steps of up to 0.5 units; objects of a world (--scene, --place of render) keep t
 succeeds "two far out" convert far.ply plain.ply both.csv --place plain.ply:500010,4500000,0
 check "two far out: all places" equal "$(sort -u both.csv | wc -l)" 2401
 
-# Where most Gaussians lie is what counts: here a third is a sky, 200000 units away on one side.
+# The place of most Gaussians counts: here a third is a sky, 200000 units away on one side.
 awk 'NR > 18 && NR % 3 == 0 { $1 = -200000 - NR; $8 = $9 = $10 = 8 } { print }' plain.ply >sky.ply
 nearby() {
     "$fixsplat" convert "$1" nearby.csv --quiet "$2"
@@ -144,7 +142,7 @@ nearby floats.ply $back floats.places
 nearby plain.ply --translate=0,0,0 plain.places
 check "text of floats: places" cmp plain.places floats.places
 
-# ---- Leaving out, levels, parts --------------------------------------------------------------------------------------
+# ---- Filtering, levels, parts ----------------------------------------------------------------------------------------
 
 "$fixsplat" convert plain.ply crop.fxs --crop -1,-1,-1,1,1,1 --quiet
 "$fixsplat" convert far.ply far-crop.ply --crop 499999,4499999,-1,500001,4500001,1 --quiet
@@ -167,7 +165,7 @@ check "--block: nothing is written" [ ! -e part.fxs ]
 
 mkdir tiles
 "$fixsplat" convert plain.ply tiles/tile.glb
-# transforms of a tile are z up; the Gaussians get the axes of a .ply: -x, -z, -y
+# a tile's transform is z up; the Gaussians get a .ply's axes: -x, -z, -y
 cat >tiles/tileset.json <<'END'
 {"asset": {"version": "1.1"}, "geometricError": 1, "root": {"refine": "ADD", "geometricError": 0,
  "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, -500000,0,-450000,1], "content": {"uri": "tile.glb"}}}

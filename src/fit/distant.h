@@ -1,6 +1,6 @@
 /* Beyond a radius, sizes are measured as angles from the cameras. Compiled for the CPU and for CUDA. */
-#ifndef FXS_FIT_FAR_H
-#define FXS_FIT_FAR_H
+#ifndef FXS_FIT_DISTANT_H
+#define FXS_FIT_DISTANT_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"

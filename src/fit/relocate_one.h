@@ -1,6 +1,6 @@
 /* Relocation of one Gaussian. Compiled for the CPU and for CUDA. */
-#ifndef FXS_FIT_SHARING_H
-#define FXS_FIT_SHARING_H
+#ifndef FXS_FIT_RELOCATE_ONE_H
+#define FXS_FIT_RELOCATE_ONE_H
 
 #include "planes.h"
 #include "random.h"
