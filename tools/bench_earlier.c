@@ -34,7 +34,7 @@ static int load(const char *path, char text[FILE_MOST + 1])
     fclose(file);
     text[size < FILE_MOST ? size : FILE_MOST] = 0;
     return error ? fail(EXIT_FAILED, "%s: %s", path, strerror(error))
-           : size > FILE_MOST ? fail(EXIT_FAILED, "%s: too long for what bench --json prints", path) : 0;
+           : size > FILE_MOST ? fail(EXIT_FAILED, "%s: too long for the output of bench --json", path) : 0;
 }
 
 /* The text of a JSON fact, or null if it is neither a text nor a number. `room` holds a number's digits. */
@@ -55,7 +55,7 @@ static int check_fact(bench_earlier *e, const char *path, const cJSON *root, con
         here = rooms[1];
     }
     if (!there)
-        return fail(EXIT_FAILED, "%s: no %s: is it what this version's bench --json prints?", path, fact->name);
+        return fail(EXIT_FAILED, "%s: no %s: expected the output of this version's bench --json", path, fact->name);
     if (fact->kind == FACT_ASIDE || !strcmp(here, there))
         return 0;
     if (fact->kind == FACT_SAME)
@@ -70,7 +70,7 @@ static int take_time(double *out, const char *path, const cJSON *object, const c
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     *out = cJSON_IsNumber(item) ? item->valuedouble : -1;
-    return *out >= 0 ? 0 : fail(EXIT_FAILED, "%s: no time of %s: is it what bench --json prints?", path, name);
+    return *out >= 0 ? 0 : fail(EXIT_FAILED, "%s: no time of %s: expected the output of bench --json", path, name);
 }
 
 static int take(bench_earlier *e, const char *path, const cJSON *root, const bench_fact *facts, int count)
@@ -93,7 +93,7 @@ int bench_earlier_read(bench_earlier *earlier, const char *path, const bench_fac
         return status;
     cJSON *root = cJSON_ParseWithOpts(text, 0, 1);
     status = cJSON_IsObject(root) ? take(earlier, path, root, facts, count)
-                                  : fail(EXIT_FAILED, "%s: not the JSON object that bench --json prints", path);
+                                  : fail(EXIT_FAILED, "%s: not the JSON object of bench --json", path);
     cJSON_Delete(root);
     return status;
 }

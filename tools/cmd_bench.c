@@ -40,15 +40,16 @@ static int take_draw(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"path", "N", INT(path, 2, 10000), .help =
+    {"path", "N", INT(path, 2, 10000), .basic = 1, .help =
      "fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum"},
-    {"frames", "N", INT(frames, 10, 10000), .help = "frames measured after a warm-up of two, 10 to 10000 (default 10)"},
+    {"frames", "N", INT(frames, 10, 10000), .help =
+     "frames to measure, after two warm-up frames, 10 to 10000 (default 10)"},
     {"draw", "KIND", take_draw, FIELD(int, draws), .choices = WORDS("mean-depth", "median-depth", "ids"), .help =
-     "beside colour draw mean-depth, median-depth or ids; may be given for each"},
-    {"json", 0, FLAG(json), .help = "print a JSON object"},
-    {"compare", "FILE", TEXT(compare), .help =
-     "beside the times those of a file that --json wrote of the same scenes, view and options, and the ratio; marked "
-     "with * where cut-off, back end, budget, detail, processor or threads are others"},
+     "also draw mean-depth, median-depth or ids; may be repeated"},
+    {"json", 0, FLAG(json), .basic = 1, .help = "print a JSON object"},
+    {"compare", "FILE", TEXT(compare), .basic = 1, .help =
+     "also print the times of FILE, written by --json with the same scenes, view and options, and the ratio; * marks "
+     "another cut-off, back end, budget, detail, processor or number of threads"},
     {0}
 };
 
@@ -61,7 +62,7 @@ static int read_options(bench_options *o, int argc, char **argv)
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
     if (o->draws && o->frame.foveate.on)
-        return fail(EXIT_USAGE, "--foveate is of colours: no --draw");
+        return fail(EXIT_USAGE, "--foveate has colours only: no --draw");
     if (o->compare && o->json)
         return fail(EXIT_USAGE, "--compare prints a table: no --json");
     o->frames = o->path ? o->path : o->frames ? o->frames : 10;
@@ -396,17 +397,17 @@ static int run(int argc, char **argv)
 const command command_bench = {
     "bench", "times each stage", run,
     "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
-    "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
-    "with a timer also those of its device. With --foveate also pixels, milliseconds and PSNR of each ring,\n"
-    "against the picture without.\n",
+    "Renders one view repeatedly and prints the median milliseconds of each stage, and the device's own times if\n"
+    "the back end has a timer. With --foveate: also pixels, milliseconds and PSNR of each ring, against the full\n"
+    "picture.\n",
     0,
     "  $ fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
+    "  $ fixsplat bench scene.ply --json > before.json\n"
+    "  $ fixsplat bench scene.ply --compare before.json\n"
     "  $ fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
     "  $ fixsplat bench scene.ply --draw median-depth --draw ids\n"
     "  $ fixsplat bench scene.ply --path 120\n"
     "  $ fixsplat bench scene.fxs --budget 500000 --path 120\n"
-    "  $ fixsplat bench scene.ply --json > before.json\n"
-    "  $ fixsplat bench scene.ply --compare before.json\n"
     "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",
     {{own_rows, 0}, FRAME_TABLES(bench_options), COMMON_TABLE}
 };

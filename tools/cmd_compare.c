@@ -21,10 +21,10 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"diff", "D.png", OUTPUT(difference), .help = "write 8 times the absolute difference"},
     {"min-psnr", "DB", REAL(least_psnr, ABOVE_0, INFINITY, "decibels above 0"), .help =
-     "exit 1 where the PSNR is lower; equal pictures have more than any"},
+     "exit 1 if the PSNR is below DB; equal pictures always pass"},
     {"min-ssim", "S", REAL(least_ssim, ABOVE_0, 1, "a number above 0, up to 1"), .help =
-     "exit 1 where the SSIM is lower, 0 to 1"},
-    {"json", 0, FLAG(json), .help = "print a JSON object (psnr is null where the pictures are equal)"},
+     "exit 1 if the SSIM is below S, above 0, up to 1"},
+    {"json", 0, FLAG(json), .help = "print a JSON object; psnr is null for equal pictures"},
     {0}
 };
 
@@ -109,10 +109,10 @@ static int run(int argc, char **argv)
 }
 
 const command command_compare = {
-    "compare", "how far two pictures are apart", run,
+    "compare", "measures the difference of two pictures", run,
     "Usage: fixsplat compare A.png B.png [OPTION...]\n\n"
-    "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures of one size, over red,\n"
-    "green and blue.\n",
+    "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures, over red, green and blue. Both\n"
+    "pictures must have the same size.\n",
     0,
     "  $ fixsplat compare a.png b.png\n"
     "  $ fixsplat compare a.png b.png --diff difference.png --json\n"

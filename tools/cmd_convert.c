@@ -209,74 +209,74 @@ static int take_start(const option_row *row, void *field, const char *value)
 static const option_row own_rows[] = {
     {.help = "Options:"},
     {.help =
-     "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of "
-     "a .ply (x right, y down, z to the front):"},
-    {"up", "X,Y,Z", take_up, FIELD(vector_option, up), .expected = "a direction X,Y,Z, not 0,0,0", .help =
-     "turn this direction to up, which is 0,-1,0, by the shortest way; an .fxs then says that this is up"},
+     "First, the whole scene is rotated, scaled and moved, always in this order, SH included. Axes are as in a .ply "
+     "(x right, y down, z to the front):"},
+    {"up", "X,Y,Z", take_up, FIELD(vector_option, up), .expected = "a direction X,Y,Z, not 0,0,0", .basic = 1, .help =
+     "turn this direction to up, 0,-1,0, by the shortest rotation. An .fxs then stores it as up"},
     {"level", "X,Y,Z,X,Y,Z,X,Y,Z", take_level, 0, .expected =
      "three points X,Y,Z,X,Y,Z,X,Y,Z that lie on no line", .help =
-     "turn three points of the ground level, in place of --up; up is the side where most centres of Gaussians lie. "
-     "render --pick says where a point is"},
+     "turn three points of the ground level, instead of --up; up is the side with most centres of Gaussians. render "
+     "--pick prints the position of a point"},
     {"rotate", "X,Y,Z", VECTOR(degrees, "degrees about three axes X,Y,Z"), .help =
-     "turn by so many degrees about the x axis, then the y axis, then the z axis; the axes stay where they are"},
+     "rotate about the x axis, then the y axis, then the z axis, in degrees; the axes stay fixed"},
     {"scale", "S", REAL(whole.scale, ABOVE_0, INFINITY, "a number above 0"), .help =
-     "times as large, about the origin"},
-    {"translate", "X,Y,Z", VECTOR(whole.translation, "three numbers X,Y,Z"), .help = "move"},
-    {.help = "Then Gaussians are left out, by where they are now:"},
+     "scale about the origin by the factor S, above 0"},
+    {"translate", "X,Y,Z", VECTOR(whole.translation, "three numbers X,Y,Z"), .help = "move by this vector"},
+    {.help = "Second, Gaussians are removed, by their new positions:"},
     {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, 0, .expected =
-     "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", .help =
-     "keep those with their centre in this box, edges included. Given again: in one of the boxes; so for the next two. "
-     "With several of these three, what all of them keep"},
+     "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", .basic = 1, .help =
+     "keep Gaussians with their centre in this box, edges included. Boxes may be repeated: any of them; likewise "
+     "spheres and cylinders. Options of different kinds: all of them"},
     {"sphere", "X,Y,Z,R", take_sphere, 0, .expected =
      "four numbers X,Y,Z,R, R 0 or more", .help =
-     "keep those with their centre at most R from X,Y,Z"},
+     "keep Gaussians with their centre at most R from X,Y,Z"},
     {"cylinder", "X,Y,Z,X,Y,Z,R", take_cylinder, 0, .expected =
      "seven numbers X,Y,Z,X,Y,Z,R, two places and R 0 or more", .help =
-     "keep those with their centre in a cylinder from X,Y,Z to X,Y,Z, at most R from its axis"},
-    {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .help =
-     "keep those of this opacity or more, 0 to 1"},
-    {"drop-floaters", "[=STRENGTH]", take_floaters, FIELD(int, filter.floaters), 1, FXS_FLOATER_STRENGTHS, .help =
-     "of what these leave, drop those with fewer than 8 others in the 27 cells around them; a cell is as wide as 4 "
-     "of a Gaussian's largest sigma (of the median Gaussian's, where that is more), rounded up to a power of two. "
-     "That is strength 1, the default, for strays; 2 and 3 take haze too (opacity below 0.9), 4 and 5 all that is "
-     "large and stands apart, also a background, so they are for scenes of one object"},
-    {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .help = "keep SH up to this degree, 0 to 3"},
-    {.help = "Last:"},
+     "keep Gaussians with their centre in the cylinder from the first point to the second, radius R"},
+    {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .basic = 1, .help =
+     "keep Gaussians with an opacity of at least ALPHA, 0 to 1"},
+    {"drop-floaters", "[=STRENGTH]", take_floaters, FIELD(int, filter.floaters), 1, FXS_FLOATER_STRENGTHS,
+     .basic = 1, .help =
+     "then drop Gaussians with fewer than 8 others in the 27 cells around them. STRENGTH 1 (default): strays; 2 and 3: "
+     "haze too (opacity below 0.9); 4 and 5: also large isolated ones and backgrounds, for scenes of one object. A "
+     "cell is 4 times the largest sigma of the Gaussian (at least the median Gaussian's), rounded up to a power of "
+     "two"},
+    {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .basic = 1, .help =
+     "keep SH up to this degree, 0 to 3 (default 3)"},
+    {.help = "Third, Gaussians are merged:"},
     {"decimate", "N", take_decimate, 0, .expected =
-     "a number of Gaussians from 1 on, or a share above 0% up to 100%", .help =
-     "merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of two become those of "
-     "both together, weighted by opacity and area"},
-    {.help = "The file that is written:"},
-    {"profile", "P", CHOICE(load.profile, profile_names), .help =
-     "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
-     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Some views around "
-     "the scene are compared with the floats, up to 8 million Gaussians, and the worst is said where it has less than "
-     "most scenes have: 52, 48 or 38 dB"},
-    {"levels", 0, FLAG(load.tree), .help =
-     "of .fxs: with levels of detail, a tree of coarser Gaussians, which makes it about twice as large"},
+     "a number of Gaussians from 1 on, or a share above 0% up to 100%", .basic = 1, .help =
+     "merge neighbours until N Gaussians, or N%, are left. Two Gaussians become one with their joint position, "
+     "covariance, colour and SH, weighted by opacity and area"},
+    {.help = "Output file:"},
+    {"profile", "P", CHOICE(load.profile, profile_names), .basic = 1, .help =
+     "how an .fxs is packed, with bytes per Gaussian at SH degree 3 and PSNR on a captured scene: default 63.5 (56.9 "
+     "dB), compact 39.6 (53.9 dB) or small 19.6 (44.4 dB). Without SH: 18.5, 18.5 and 13.5 bytes. Up to 8 million "
+     "Gaussians, the result is compared with the floats, and a view below 52, 48 or 38 dB is reported"},
+    {"levels", 0, FLAG(load.tree), .basic = 1, .help =
+     "add levels of detail to an .fxs, a tree of coarser Gaussians: about twice the size"},
     {"refine", "[=STEPS]", take_refine, 0, 0, FXS_REFINE_STEPS_MOST, .help =
-     "of --levels: fit the coarse Gaussians of each level to pictures of the scene, by so many steps (default 200), "
-     "and measure in them what each node is worth. 0: only measure"},
+     "with --levels: fit the coarse Gaussians of each level to pictures of the scene, in STEPS steps, 0 to 100000 "
+     "(default 200), and measure the value of each node in them. 0: only measure"},
     {"cameras", "CAMERAS", TEXT(cameras), .help =
-     "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced; 16 with --refine=0), in "
-     "the axes of what is written. By default they are from around the scene and within it"},
+     "camera file for the pictures of --refine, in the axes of OUT: at most 64 evenly spaced views, 16 with --refine=0 "
+     "(default: views around the scene and within it)"},
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 512", .help =
-     "of .fxs: only the I-th of N parts (N up to 512), which convert merges: convert PART... OUT. All parts are made "
-     "of the same files with the same options"},
+     "write only part I of N of an .fxs, N up to 512. convert PART... OUT merges all parts, made with the same files "
+     "and options"},
     {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
-     "six numbers or seven, the last 1 to 170, or a camera file", .help =
-     "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
-     "vertical field of view 50 degrees or FOV; or a view of a camera file, its number from 0 on or name (default 0). "
-     "In the axes of what is written, with what the .fxs says as up, or 0,-1,0 (default: that of an .fxs of IN, turned "
-     "and moved as it is)"},
-    {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
+     "six numbers or seven, the last 1 to 170, or a camera file", .basic = 1, .help =
+     "first camera of render and view, stored in an .fxs: eye and target, X,Y,Z each, and vertical field of view "
+     "(default 50 degrees); or a view of a camera file, by its number from 0 or its name (default 0). In the axes of "
+     "OUT, with the .fxs's up direction, or 0,-1,0 (default: the start view of an .fxs in IN, moved with it)"},
+    {"spz-version", "V", INT(spz_version, 3, 4), .help = "version of an .spz: 3 (gzip) or 4 (zstd, default)"},
     {"spz-fine", 0, FLAG(spz_fine), .help =
-     "all 8 bits of SH and 24 of positions in an .spz: nearly twice as large at SH degree 3, and 53 dB on a captured "
-     "scene, not 37. By default SH have 5 bits (degree 1) and 4, and positions 12 behind the point or a little more, "
-     "as by Niantic's encoder"},
-    {"force", 0, take_force, 0, .help =
-     "OUT may be one of IN, but for an .fxs: that is replaced, when OUT is complete. What only belongs to one of IN, "
-     "as a content of a tileset, is never replaced"},
+     "store 8 bits of SH and 24 bits of positions in an .spz: nearly twice the size at SH degree 3, and 53 instead of "
+     "37 dB on a captured scene (default, as Niantic's encoder: 5 bits for SH degree 1, 4 above, and about 12 bits of "
+     "positions after the point)"},
+    {"force", 0, take_force, 0, .basic = 1, .help =
+     "allow OUT to replace a file of IN, when OUT is complete; never an .fxs, and never a file that only belongs to a "
+     "file of IN, as a tile of a tileset"},
     {0}
 };
 
@@ -347,8 +347,7 @@ static void check_views(const world *packed, const convert_options *o, const loa
     frame_options options;
     quality q;
     if (packed->scenes[0].opened->scene->count > MOST) {
-        note("%s: not compared with the floats, which is done up to %d Gaussians; info --compare does it for any "
-             "number", o->out, MOST);
+        note("%s: not compared with the floats: more than %d Gaussians; info --compare has no limit", o->out, MOST);
         return;
     }
     again.again = 1;
@@ -495,7 +494,7 @@ static int check_options_of_parts(const convert_options *o)
         for (const option_row *r = t->rows; r->help; r++)
             if (r->name && is_given(r->name) && strcmp(r->name, "levels") && strcmp(r->name, "start-view") &&
                 strcmp(r->name, "quiet"))
-                return fail(EXIT_USAGE, "--%s: %s is a part of a scene, which convert merges as it is", r->name,
+                return fail(EXIT_USAGE, "--%s: %s is a part of a scene; parts are merged unchanged", r->name,
                             o->world.scenes[0]);
     return ends_with(o->out, ".fxs") ? 0 : fail(EXIT_USAGE, "%s: parts of an .fxs are merged to an .fxs", o->out);
 }
@@ -742,18 +741,15 @@ static int run(int argc, char **argv)
 const command command_convert = {
     "convert", "scene files -> one of another format", run,
     "Usage: fixsplat convert IN... OUT [OPTION...]\n\n"
-    "Writes a scene file, or several as they are placed, as another, by the ending of OUT. fixsplat help formats lists\n"
-    "the formats, and what each loses.\n\n"
-    "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that\n"
-    "its codes stand for are written.\n"
-    "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
-    "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n",
+    "Converts a scene, or several scenes merged into one. The ending of OUT chooses the format; fixsplat help formats\n"
+    "lists the formats and their losses. Gaussians that cannot be drawn are left out. An .fxs is decoded.\n\n"
+    "Merged scenes get the highest SH degree of any file; missing coefficients are 0. All files must be anti-aliased,\n"
+    "or none. An existing OUT is replaced when the new file is complete; a file of IN only with --force.\n",
     0,
     "  $ fixsplat convert scene.ply scene.fxs\n"
-    "  $ fixsplat render scene.fxs -o scene.png\n"
     "  $ fixsplat convert scene.ply phone.fxs --profile compact\n"
-    "  $ fixsplat convert scene.ply hall.fxs --start-view 0,-1.6,-4,0,-1,0,65\n"
     "  $ fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
+    "  $ fixsplat convert scene.ply hall.fxs --start-view 0,-1.6,-4,0,-1,0,65\n"
     "  $ fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
     "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters=3\n"
     "  $ fixsplat convert scene.ply far.glb --decimate 10%\n"

@@ -18,7 +18,7 @@ typedef struct demo_options {
 static const option_row own_rows[] = {
     {.help = "Options:"},
     {"output", "OUT", OUTPUT(output), .letter = 'o', .help =
-     "the picture: .png, .ppm, .raw, .jpg or .webp (default demo.png); the scene lies beside it as .ply"},
+     "picture: .png, .ppm, .raw, .jpg or .webp (default demo.png). The scene gets the same name, as .ply"},
     {"view", 0, FLAG(view), .help = "then show the scene in a window"},
     {0}
 };
@@ -78,8 +78,8 @@ static int run(int argc, char **argv)
 const command command_demo = {
     "demo", "makes a scene and renders a first picture", run,
     "Usage: fixsplat demo [OPTION...]\n\n"
-    "Makes a procedural scene, demo.ply, and renders it to demo.png, by the two commands that it prints. Anywhere, also\n"
-    "without a display.\n",
+    "Makes a procedural scene, demo.ply, and renders it to demo.png. Prints the two commands that do it. Needs no\n"
+    "display.\n",
     0,
     "  $ fixsplat demo\n"
     "  $ fixsplat demo -o first.jpg --view\n",

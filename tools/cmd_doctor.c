@@ -137,10 +137,10 @@ static int run(int argc, char **argv)
 }
 
 const command command_doctor = {
-    "doctor", "says what this machine has for it", run,
+    "doctor", "lists libraries, programs and devices of this machine", run,
     "Usage: fixsplat doctor\n\n"
-    "Says what this machine has, a line each: threads, instruction sets, GPUs, formats, libraries and programs; and of\n"
-    "what is not here, what it would give. Nothing of it is an error: the exit status is 0.\n",
+    "Lists threads, instruction sets, GPUs, formats, libraries and programs of this machine, one per line, and the\n"
+    "use of each missing one. A missing one is no error: the exit status is 0.\n",
     0,
     "  $ fixsplat doctor\n",
     {COMMON_TABLE}

@@ -53,98 +53,97 @@ static int take_sky(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
-     ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
-    {"quality", "NAME", CHOICE(quality, qualities), .help =
-     "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 13 s on an H100, "
-     "28.7 dB) or best (four times the steps and the Gaussians): a recipe with its steps and resolution, where --steps "
-     "and --resolution do not say others"},
+    {"output", "OUT", OUTPUT(out), .letter = 'o', .basic = 1, .help =
+     "result: .fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
+    {"quality", "NAME", CHOICE(quality, qualities), .basic = 1, .help =
+     "draft (small photographs, few steps: a quick check), good (default; 28.7 dB in 13 s at 1200x900 on an H100) or "
+     "best (four times the steps and the Gaussians). Sets the recipe, --steps and --resolution, unless the latter are "
+     "given"},
     {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
-     "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or "
-     "reference (54 s, 27.9 dB; the published one, to compare with)"},
+     "method that adds and removes Gaussians, instead of --quality: fast (default; also draft and good), mcmc (also "
+     "best) or reference (published method, for comparison: 27.9 dB in 54 s)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
-     "none (default), or photographs differ in exposure and white balance, and numbers of each are fitted beside the "
-     "scene: gain (three) or affine (a map of colours: 3x3 factors and a constant for each channel); of --block those "
-     "of --coarse"},
+     "correct differences of exposure and white balance between photographs: none (default), gain (3 factors each) or "
+     "affine (3x3 factors and 3 constants). Blocks use the corrections of --coarse"},
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
-     "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
-     "that are held out excepted; of --block those of --coarse"},
+     "fit the camera poses too, but not for held-out photographs. Blocks use the poses of --coarse"},
     {"antialiased", 0, FLAG(options.antialiased), .help =
-     "the scene is to be seen from other distances or at other sizes than the photographs: Gaussians smaller than a "
-     "pixel get fainter, and none is finer than the photographs are; of --block as --coarse"},
+     "prefilter for views at other distances or sizes than the photographs (Mip-Splatting): Gaussians below a pixel "
+     "fade, and none is finer than the photographs. Blocks follow --coarse"},
     {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
-     "begin with Gaussians far away too, where photographs look and no points lie: sky, clouds, mountains; of N "
-     "directions all around, 1 to 1000000 (default 20000); of --block that of --coarse"},
-    {"steps", "N", UINT32(options.steps, 1, 1000000000), .help =
-     "one photograph each (default 8000, of the other recipes 30000)"},
-    {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
-     "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
+     "add distant Gaussians where photographs look and no points lie: sky, clouds, mountains. N directions all around, "
+     "1 to 1000000 (default 20000). Blocks use the sky of --coarse"},
+    {"steps", "N", UINT32(options.steps, 1, 1000000000), .basic = 1, .help =
+     "number of steps, one photograph each (default 8000; mcmc and reference 30000)"},
+    {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .basic = 1, .help =
+     "longest side of a photograph, pixels (default 1600); larger photographs are averaged down"},
     {"sh-degree", "D", INT(frame.render.sh_degree, 0, 3), .help = "highest SH degree, 0 to 3 (default 3)"},
     {"batch", "N", UINT32(options.batch, 1, 8), .help =
-     "photographs of a step, 1 to 8 (default 1; with several devices, one for each)"},
+     "photographs per step, 1 to 8 (default 1; with several devices, one per device)"},
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 4096", .help =
-     "only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT is a .ply of what "
-     "lies in it, and convert makes one scene of all"},
+     "fit only block I of N, N up to 4096, with the photographs that see it. OUT is a .ply of the block; convert "
+     "merges all blocks"},
     {"coarse", "FILE.fit", TEXT(coarse), .help =
-     "of --block: go on from this short fit of the whole set, of small photographs, say; blocks share its Gaussians "
-     "out evenly, and block 0 is what it has outside of all of them"},
+     "start a block from this short fit of the whole set, for example of small photographs. Blocks share its Gaussians "
+     "evenly; block 0 is the rest, outside all blocks"},
     {"max-gaussians", "N", SIZE_T(options.max_gaussians, 1, FXS_MAX_COUNT), .help =
-     "at most so many (default 250000, mcmc 1000000, reference 4194304)"},
-    {"seed", "N", UINT64(options.seed, 0, INFINITY), .help = "of all that is random (default 0)"},
-    {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
+     "largest number of Gaussians (default 250000, mcmc 1000000, reference 4194304)"},
+    {"seed", "N", UINT64(options.seed, 0, INFINITY), .help = "seed of all random numbers (default 0)"},
+    {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help =
+     "where a Gaussian ends: mahalanobis (default) or square"},
     {"background", "RRGGBB", COLOUR(frame.render.background), .help =
-     "behind the scene, and below photographs with alpha (default 000000)"},
+     "colour behind the scene, and behind transparent photographs (default 000000)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
-     "how the scene is packed, and what the last tenth of the steps fits: default, compact or small"},
-    {"crop-to-subject", 0, FLAG(crops), .help =
-     "at the end, leave out what lies around the one thing that the cameras look at; measured is the scene before "
-     "that"},
+     "how the scene is packed: default, compact or small. The last tenth of the steps fits the packed values"},
+    {"crop-to-subject", 0, FLAG(crops), .basic = 1, .help =
+     "crop the finished scene to the subject that the cameras look at. Measurements are from before the crop"},
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
-     "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
-     "fitted are measured)"},
-    {"masks", "FOLDER", TEXT(reading.masks), .help =
-     "masks of the photographs, that of IMAGE.jpg named IMAGE.jpg.png or IMAGE.png: white where the photograph counts, "
-     "black where it is ignored (default: the folder masks beside images, where there is one; none: no masks)"},
-    {"invert-masks", 0, FLAG(reading.invert_masks), .help = "masks are black where the photograph counts"},
+     "keep every N-th photograph by name, from the first, for measurements (default 8). 0: keep none, and measure the "
+     "fitted photographs"},
+    {"masks", "FOLDER", TEXT(reading.masks), .basic = 1, .help =
+     "masks of the photographs, white: used, black: ignored. The mask of IMAGE.jpg is IMAGE.jpg.png or IMAGE.png "
+     "(default: the folder masks beside images, if it exists; none: no masks)"},
+    {"invert-masks", 0, FLAG(reading.invert_masks), .help =
+     "masks are black where a photograph is used, white where it is ignored"},
     {"alpha", "NAME", CHOICE(reading.ignore_transparent, alphas), .help =
-     "transparent pixels of photographs: compose (default: on --background) or ignore, as masks do"},
+     "transparent pixels of photographs: compose (default: over --background) or ignore (like a mask)"},
     {"frames", "N", UINT32(frames, 3, 1000), .help =
-     "of a film: this many are taken, the sharpest of each stretch (default: one of ten, 60 to 300)"},
-    {"cameras-only", 0, FLAG(cameras_only), .help = "find the cameras, in OUT.cameras, and fit nothing"},
-    {"skip-bad", 0, FLAG(reading.skip_bad), .help = "leave out photographs that cannot be read, else an error"},
+     "frames to take from a film, 3 to 1000, the sharpest of each stretch (default: one in ten, 60 to 300)"},
+    {"cameras-only", 0, FLAG(cameras_only), .help = "find the cameras, in OUT.cameras, and stop before the fit"},
+    {"skip-bad", 0, FLAG(reading.skip_bad), .help =
+     "leave out photographs that cannot be read (default: stop with an error)"},
     {"measure", "SCENE", TEXT(measure), .help =
-     "fit nothing: measure this scene, of any format, by the photographs that are held out, without -o"},
-    {"compare", "FOLDER", TEXT(compare), .help =
-     "write there each photograph that is measured beside its picture, .png"},
-    {"write-cameras", "FILE", OUTPUT(cameras), .help =
-     "at the end write there the cameras of all photographs as the fit has them, a cameras.json"},
+     "measure this scene, of any format, against the held-out photographs; without a fit and -o"},
+    {"compare", "FOLDER", TEXT(compare), .basic = 1, .help =
+     "write each measured photograph beside its rendering into FOLDER, .png"},
+    {"write-cameras", "FILE", OUTPUT(cameras), .help = "write the final cameras of all photographs, a cameras.json"},
     {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
-     "save the fit after every N steps, in OUT.fit; so do Ctrl-C and SIGTERM, and end"},
+     "save the fit to OUT.fit after every N steps. Ctrl-C and SIGTERM save it too, and stop"},
     {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
-     "measure the scene as it is after every N steps too, by the photographs that are held out, and print a line"},
-    {"preview", 0, FLAG(preview), .help =
-     "serve a page on this machine, and print its address, that shows the scene as it is now and how far it has come; "
-     "the scene does not depend on it, and the time by a twentieth"},
+     "measure against the held-out photographs after every N steps too, and print a line"},
+    {"preview", 0, FLAG(preview), .basic = 1, .help =
+     "serve a page on this machine with the scene and the progress, and print its address. The scene does not depend "
+     "on it; the fit takes 5 % longer"},
     {"port", "N", UINT64(port, 0, 65535), .help =
-     "of --preview: 1 to 65535, or 0 for any that is free (default 8080)"},
+     "port of --preview, 1 to 65535, or 0 for any free port (default 8080)"},
     {"log", "FILE", TEXT(log_name), .help =
-     "write there a line after every hundredth of the steps, and with --metrics-every what was measured: a table with "
-     "tabs between the fields and their names above; with --resume behind what is there"},
-    {"resume", "FILE", TEXT(resume), .help =
-     "go on from there, with the same PHOTOS and options for them; the options of the fit are the file's, --steps "
-     "may be others. It ends in the bytes of a fit that was never stopped"},
-    {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda"), .help =
-     "what makes the steps: cpu (default), or cuda; the scene does not depend on it"},
+     "write a table to FILE: a line per hundredth of the steps, and the results of --metrics-every; fields are "
+     "separated by tabs, and the first line names them. --resume appends to it"},
+    {"resume", "FILE", TEXT(resume), .basic = 1, .help =
+     "continue a saved fit, with the same PHOTOS and options of photographs. The options of the fit come from FILE, "
+     "except --steps. The result is the same, byte for byte, as of an uninterrupted fit"},
+    {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda"), .basic = 1, .help =
+     "where the steps run: cpu (default) or cuda; the scene does not depend on it"},
     {"device", "LIST", take_devices, FIELD(frame_options, frame), .help =
-     "GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); a batch's photographs are shared "
-     "out among them"},
+     "GPUs of --backend cuda: numbers from 0, separated by commas, or all (default 0). They share the photographs of a "
+     "batch"},
     {"max-memory", "SIZE", BYTES(frame.max_memory), .help =
-     "bytes that are taken of each GPU, at most; 512M, 2G (default: any)"},
+     "limit of the memory used on each GPU, bytes, also as 512M, 2G (default: none)"},
     {"threads", "N", take_threads, FIELD(frame_options, frame), 1, 64, .help =
-     "threads, 1 to 64 (default: one a processor); the scene does not depend on it"},
+     "number of threads, 1 to 64 (default: one per processor); the scene does not depend on it"},
     {"cpu", "LIST", TEXT(frame.cpu), .help =
-     "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon; the "
-     "scene does not depend on it"},
+     "instruction sets to use: all (default), c for none, or a list out of sse41,avx2,avx512,neon; the scene does not "
+     "depend on it"},
     {"json", 0, FLAG(json), .help = "print a JSON object instead of the table"},
     {0}
 };
@@ -165,7 +164,7 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     if (count < 1)
         return EXIT_FAILED;
     if (count > 8 || (o->batch && o->batch % o->device_count))
-        return fail(EXIT_USAGE, "fit: a batch of %u photographs is not to be shared out among %d devices",
+        return fail(EXIT_USAGE, "fit: --batch %u is not a multiple of the %d devices",
                     (unsigned)(o->batch ? o->batch : 8), count);
     return 0;
 }
@@ -207,7 +206,7 @@ static int check_options(const fit_command *c)
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (is_given("quality") && is_given("recipe"))
-        return fail(EXIT_USAGE, "--quality stands for a recipe: leave out --recipe");
+        return fail(EXIT_USAGE, "--quality includes a recipe: leave out --recipe");
     if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name || c->crops))
         return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras, --log "
                     "and --crop-to-subject");
@@ -217,24 +216,23 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "--block 0: nothing is fitted: leave out --write-cameras, --log, --compare and "
                     "--metrics-every");
     if (c->options.exposure && c->blocks && !c->coarse)
-        return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
+        return fail(EXIT_USAGE, "--exposure with --block needs --coarse, whose exposures it uses");
     if (c->options.refine_poses && c->blocks && !c->coarse)
-        return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
+        return fail(EXIT_USAGE, "--refine-poses with --block needs --coarse, whose poses it uses");
     if (c->options.sky && c->blocks && !c->coarse)
-        return fail(EXIT_USAGE, "--sky: of --block only with --coarse, whose sky it has");
+        return fail(EXIT_USAGE, "--sky with --block needs --coarse, whose sky it uses");
     if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
-        return fail(EXIT_USAGE, "--crop-to-subject: of a whole fit that ends in .fxs or .ply");
+        return fail(EXIT_USAGE, "--crop-to-subject needs a whole fit, to .fxs or .ply");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
         return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
     if (c->preview && (c->measure || c->cameras_only || (c->blocks && !c->block)))
-        return fail(EXIT_USAGE, "--preview: there is no step to look at: leave out --measure, --cameras-only and "
-                    "--block 0");
+        return fail(EXIT_USAGE, "--preview: nothing is fitted: leave out --measure, --cameras-only and --block 0");
     if (is_given("port") && !c->preview)
         return fail(EXIT_USAGE, "--port needs --preview");
     if (c->blocks && !ends_with(c->out, ".ply"))
-        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
+        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, for convert to merge", c->out);
     return 0;
 }
 
@@ -319,18 +317,19 @@ static int run(int argc, char **argv)
 const command command_fit = {
     "fit", "photographs -> scene", run,
     "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
-    "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same\n"
-    "photographs, options and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and\n"
-    "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json, .xml of\n"
-    "Metashape, .csv of RealityCapture or .out of Bundler with images beside it, or a folder with one of those. Of a\n"
-    "folder of photographs without cameras, or of a film, they are found first, by COLMAP and ffmpeg, in the folder\n"
-    "OUT.cameras. At the end the packed scene is rendered from where photographs were held out, and PSNR and SSIM are\n"
+    "Fits a scene to photographs, on the processor or on NVIDIA GPUs. The same photographs, options and seed give the\n"
+    "same file on every machine, byte for byte. PHOTOS is one of:\n\n"
+    "  a COLMAP folder     images, and sparse/0 or sparse with .bin or .txt files\n"
+    "  a camera file       with images beside it: transforms.json of nerfstudio or Blender, Inria's cameras.json,\n"
+    "                      Metashape .xml, RealityCapture .csv or Bundler .out; or a folder with one of them\n"
+    "  photographs         a folder of them, or a film: COLMAP and ffmpeg find the cameras, in OUT.cameras\n\n"
+    "At the end, the packed scene is rendered from the cameras of the held-out photographs, and PSNR and SSIM are\n"
     "printed.\n",
     0,
     "  $ fixsplat fit garden -o garden.fxs\n"
     "  $ fixsplat fit walk.mp4 -o walk.fxs --quality draft --compare pictures\n"
-    "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
+    "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
     "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
     "  $ fixsplat fit city -o coarse.fit --recipe reference --resolution 400 --steps 3000\n"

@@ -406,40 +406,39 @@ static int take_board(const option_row *row, void *field, const char *value)
 static const option_row own_rows[] = {
     {.help = "Options:"},
     {"compare", "ORIGINAL", TEXT(original), .help =
-     "draw SCENE and the scene that it was made from, and print PSNR and SSIM of each view, their means (that of "
-     "PSNR without views that are equal), the worst of each, and the view of the worst PSNR. A line nudged says that "
-     "moving each Gaussian of ORIGINAL by 1e-6 of the distance changes a view by a quarter of its loss or more, as "
-     "coincident ones change their order; no coding loses much less. The original is drawn "
-     "from its floats, and so is SCENE; but an .fxs, and with --profile any scene, is rendered as it is packed"},
+     "draw SCENE and ORIGINAL, the scene that it was made from, and print PSNR and SSIM of each view, the worst, and "
+     "the means (of PSNR without equal views). Scenes are drawn from floats; an .fxs, and SCENE with --profile, as "
+     "packed. A line nudged reports views that change by a quarter of their loss or more when each Gaussian of "
+     "ORIGINAL moves by 1e-6 of its distance, because coincident ones change order; no coding loses much less"},
     {"cameras", "FILE", TEXT(frame.cameras), .help =
-     "compare from evenly spaced views of this file (default: around the scene, in turn framed as by render, close, "
-     "where it is larger than the picture, and far)"},
-    {"views", "N", INT(views, 1, 1000), .help = "how many, 1 to 1000 (default 8)"},
+     "camera file to --compare from, with evenly spaced views (default: around the scene, in turn framed as by render, "
+     "close, so that it exceeds the picture, and far)"},
+    {"views", "N", INT(views, 1, 1000), .help = "number of views to --compare, 1 to 1000 (default 8)"},
     {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help =
-     "of the pictures that are compared: mahalanobis (default) or square"},
+     "cut-off of the compared pictures: mahalanobis (default) or square"},
     {"compare-cutoff", "NAME", CHOICE(original_cutoff, cutoff_names), .help =
-     "of the pictures of ORIGINAL alone (default: that of --cutoff), so that a scene is compared with itself"},
+     "cut-off of ORIGINAL alone, to compare a scene with itself (default: as --cutoff)"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED, .help =
-     "pixels (default 1280x720; of the views of a file their own)"},
+     "picture size, each 1 to 16384 pixels (default 1280x720; views of a camera file: their own size)"},
     {"board", "WxH", take_board, 0, .expected = SIZE_EXPECTED, .help =
-     "what a board with a display of this size needs to show the scene on a turntable: flash, a strip of RGB565, and "
-     "working memory of one thread: the least, and from where on no row of tiles is drawn in slices, at each of 16 "
-     "turns"},
+     "print the needs of a board with a display of this size that shows the scene on a turntable: flash, a strip of "
+     "RGB565, and working memory for one thread at each of 16 turns: the minimum, and the size that avoids slicing "
+     "rows of tiles"},
     {"stats", 0, FLAG(stats), .help =
-     "of the Gaussians as they are read, before they are packed, for each attribute: the least, median, mean and "
-     "greatest value, and a histogram. Position in scene units, scale_0 to scale_2 as ln(sigma), opacity 0 to 1, "
-     "colour of SH degree 0, sh_1 to sh_3: of the coefficients of a degree the root mean square"},
+     "print minimum, median, mean, maximum and a histogram of each attribute, before packing. Position is in scene "
+     "units, scale_0 to scale_2 are ln(sigma), opacity is 0 to 1, colour is SH degree 0, sh_1 to sh_3 are the root "
+     "mean square of a degree's coefficients"},
     {"max-memory", "BYTES", BYTES(frame.max_memory), .help =
-     "(also as 64K, 3M, 2G) what render and bench can do with so much"},
+     "print the effect of this --max-memory on render and bench, bytes, also as 64K, 3M, 2G"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
-     "how a scene that is not an .fxs file is packed: default, compact or small"},
+     "how a scene that is not an .fxs is packed: default, compact or small"},
     {"json", 0, FLAG(json), .help =
-     "print a JSON object: of --compare a list of views, psnr and ssim (means), worst_psnr, worst_ssim and "
-     "worst_view (a PSNR is null where the pictures are equal), and nudged_psnr of each view"},
+     "print a JSON object. With --compare: a list of views with psnr, ssim and nudged_psnr, the means psnr and ssim, "
+     "and worst_psnr, worst_ssim and worst_view. A PSNR is null for equal pictures"},
     {"backends", 0, FLAG(backends), .help =
-     "what can blend here, and why something cannot; with --json an array of objects: name, does, devices, here, "
-     "why_not (null where it is here), and can: trace (depths and ids), compose (meshes, coverage), "
-     "devices (several), part (scenes of which a part is in memory)"},
+     "print which back ends run on this machine, and why others cannot. With --json: an array of objects with name, "
+     "does, devices, here, why_not (null if here) and can: trace (depths, ids), compose (meshes, coverage), devices "
+     "(several), part (scenes partly in memory)"},
     {0}
 };
 
@@ -611,16 +610,16 @@ static int run(int argc, char **argv)
 }
 
 const command command_info = {
-    "info", "what a scene holds, and what it needs", run,
+    "info", "prints contents and memory needs of a scene", run,
     "Usage: fixsplat info SCENE... [OPTION...]\n"
     "  or:  fixsplat info --backends [--json]\n\n"
-    "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
-    "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
-    "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
-    "ones, the objects too, with their boxes in the world. Of an .fxs with levels of detail a line for each: nodes\n"
-    "that stand for so many leaves or fewer (but more than the next line's), their Gaussians and bytes; the squared\n"
-    "error, colours^2 units^2, that their children remove; and the size in units of what they leave out, the\n"
-    "geometric mean.\n",
+    "Prints the number of Gaussians, SH degree and bounds of a scene, its packed size in bytes per Gaussian, the\n"
+    "largest change of each attribute by packing (for an .fxs, every checksum is verified instead), and the memory of\n"
+    "a frame: enough for any view, and the minimum. Several or placed scenes: also the objects and their boxes in the\n"
+    "world.\n\n"
+    "An .fxs with levels of detail: a line per level. A level holds the nodes with at most this many leaves, and more\n"
+    "than the next line's. Then follow their Gaussians and bytes, the squared error (colours^2 units^2) that their\n"
+    "children remove, and the geometric mean size of the detail that they lack, in scene units.\n",
     0,
     "  $ fixsplat info scene.ply\n"
     "  $ fixsplat info scene.ply --size 1920x1080 --json\n"

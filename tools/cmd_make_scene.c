@@ -18,9 +18,9 @@ typedef struct make_options {
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"output", "OUT", OUTPUT(output), .letter = 'o', .help = "the file"},
-    {"count", "N", UINT64(count, 1, 100000000), .help = "Gaussians, 1 to 100000000 (default: the scene's own, below)"},
-    {"seed", "S", UINT64(seed, 0, UINT32_MAX), .help = "0 to 4294967295 (default 1)"},
+    {"output", "OUT", OUTPUT(output), .letter = 'o', .help = "output file, .ply"},
+    {"count", "N", UINT64(count, 1, 100000000), .help = "number of Gaussians, 1 to 100000000 (default: listed below)"},
+    {"seed", "S", UINT64(seed, 0, UINT32_MAX), .help = "seed of the random numbers, 0 to 4294967295 (default 1)"},
     {0}
 };
 
@@ -75,7 +75,7 @@ static int run(int argc, char **argv)
     if (optind != argc - 1 || !o.output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");
     if (is_of_another_format(o.output))
-        return fail(EXIT_USAGE, "%s: a .ply is written; convert makes others of it", o.output);
+        return fail(EXIT_USAGE, "%s: expected a name ending in .ply; convert writes other formats", o.output);
     const fxs_procedural_scene *scene = fxs_procedural_find(argv[optind]);
     if (!scene)
         return fail(EXIT_USAGE, "no scene '%s'; see: fixsplat make-scene --help", argv[optind]);
@@ -85,7 +85,7 @@ static int run(int argc, char **argv)
 const command command_make_scene = {
     "make-scene", "writes a procedural scene", run,
     "Usage: fixsplat make-scene NAME -o OUT.ply [OPTION...]\n\n"
-    "Writes a procedural scene as .ply: the same bytes for the same name, count and seed, everywhere.\n",
+    "Writes a procedural scene as .ply. The same name, count and seed give the same bytes on every machine.\n",
     list_scenes,
     "  $ fixsplat make-scene knot -o knot.ply\n"
     "  $ fixsplat make-scene landscape --count 10000000 -o landscape.ply\n",

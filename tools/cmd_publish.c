@@ -33,17 +33,20 @@ typedef struct publish_options {
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"title", "TEXT", TEXT(title), .help = "of the page, and in its corner; of several scenes that of their list (default: the scene's name)"},
+    {"title", "TEXT", TEXT(title), .help =
+     "title of the page or, for several scenes, of their list (default: the scene's name)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
-     "how scenes are packed: small (20 bytes a Gaussian), compact or default. Where it is not given, small, and an .fxs "
-     "is taken as it is"},
+     "how scenes are packed: small (20 bytes per Gaussian), compact or default (default: small; an .fxs is copied "
+     "unchanged)"},
     {"single", 0, FLAG(single), .help =
-     "one scene as one .html file that holds all of it, and opens by a double click, without a server or a network"},
+     "write one scene as one .html file that holds everything. It opens by a double click, without a server or a "
+     "network"},
     {"levels", 0, FLAG(frame.load.tree), .help =
-     "pack them with levels of detail, an .fxs without them too: of a large scene the page then fetches what it shows"},
-    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
+     "pack scenes, .fxs included, with levels of detail: the page then fetches only the visible part of a large scene"},
+    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "size of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
-     "a settings file of the viewer or of supersplat-viewer, for the folder of one scene: camera, annotations, tracks"},
+     "settings file of the viewer or of supersplat-viewer, with camera, annotations and tracks; for a folder of one "
+     "scene"},
     {0}
 };
 
@@ -264,7 +267,7 @@ static int read_options(publish_options *o, int argc, char **argv)
 static int publish_folder(publish_options *o, const char *package)
 {
     int status = o->settings && o->list.count > 1
-                     ? fail(EXIT_USAGE, "publish: --settings is of one scene, and there are %zu", o->list.count)
+                     ? fail(EXIT_USAGE, "publish: --settings is for one scene, not %zu", o->list.count)
                      : take_site(o);
     status = status ? status : copy_settings(o);
     status = status ? status : copy_page(o, package);
@@ -284,7 +287,7 @@ static int publish_file(publish_options *o, const char *package)
     if (o->list.count != 1)
         return fail(EXIT_USAGE, "publish: --single takes one scene, not %zu", o->list.count);
     if (o->settings)
-        return fail(EXIT_USAGE, "publish: --settings is of a folder, not of --single");
+        return fail(EXIT_USAGE, "publish: --settings does not go with --single");
     const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
                               .name = s->name, .words = o->words, .has_profile = is_given("profile")};
     return write_single(&page, &o->frame, o->site, &o->bytes);
@@ -326,9 +329,9 @@ const command command_publish = {
     "publish", "scene files -> folder for a web server", run,
     "Usage: fixsplat publish SCENE... SITE [OPTION...]\n"
     "       fixsplat publish --single SCENE FILE.html [OPTION...]\n\n"
-    "Writes a folder that any web server, or a host of static pages, can show: each scene as .fxs, a picture of it,\n"
-    "the page with the viewer, and of several scenes a list. A SCENE may be a folder of scenes. A SITE that publish\n"
-    "made before is written anew, and keeps what else is in it.\n",
+    "Writes a folder for any web server or static host: each scene as .fxs with a picture, the page with the viewer,\n"
+    "and a list for several scenes. A SCENE may be a folder of scenes. A SITE that publish made before is updated;\n"
+    "other files in it stay.\n",
     0,
     "  $ fixsplat publish garden.ply site\n"
     "  $ fixsplat publish garden.fxs site --title 'The garden' --settings settings.json\n"

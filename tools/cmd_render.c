@@ -79,54 +79,53 @@ static int take_expected(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"output", "OUT", OUTPUT(output), .letter = 'o', .help =
-     "the picture; of several views a name with one %d, as out/%04d.png, and so below; - is standard output. A film "
-     "has all views in one file or stream: .y4m (4:4:4, BT.709, limited range) or .rgba (the bytes of a .raw, frame "
-     "after frame)"},
+    {"output", "OUT", OUTPUT(output), .letter = 'o', .basic = 1, .help =
+     "picture file, - for standard output. Several views need a name with one %d, as out/%04d.png, in every output. A "
+     "film holds all views in one file: .y4m (4:4:4, BT.709, limited range) or .rgba (frames of .raw bytes)"},
     {"format", "FORMAT", take_format, 0, .choices = WORDS("png", "ppm", "raw", "jpg", "webp", "y4m", "rgba"), .help =
-     "of OUT, whatever its name: png, ppm, raw, jpg, webp, y4m or rgba (default: as its name ends; on standard "
-     "output png for one view, y4m for several)"},
+     "format of OUT: png, ppm, raw, jpg, webp, y4m or rgba (default: by the ending of OUT; on standard output png for "
+     "one view, y4m for several)"},
     {"quality", "Q", INT(quality, 1, 100), .help =
-     "of .jpg, 1 to 100 (default 95), and of .webp (default: without loss). A .png is compressed at level 1, for "
-     "speed"},
-    {"fps", "N", INT(rate, 1, 1000), .help = "frames a second of a .y4m, 1 to 1000 (default 30)"},
-    {"orbit", "N", INT(frame.orbit, 2, FRAMES_MOST), .help =
-     "N views, a turn about the middle of the scene and the axis --up; the camera is the first"},
+     "quality of a .jpg, 1 to 100 (default 95), or of a .webp (default: lossless). A .png is compressed at level 1, "
+     "for speed"},
+    {"fps", "N", INT(rate, 1, 1000), .help = "frames per second of a .y4m, 1 to 1000 (default 30)"},
+    {"orbit", "N", INT(frame.orbit, 2, FRAMES_MOST), .basic = 1, .help =
+     "render N views, 2 to 100000: a turn about the middle of the scene and the axis --up, starting at the camera"},
     {"frames", "N", INT(frame.frames, 2, FRAMES_MOST), .help =
-     "N views on a smooth way through those of --view, from the first to the last, all of the first one's size"},
-    {"alpha", 0, take_alpha, 0, .help = "alpha holds the coverage, colours premultiplied; else alpha is 255"},
-    {"depth", "OUT", OUTPUT(depth), .help =
-     "depths along the camera's axis: .png (16 bits grey, 0 where there is none) or .pfm (scene units, infinity "
-     "where there is none)"},
+     "render N views, 2 to 100000, on a smooth path through the views of --view; all have the size of the first view"},
+    {"alpha", 0, take_alpha, 0, .help = "store coverage in alpha, with premultiplied colours (default: alpha is 255)"},
+    {"depth", "OUT", OUTPUT(depth), .basic = 1, .help =
+     "write depths along the camera's axis: .png (16-bit grey, 0: nothing) or .pfm (scene units, infinity: nothing)"},
     {"depth-kind", "KIND", take_depth_kind, FIELD(int, draws), .choices = WORDS("median", "mean"), .help =
-     "median (default): of the Gaussian at which half of the light is taken; mean: of all that contribute, weighted "
-     "by that"},
+     "median (default): the depth at which half of the light is absorbed; mean: the average over all Gaussians, "
+     "weighted by contribution"},
     {"depth-range", "UNITS", REAL(depth_range, ABOVE_0, INFINITY, "a depth above 0"), .help =
-     "the depth that is 65535 in the .png (default: the largest in the picture, it is printed)"},
+     "depth that a .png stores as 65535, scene units (default: the largest depth of the picture, which is printed)"},
     {"ids", "OUT", OUTPUT(ids), .help =
-     "what contributes most: .png (a colour for each Gaussian; of several objects a hue for each) or .raw (object id "
-     "and Gaussian, 4 bytes each, little-endian; 2^32 - 1: nothing)"},
+     "write the Gaussian that contributes most to each pixel: .png (a colour per Gaussian; with several objects, a hue "
+     "per object) or .raw (object id and Gaussian, 4 bytes each, little-endian; 2^32 - 1: nothing)"},
     {"pick", "X,Y", take_pick, 0, .expected = "a pixel X,Y", .help =
-     "print what the picture shows at a pixel: object, file, Gaussian, depth, position"},
+     "print object, file, Gaussian, depth and position at a pixel"},
     {"panorama", 0, FLAG(frame.panorama), .help =
-     "all around the camera, equirectangular, twice as wide as high; without a camera from the middle of the scene; "
-     "level, but for the views of a file without --up"},
+     "render the full sphere around the camera, equirectangular, level, twice as wide as high (default camera: the "
+     "middle of the scene). Views of a camera file keep their tilt without --up"},
     {"lens", 0, FLAG(frame.lens), .help =
-     "draw views of a file of cameras through their lenses, to lie pixel on pixel over the photographs; without it as "
-     "by a pinhole. Where a file states no size, give that of the photographs by --size. A fisheye sees 75 degrees to "
-     "each side; beyond that is background"},
+     "render views of a camera file with their lens distortion, to match the photographs pixel by pixel (default: "
+     "without distortion). If the file states no picture size, give it with --size. A fisheye is drawn up to 75 "
+     "degrees from its axis"},
     {"scissor", "X,Y,W,H", take_scissor, 0, .expected = "X,Y,WIDTH,HEIGHT, pixels", .help =
-     "only this part of the picture: the same pixels. (Gaussians of more than 65536 pixels may differ in the last "
-     "bit)"},
+     "render only this part of the picture, with the same pixels; Gaussians wider than 65536 pixels may differ in the "
+     "last bit"},
     {"expect", "HASH|FILE", take_expected, 0, .help =
-     "exit 1 unless the picture has this hash (16 hex digits, as --hash prints it), or is that of FILE, pixel by "
-     "pixel, alpha too"},
-    {"diff", "OUT", OUTPUT(diff), .help = "where the picture is not that of FILE: 8 times the absolute difference"},
+     "exit 1 unless the picture has this hash (16 hex digits, as --hash prints it) or equals FILE in every pixel, "
+     "alpha included"},
+    {"diff", "OUT", OUTPUT(diff), .help =
+     "if the picture differs from FILE of --expect: write 8 times the absolute difference"},
     {"hash", 0, FLAG(hash), .help = "print the FNV-1a 64 hash of the RGBA bytes"},
     {"stats", "[=pairs]", take_stats, 0, .expected = "--stats or --stats=pairs", .help =
-     "print a JSON object: counts, milliseconds of each stage, bytes of each buffer; with pairs also how many pairs "
-     "of a Gaussian and a pixel there are, counted in a second frame, by plain C, in all the memory that takes"},
-    {"json", 0, FLAG(json), .help = "print what --pick finds as a JSON object"},
+     "print a JSON object: counts, milliseconds per stage, bytes per buffer. With pairs: also the pairs of Gaussian "
+     "and pixel, counted in a second frame, in plain C and with unlimited memory"},
+    {"json", 0, FLAG(json), .help = "print the result of --pick as a JSON object"},
     {0}
 };
 
@@ -142,13 +141,13 @@ static int check_picture(render_options *o)
                         "-o - | ffmpeg -i - %s for a film", o->output, o->output);
     } else if (o->output) {
         if (o->hash || o->stats || o->has_pick || (o->depth && !(o->depth_range > 0)))
-            return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and so does what --%s prints",
+            return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and --%s prints there too",
                         o->hash ? "hash" : o->stats ? "stats" : o->has_pick ? "pick" : "depth without --depth-range");
         if (fxs_is_terminal(stdout))
             return fail(EXIT_USAGE, "-o -: standard output is a terminal");
     }
     if (o->quality && o->encoding != FXS_IMAGE_JPG && o->encoding != FXS_IMAGE_WEBP)
-        return fail(EXIT_USAGE, "--quality is of .jpg and .webp");
+        return fail(EXIT_USAGE, "--quality is for .jpg and .webp");
     if (o->diff && !o->expect)
         return fail(EXIT_USAGE, "--diff needs --expect with a picture");
     if (o->diff && !fxs_image_file_known(o->diff))
@@ -180,21 +179,22 @@ static int check_drawing(const render_options *o)
     const frame_options *f = &o->frame;
     const fxs_backend *backend = fxs_backend_find(f->backend);
     if (f->panorama && (o->draws || o->has_pick || o->stats))
-        return fail(EXIT_USAGE, "--panorama is a picture of colours: no --depth, --ids, --pick, --stats");
+        return fail(EXIT_USAGE, "--panorama has colours only: no --depth, --ids, --pick, --stats");
     if (f->stereo > 0 && (o->stats || o->has_pick))
-        return fail(EXIT_USAGE, "%s is of one picture, not of --stereo%s", o->stats ? "--stats" : "--pick",
+        return fail(EXIT_USAGE, "%s does not go with --stereo%s", o->stats ? "--stats" : "--pick",
                     o->stats ? "; see: fixsplat bench --stereo" : "");
     if (f->foveate.on && (o->draws || o->stats))
-        return fail(EXIT_USAGE, "--foveate is of colours: no --depth, --ids, --stats; see: fixsplat bench --foveate");
+        return fail(EXIT_USAGE, "--foveate has colours only: no --depth, --ids, --stats; see: fixsplat bench "
+                    "--foveate");
     if (o->has_scissor && (f->panorama || f->stereo > 0 || f->foveate.on || o->has_pick))
-        return fail(EXIT_USAGE, "--scissor is of one picture: no --panorama, --stereo, --foveate, --pick");
+        return fail(EXIT_USAGE, "--scissor does not go with --panorama, --stereo, --foveate, --pick");
     if (o->has_scissor && f->render.cutoff == FXS_CUTOFF_SQUARE)
-        return fail(EXIT_USAGE, "--scissor: a part has other tiles than the whole, on which --cutoff square depends");
+        return fail(EXIT_USAGE, "--scissor does not go with --cutoff square, which depends on the picture's tiles");
     if (f->lens && !f->cameras)
         return fail(EXIT_USAGE, "--lens needs --cameras");
     if (f->lens && (o->draws || o->has_pick || o->stats || o->has_scissor || f->panorama || f->stereo > 0 ||
                     f->foveate.on || f->ortho > 0 || f->has_tangents || f->orbit || f->frames))
-        return fail(EXIT_USAGE, "--lens is of pictures of colours from the views of a file: no --depth, --ids, --pick, "
+        return fail(EXIT_USAGE, "--lens draws the colours of views of a camera file only: no --depth, --ids, --pick, "
                     "--stats, --scissor, --panorama, --stereo, --foveate, --ortho, --tangents, --orbit, --frames");
     if (o->json && !o->has_pick)
         return fail(EXIT_USAGE, "--json is for --pick");
@@ -237,15 +237,15 @@ static int run(int argc, char **argv)
 const command command_render = {
     "render", "scene file -> picture", run,
     "Usage: fixsplat render SCENE... -o OUT [OPTION...]\n\n"
-    "Renders scenes of any format (fixsplat help formats lists them; - is standard input)\n"
-    "to OUT: .png, .ppm, .raw (RGBA bytes, rows from the top), .jpg, .webp, or a film, .y4m or .rgba.\n",
+    "Renders scenes to a picture: .png, .ppm, .raw (RGBA bytes, top row first), .jpg or .webp; or to a film: .y4m or\n"
+    ".rgba. fixsplat help formats lists the scene formats. SCENE may be - for standard input.\n",
     0,
     "  $ fixsplat render scene.ply -o scene.png\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8 --size 1280x720 -o view8.png\n"
+    "  $ fixsplat render scene.ply --orbit 120 -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view all -o out/%04d.png --depth out/%04d.pfm\n"
     "  $ fixsplat render scene.fxs --budget 500000 -o scene.png\n"
     "  $ fixsplat render https://example.org/city.fxs --budget 2000000 --pool 512M -o city.png\n"
-    "  $ fixsplat render scene.ply --orbit 120 -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8..40 --frames 120 -o film.y4m\n"
     "  $ fixsplat render scene.ply --size 640x480 -o got.png --expect golden.png --diff diff.png\n"
     "  $ fixsplat render scene.ply --size 16000x9000 --scissor 8000,0,8000,4500 -o quarter.png\n"

@@ -36,36 +36,36 @@ const char viewer_keys[] =
 
 static const option_row window_rows[] = {
     {.help = "Options:"},
-    {"screenshot", "OUT", TEXT(screenshot), .help =
-     "the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the "
-     "current folder); the command that renders it again is printed, but not for depths, ids and crops"},
-    {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .help =
-     "of scenes with levels of detail, change the budget while the view moves, so that so many frames a second are "
-     "drawn (default: the budget stays). A picture then depends on how fast the machine is"},
+    {"screenshot", "OUT", TEXT(screenshot), .basic = 1, .help =
+     "picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the current "
+     "folder). A command that renders it again is printed, except for depths, ids and crops"},
+    {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .basic = 1, .help =
+     "for scenes with levels of detail: adapt the budget while the view moves, to draw N frames per second, 1 to 1000 "
+     "(default: fixed budget). Pictures then depend on the speed of the machine"},
     {0}
 };
 
 static const option_row page_rows[] = {
     {.help = "In a browser:"},
-    {"web", 0, FLAG(web), .help =
-     "serve the scenes and a page that shows them, print its address and open it, until Ctrl-C. Of several scenes, or "
-     "of a folder, it is a list with pictures. A scene whose file changes is shown anew. Of what follows it takes "
-     "--cameras, --view, --bg and the options of an import"},
+    {"web", 0, FLAG(web), .basic = 1, .help =
+     "serve a page that shows the scenes, print its address and open it, until Ctrl-C. Several scenes, or a folder, "
+     "become a list with pictures. A changed file is shown anew. --cameras, --view, --bg and the options of imports "
+     "apply, the others of the window do not"},
     {"no-open", 0, FLAG(no_open), .help =
-     "open no browser (default: on a desktop, where this runs in a terminal, unless FIXSPLAT_NO_OPEN is set)"},
+     "do not open a browser (default: open one on a desktop, from a terminal, unless FIXSPLAT_NO_OPEN is set)"},
     {"qr", 0, FLAG(qr), .help =
-     "print the address as a QR code (default: in a terminal, where other machines reach it: --bind)"},
+     "print the address as a QR code (default: in a terminal, with --bind for other machines)"},
     {"levels", 0, FLAG(frame.load.tree), .help =
-     "pack scenes with levels of detail: of a large one the page then fetches what it shows"},
-    {"port", "N", UINT64(port, 0, 65535), .help = "1 to 65535, or 0 for any that is free (default 8080)"},
+     "pack scenes with levels of detail: the page then fetches only the visible part of a large scene"},
+    {"port", "N", UINT64(port, 0, 65535), .help = "port, 1 to 65535, or 0 for any free port (default 8080)"},
     {"bind", "ADDRESS", TEXT(bind), .help =
-     "0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)"},
+     "address to listen on: 0.0.0.0 for every machine of the network, or one address of this machine (default "
+     "127.0.0.1)"},
     {"host", "NAME", TEXT(host), .help =
-     "answer to this name too (default: addresses in digits, localhost and, with --bind, this machine's name)"},
+     "also answer to this host name (default: numeric addresses, localhost and, with --bind, this machine's name)"},
     {"cert", "FILE", TEXT(certificate), .help =
-     "https by this certificate, .pem: what browsers of other machines ask for before a page may have threads or a "
-     "headset"},
-    {"key", "FILE", TEXT(key), .help = "of that certificate, .pem"},
+     "serve https with this certificate, .pem; browsers on other machines require https for threads and headsets"},
+    {"key", "FILE", TEXT(key), .help = "key of that certificate, .pem"},
     {0}
 };
 
@@ -96,7 +96,7 @@ static int check_web(const view_options *o)
         return fail(EXIT_USAGE, "view: --%s needs --web", name);
     for (size_t i = 0; o->web && i < sizeof of_window / sizeof *of_window; i++)
         if ((name = given_of(of_window[i])) != 0)
-            return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", name);
+            return fail(EXIT_USAGE, "view: --%s is for the window, not for --web", name);
     if (!o->certificate != !o->key)
         return fail(EXIT_USAGE, "view: --cert and --key: give both");
     return 0;
@@ -154,19 +154,18 @@ static int run(int argc, char **argv)
 const command command_view = {
     "view", "scene file -> window, or --web: page", run,
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
-    "Shows scenes of any format (fixsplat help formats lists them) in a window; opens files\n"
-    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
-    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent; in Windows %APPDATA%\\fixsplat\\recent).\n"
-    "Key enter writes what the crop box of key c leaves beside the scene, in its format or else as .ply; the convert\n"
-    "command that does the same is printed.\n"
-    "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n",
+    "Shows scenes in a window, or in a browser with --web. fixsplat help formats lists the scene formats.\n\n"
+    "The window opens files that are dropped on it. Without a scene, it lists the last ten scenes, from the file\n"
+    "$XDG_STATE_HOME/fixsplat/recent (default ~/.local/state/fixsplat/recent; Windows: %APPDATA%\\fixsplat\\recent).\n"
+    "Key c shows a crop box; key enter writes its contents beside the scene, in the same format or else as .ply, and\n"
+    "prints the convert command that does the same. With --cameras, the default of --up is the mean of the views.\n",
     list_keys,
     "  $ fixsplat view scene.ply\n"
     "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"
+    "  $ fixsplat view --web folder\n"
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
     "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
     "  $ fixsplat view https://example.org/city.fxs --fps 60\n"
-    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n"
-    "  $ fixsplat view --web folder\n",
+    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n",
     {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
 };

@@ -15,11 +15,16 @@
 
 const command *const *all_commands;
 static const command *parsed;               /* the command being parsed */
+static char **words;                        /* its arguments, ended by null */
 
+/* --help, --help=all, or --help all: getopt_long leaves a separate word to the caller. */
 static int take_help(const option_row *row, void *field, const char *value)
 {
-    (void)row, (void)field, (void)value;
-    print_help(parsed);
+    const char *next = words[optind];
+    (void)field;
+    if (value && choice_of(row, value) < 0)
+        return wrong_value(row, value);
+    print_help(parsed, value || (next && choice_of(row, next) >= 0));
     exit(EXIT_OK);
 }
 
@@ -38,17 +43,18 @@ static int take_quiet(const option_row *row, void *field, const char *value)
 }
 
 const option_row common_rows[] = {
-    {.help = "Of every command:"},
-    {"help", 0, take_help, .help = "what the command does, and its options", .letter = 'h'},
-    {"version", 0, take_version, .help = "the version of fixsplat", .letter = 'V'},
+    {.help = "Options of every command:"},
+    {"help", "[=all]", take_help, .choices = WORDS("all"), .letter = 'h', .help =
+     "print the help of the command; --help all lists every option"},
+    {"version", 0, take_version, .help = "print the version of fixsplat", .letter = 'V'},
     {"quiet", 0, take_quiet, .help =
-     "no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment"},
+     "print errors only, no progress and no notes; the environment variable FIXSPLAT_QUIET=1 does the same"},
     {0}
 };
 
 /* ---- Help -------------------------------------------------------------------------------------------------------- */
 
-enum { HELP_COLUMN = 22, HELP_WIDTH = 118 };
+enum { HELP_COLUMN = 22, HELP_WIDTH = 118, SHORT_ABOVE = 25, SHORT_EXAMPLES = 3 };
 
 /* Wraps a text at HELP_WIDTH. Lines begin in column `indent`, where the cursor already is. */
 static void print_wrapped(const char *text, int indent)
@@ -93,14 +99,50 @@ void print_rows(const option_row *rows)
         }
 }
 
-void print_help(const command *c)
+static int count_options(const command *c)
 {
-    fputs(c->about, stdout);
+    int count = 0;
     for (const option_table *t = c->tables; t->rows; t++)
+        for (const option_row *r = t->rows; r->help; r++)
+            count += r->name != 0;
+    return count;
+}
+
+static void print_basic_rows(const command *c)
+{
+    puts("\nOptions:");
+    for (const option_table *t = c->tables; t->rows; t++)
+        for (const option_row *r = t->rows; r->help; r++)
+            if (r->basic)
+                print_row(r);
+}
+
+static void print_first_examples(const char *examples)
+{
+    for (int i = 0; i < SHORT_EXAMPLES; i++) {
+        const int length = (int)strcspn(examples, "\n") + 1;
+        printf("%.*s", length, examples);
+        examples += length;
+    }
+}
+
+void print_help(const command *c, int all)
+{
+    const int count = count_options(c), is_short = !all && count > SHORT_ABOVE;
+    fputs(c->about, stdout);
+    if (is_short)
+        print_basic_rows(c);
+    for (const option_table *t = c->tables; t->rows && !is_short; t++)
         print_rows(t->rows);
     if (c->more)
         c->more();
-    printf("\nExamples:\n%s", c->examples);
+    puts("\nExamples:");
+    if (is_short) {
+        print_first_examples(c->examples);
+        printf("\nfixsplat %s --help all lists all %d options.\n", c->name, count);
+    } else {
+        fputs(c->examples, stdout);
+    }
 }
 
 void print_table(const command *c)
@@ -222,6 +264,7 @@ int take_options(const command *c, void *options, int argc, char **argv)
     struct option table[ROWS_MOST];
     char letters[2 * ROWS_MOST];
     parsed = c;
+    words = argv;
     list_rows(c, options, table, letters);
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, letters, table, 0)) != -1;) {

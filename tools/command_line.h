@@ -22,8 +22,9 @@ struct option_row {
     double low, high;                       /* range of a number; INFINITY: unlimited */
     const char *expected;                   /* the value in words, for messages; null: derived from range or choices */
     const char *const *choices;             /* allowed words, ended by null; null: any */
-    const char *help;                       /* one paragraph, which --help wraps; null: end of the table */
+    const char *help;                       /* one paragraph, which print_rows wraps; null: end of the table */
     char letter;                            /* short name, or 0 */
+    int basic;                              /* 1: in the short help of a command with many options */
 };
 
 /* The offset of a member of the struct OPTIONS. A member of another type fails to compile: pointers to different
@@ -80,8 +81,8 @@ typedef struct command {
     const char *name, *does;                /* does: one line in the list of commands */
     int (*run)(int argc, char **argv);      /* argv[0] is the command's name; returns the exit status */
     const char *about;                      /* --help prints: usage and description, the options, */
-    void (*more)(void);                     /* then what this function prints (or null), */
-    const char *examples;                   /* then lines of examples */
+    void (*more)(void);                     /* then the output of this function (or null), */
+    const char *examples;                   /* then these lines; the short help has the first three */
     option_table tables[TABLES_MOST];       /* the last one is COMMON_TABLE; a table without rows ends the list */
 } command;
 
@@ -103,7 +104,9 @@ int take_options(const command *c, void *options, int argc, char **argv);
 int is_given(const char *name);
 
 void print_rows(const option_row *rows);
-void print_help(const command *c);
+
+/* Prints a command's help. A command with more than 25 options gets a short one, unless `all` is nonzero. */
+void print_help(const command *c, int all);
 
 /* Prints the rows for programs, one a line, separated by tabs: command, name, letter, value, choices, help. */
 void print_table(const command *c);

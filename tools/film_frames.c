@@ -109,8 +109,10 @@ static int look_at_film(frames *f, const char *film)
     f->is_damaged = status != 0;
     if (status)
         note("%s: damaged: its first %zu frames are used", film, f->count);
-    return f->count >= LEAST ? 0 : fail(EXIT_FAILED, "%s: a film of %zu frame%s: %d or more are needed, from places apart",
-                                        film, f->count, f->count == 1 ? "" : "s", LEAST);
+    if (f->count >= LEAST)
+        return 0;
+    return fail(EXIT_FAILED, "%s: a film of %zu frame%s: at least %d are needed, from different places", film, f->count,
+                f->count == 1 ? "" : "s", LEAST);
 }
 
 /* ffmpeg's filter that selects the frames. Returns null if memory runs out. */

@@ -109,7 +109,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (is_given(options[i].name) && !options[i].same)
-            return fail(EXIT_USAGE, "--%s: %s was begun with another", options[i].name, c->resume);
+            return fail(EXIT_USAGE, "--%s: %s was begun with another value", options[i].name, c->resume);
     return 0;
 }
 
@@ -124,13 +124,13 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fi
     if (error)
         return fail_for(&message);
     if (c->coarse && is_given("exposure") && o->exposure != fxs_fit_options_of(*fit)->exposure)
-        return fail(EXIT_USAGE, "--exposure: %s was begun with another", c->coarse);
+        return fail(EXIT_USAGE, "--exposure: %s was begun with another value", c->coarse);
     if (c->coarse && o->refine_poses && !fxs_fit_options_of(*fit)->refine_poses)
-        return fail(EXIT_USAGE, "--refine-poses: %s was begun without", c->coarse);
+        return fail(EXIT_USAGE, "--refine-poses: %s was begun without it", c->coarse);
     if (c->coarse && o->antialiased && !fxs_fit_options_of(*fit)->antialiased)
-        return fail(EXIT_USAGE, "--antialiased: %s was begun without", c->coarse);
+        return fail(EXIT_USAGE, "--antialiased: %s was begun without it", c->coarse);
     if (c->coarse && is_given("sky") && o->sky != fxs_fit_options_of(*fit)->sky)
-        return fail(EXIT_USAGE, "--sky: %s was begun with another", c->coarse);
+        return fail(EXIT_USAGE, "--sky: %s was begun with another value", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;
 }
 
@@ -140,7 +140,7 @@ static void say_sky(const fit_command *c, const fxs_fit *fit)
     if (count)
         note("%s: begins with a sky of %zu Gaussians", c->in, count);
     else if (c->options.sky && !c->resume && !c->coarse)
-        note("%s: no sky: wherever a photograph looks, points lie", c->in);
+        note("%s: no sky added: points lie wherever a photograph looks", c->in);
 }
 
 /* Renders with the fit's cut-off and background: a resumed fit has its file's. */
@@ -182,7 +182,7 @@ static int fit_whole(fit_command *c)
         return fail_for(&message);
     say_photos(c, &photos, photos.point_count);
     const int status = c->options.sky && photos.points_are_random && !c->resume
-                           ? fail(EXIT_FAILED, "--sky: %s has no points, which say where there is none", c->in)
+                           ? fail(EXIT_FAILED, "--sky: %s has no points to find the sky from", c->in)
                            : make_fit(c, &photos, 0);
     fxs_photos_free(&photos);
     return status;

@@ -115,76 +115,79 @@ const char *const cutoff_names[] = {"mahalanobis", "square", 0};
 #define OPTIONS frame_options
 
 const option_row camera_rows[] = {
-    {.help = "Camera (without one, render and view take the start view of an .fxs, or else look at the scene from many "
-             "sides and take the view that shows most, upright; other commands frame it whole):"},
-    {"cameras", "FILE", TEXT(cameras), .help =
-     "cameras.json, transforms.json, images.bin or images.txt of COLMAP, .xml of Metashape, .csv of RealityCapture, "
-     ".out of Bundler, or a folder with one of them"},
-    {"view", "N|NAME|LIST|all", TEXT(view), .help =
-     "a view of that file: its number from 0, its image name, several as 8..40 or 0,8,40..20 (render alone), or all "
-     "(default 0)"},
-    {"eye", "X,Y,Z", POINT(eye), .help = "camera centre"},
-    {"look", "X,Y,Z", POINT(look), .help = "point looked at (default: the middle of the scene)"},
+    {.help = "Camera (default of render and view: the start view of an .fxs, else the upright view that shows most of "
+             "the scene; other commands frame the whole scene):"},
+    {"cameras", "FILE", TEXT(cameras), .basic = 1, .help =
+     "camera file: cameras.json, transforms.json, COLMAP images.bin or images.txt, Metashape .xml, RealityCapture "
+     ".csv, Bundler .out, or a folder with one of them"},
+    {"view", "N|NAME|LIST|all", TEXT(view), .basic = 1, .help =
+     "view of the camera file: its number from 0, or its image name (default 0). render also takes several: 8..40, "
+     "0,8,40..20 or all"},
+    {"eye", "X,Y,Z", POINT(eye), .basic = 1, .help = "camera position, scene units"},
+    {"look", "X,Y,Z", POINT(look), .basic = 1, .help =
+     "point that the camera looks at (default: the middle of the scene)"},
     {"up", "X,Y,Z", POINT(up), .help =
-     "up in the picture (default: what an .fxs says, else 0,-1,0: y points down; 0,0,1 for scenes with z up)"},
+     "up direction in the picture (default: as stored in an .fxs, else 0,-1,0: y points down); use 0,0,1 for scenes "
+     "with z up"},
     {"auto-up", 0, FLAG(auto_up), .help =
-     "find up in the scene, or take what an .fxs says, for --eye, --orbit and --panorama; a view without a camera is "
-     "upright in any case"},
-    {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .help = "vertical field of view, 1 to 170 (default 50)"},
+     "find the up direction in the scene, or take it from an .fxs, for --eye, --orbit and --panorama. The default view "
+     "is always upright"},
+    {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .help =
+     "vertical field of view, 1 to 170 degrees (default 50)"},
     {"tangents", "L,R,U,D", take_tangents, 0, .expected = "four numbers LEFT,RIGHT,UP,DOWN", .help =
-     "field of view as a headset states it, tangents to the left (negative), right, up and down (negative), in place "
-     "of --fov; with --stereo of the left eye, the right one is its mirror"},
+     "field of view of a headset, instead of --fov: tangents to the left (negative), right, up and down (negative). "
+     "With --stereo, they are the left eye's; the right eye is its mirror image"},
     {"ortho", "UNITS", REAL(ortho, ABOVE_0, INFINITY, "a height in scene units, above 0"), .help =
-     "parallel rays, a picture so many scene units high, in place of --fov"},
+     "orthographic projection, instead of --fov: height of the picture in scene units, above 0"},
     {"near", "DEPTH", REAL(near, 0x1p-20, 0x1p28, "a depth from 2^-20 to 2^28"), .help =
-     "near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for views of a file in "
-     "render, bench and info; else 1/100 of the scene's radius, at most 0.2)"},
-    {"size", "WxH", take_frame_size, 0, .expected = SIZE_EXPECTED, .help =
-     "pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024); a view of a file is scaled by the "
-     "widths, its principal point too"},
+     "near plane, 2^-20 to 2^28 scene units: nearer Gaussians are not drawn (default: 0.2 for views of a camera file "
+     "in render, bench and info; else 1/100 of the scene's radius, at most 0.2)"},
+    {"size", "WxH", take_frame_size, 0, .expected = SIZE_EXPECTED, .basic = 1, .help =
+     "picture size, each 1 to 16384 pixels (default: the size of the view, else 1280x720; panorama 2048x1024). A view "
+     "of a camera file is scaled by the ratio of the widths, with its principal point"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
-     "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera, each as its camera alone "
-     "would be rendered"},
+     "render two eyes side by side, DISTANCE scene units apart (above 0), each byte for byte as its own camera renders "
+     "it"},
     {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
      "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
-     "full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks the same way), half "
-     "rate as far as R2, a quarter beyond; edges faded over BAND pixels (default: straight ahead, 1/5 and 2/5 of the "
-     "shorter side, 1/4 of R1)"},
+     "full resolution within R1 pixels of the gaze X,Y, half up to R2, a quarter beyond; edges blend over BAND pixels. "
+     "With --stereo, X,Y is in the left picture (default: straight ahead; R1 and R2 1/5 and 2/5 of the shorter side; "
+     "BAND 1/4 of R1)"},
     {0}
 };
 
 const option_row frame_rows[] = {
     {.help = "Rendering:"},
-    {"bg", "RRGGBB", COLOUR(render.background), .help = "background (default 000000)"},
-    {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
+    {"bg", "RRGGBB", COLOUR(render.background), .help = "background colour, hex (default 000000)"},
+    {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help =
+     "where a Gaussian ends: mahalanobis (default) or square"},
     {"sh-degree", "D", INT(render.sh_degree, 0, 3), .help = "highest SH degree used, 0 to 3 (default 3)"},
     {"threads", "N", take_threads, 0, 1, 64, .help =
-     "threads, 1 to 64 (default: one a processor); the picture does not depend on it"},
+     "number of threads, 1 to 64 (default: one per processor); the picture does not depend on it"},
     {"max-memory", "BYTES", BYTES(max_memory), .help =
-     "working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold every Gaussian; the "
-     "picture does not depend on it. With --backend cuda: device memory, with what fits of the scene; with "
-     "gles-compute: device memory, scene included"},
+     "limit of a frame's working memory, also as 64K, 3M, 2G (default: none). A larger frame is rendered in bands, "
+     "with the same picture. With cuda: device memory, with the part of the scene that fits; with gles-compute: device "
+     "memory, with the whole scene"},
     {"cpu", "LIST", TEXT(cpu), .help =
-     "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon"},
-    {"backend", "NAME", TEXT(backend), .help =
-     "what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; gles-fetch (gles "
-     "without lists); gles-compute (every stage in compute shaders of OpenGL ES 3.1); cuda. All give the same "
-     "bytes. auto (default): cpu. See fixsplat info --backends"},
+     "instruction sets to use: all (default), c for none, or a list out of sse41,avx2,avx512,neon"},
+    {"backend", "NAME", TEXT(backend), .basic = 1, .help =
+     "renderer: cpu, cuda, gles, gles-fetch, gles-compute or osmesa, all with the same bytes; auto (default) is cpu. "
+     "fixsplat help backends describes them"},
     {"device", "LIST", take_devices, 0, .help =
-     "GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view all shares the views "
-     "out among them, other commands take the first"},
+     "GPUs of --backend cuda: numbers from 0, separated by commas, or all (default 0). render --view all shares its "
+     "views among them; other commands use the first"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
-     "how a scene that is not an .fxs file is packed: default, compact or small"},
+     "how a scene that is not an .fxs is packed: default, compact or small"},
     {0}
 };
 
 const option_row level_rows[] = {
-    {.help = "Levels of detail (of an .fxs by convert --levels):"},
-    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .help =
-     "Gaussians that a frame draws at most: coarse ones take the place of those that matter least to the picture "
-     "(default: all are drawn)"},
+    {.help = "Levels of detail (an .fxs by convert --levels):"},
+    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .basic = 1, .help =
+     "largest number of Gaussians that a frame draws (default: all). Coarse Gaussians replace those that matter least "
+     "to the picture"},
     {"detail", "PIXELS", take_detail, FIELD(uint32_t, render.detail_q8), .expected = "pixels, 1/256 to 16384", .help =
-     "draw nothing finer than about this size; with or without --budget"},
+     "draw nothing finer than about PIXELS, 1/256 to 16384; with or without --budget"},
     {0}
 };
 
@@ -194,14 +197,13 @@ const option_row level_rows[] = {
 const option_row world_rows[] = {
     {.help = "Scenes:"},
     {"place", "SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", take_place, 0, .expected = "SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", .help =
-     "put a scene, named as it was given, by the end of its path or by its number from 0 on, at X,Y,Z, turned by a "
-     "quaternion and S times as large. Given again for the same scene, it is there once more. A scene that is not "
-     "placed is as in its file"},
+     "put a scene at X,Y,Z, turned by a quaternion and scaled by S. SCENE is its name as given, the end of its path, "
+     "or its number from 0. Repeat for another copy of the scene. Scenes without --place stay as in their files"},
     {"scene", "FILE.json", TEXT(file), .help =
-     "the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\", \"translation\": [x, y, "
-     "z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o, \"tint\": [r, g, b], \"visible\": true, \"id\": "
-     "n, \"crops\": [{\"low\": [x, y, z], \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be "
-     "left out, \"keep\" may be \"outside\" too. The scenes lie in the folder of FILE.json or below it"},
+     "read scenes and placements from a file: {\"objects\": [{\"file\": \"a.fxs\", \"translation\": [x, y, z], "
+     "\"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o, \"tint\": [r, g, b], \"visible\": true, \"id\": n, "
+     "\"crops\": [{\"low\": [x, y, z], \"high\": [x, y, z], \"keep\": \"inside\"}]}]}. Only \"file\" is required; "
+     "\"keep\" may be \"outside\". Scenes must lie in the folder of FILE.json or below it"},
     {0}
 };
 
@@ -211,25 +213,25 @@ const option_row world_rows[] = {
 const option_row load_rows[] = {
     {.help = "Reading scenes:"},
     {"lod", "LEVEL", take_lod, 0, .expected = "whole numbers from 0 to 1000 as 2 or 2,0", .help =
-     "level of detail of an .lcc, .lcc2, .rad or streamed .sog, 0 the finest (default 0); with several files for all "
-     "that have levels, or as 2,0 one for each"},
+     "level of detail to read from an .lcc, .lcc2, .rad or streamed .sog; 0 (default) is the finest. One level for all "
+     "files, or a list with a level for each file, as 2,0"},
     {"axes", "AXES", CHOICE_FROM(FXS_AXES_RUB, axes, WORDS("rub", "rdf")), .help =
-     "of an .spz: rub (right, up, back) or rdf (right, down, front: files of splat-transform 3); default: as the "
-     "file says, without a word rub"},
+     "axes of an .spz: rub (right, up, back) or rdf (right, down, front; splat-transform 3) (default: as the file "
+     "says, else rub)"},
     {"max-gaussians", "N", UINT64(max_gaussians, 1, INFINITY), .help =
-     "refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of its files, 67108864 at "
-     "most); each takes about 100 bytes while it is packed"},
+     "refuse to import a larger scene (default: 1000000 plus one per byte of its files, at most 67108864). Packing "
+     "takes about 100 bytes per Gaussian"},
     {"import-memory", "BYTES", BYTES(import_memory), .help =
-     "refuse to import a scene that takes more memory to read and decompress, also as 64K, 3M, 2G (default: 96 bytes "
-     "for each Gaussian of that limit, for 1000000 at least)"},
+     "refuse to import a scene that needs more memory to read and decompress, also as 64K, 3M, 2G (default: 96 bytes "
+     "per Gaussian of --max-gaussians, at least of 1000000)"},
     {0}
 };
 
 const option_row pool_rows[] = {
     {"pool", "BYTES", BYTES(pool), .help =
-     "do not map an .fxs with levels of detail, but keep so much of it in memory, also as 512M: what is drawn is read "
-     "as it is wanted, from a disk or from the address of a server (default for an address: 256M; render reads an .fxs "
-     "of 64 MiB or more so by itself, where --budget is a small part of it)"},
+     "keep at most BYTES of an .fxs with levels of detail in memory, also as 512M, and read the rest on demand, from a "
+     "disk or a URL (default: 256M for a URL; a file is mapped, but render uses a pool if the file has 64 MiB or more "
+     "and --budget is a small part of it)"},
     {0}
 };
 

@@ -17,8 +17,8 @@ int take_scenes(world_options *o, const char *name, int count, char *const *scen
     o->scenes = scenes;
     o->scene_count = count;
     if (o->file && (count || o->place_count))
-        return fail(EXIT_USAGE, "--scene says which scenes there are and where: give no %s",
-                    count ? "others" : "--place");
+        return fail(EXIT_USAGE, "--scene lists the scenes and their places: leave out %s",
+                    count ? "other scenes" : "--place");
     if (!o->file && !count)
         return fail(EXIT_USAGE, "%s takes a scene file, or several; see: fixsplat %s --help", name, name);
     return 0;

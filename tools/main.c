@@ -16,8 +16,8 @@ static const command *const commands[] = {
 enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
 static const char backends_help[] =
-    "A back end renders, and --backend names it; auto takes cpu. All give the same bytes.\n"
-    "fixsplat info --backends tells which are here, and why not; --json tells it to a program. With:\n\n";
+    "--backend chooses the renderer; auto is cpu. All give the same bytes. fixsplat info --backends lists the back\n"
+    "ends of this machine, and why others cannot run; --json lists them for a program.\n\n";
 
 static void help_backends(void)
 {
@@ -29,7 +29,7 @@ static void help_backends(void)
 
 static void help_cameras(void)
 {
-    puts("Options of render, view and bench.");
+    puts("Options of render, view and bench:");
     print_rows(camera_rows);
     print_rows(world_rows);
 }
@@ -52,9 +52,9 @@ static const struct {
     const char *name, *about;
     void (*print)(void);
 } topics[] = {
-    {"cameras", "where a scene is seen from", help_cameras},
+    {"cameras", "options of cameras and of placing scenes", help_cameras},
     {"formats", "files that are read and written", help_formats},
-    {"backends", "what can render", help_backends},
+    {"backends", "renderers for --backend", help_backends},
 };
 
 enum { TOPICS = sizeof topics / sizeof *topics };
@@ -62,8 +62,10 @@ enum { TOPICS = sizeof topics / sizeof *topics };
 static void help(void)
 {
     puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point.\n\n"
-         "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n"
-         "  or:  fixsplat help COMMAND|TOPIC\n\n"
+         "Usage: fixsplat COMMAND [OPTION...]\n"
+         "  or:  fixsplat COMMAND --help [all]\n"
+         "  or:  fixsplat help COMMAND [all]\n"
+         "  or:  fixsplat help TOPIC\n\n"
          "Commands:");
     for (int i = 0; i < COMMANDS; i++)
         printf("  %-19s %s\n", commands[i]->name, commands[i]->does);
@@ -71,17 +73,17 @@ static void help(void)
     for (int i = 0; i < TOPICS; i++)
         printf("  %-19s %s\n", topics[i].name, topics[i].about);
     print_rows(common_rows);
-    puts("  The beginning of a long option will do where no other begins so; later versions may have more of them.\n"
+    puts("  A long option may be shortened to an unambiguous beginning. Later versions may add options.\n"
          "\nInstead of a command:\n"
-         "  --kernels           which version of each stage runs here\n"
+         "  --kernels           print the version of each stage that runs on this machine\n"
          "\nOutputs:\n"
-         "  An output replaces the file of its name when it is complete, but never one that is read (but for convert\n"
-         "  --force). A FIFO or a device is written to, and of a link the target is replaced.\n\n"
+         "  A complete output replaces the file of its name. An input is never replaced, except by convert --force.\n"
+         "  A FIFO or a device is written to directly. For a link, the target is replaced.\n\n"
          "Exit status:\n"
          "  0                   done\n"
          "  1                   failed\n"
          "  2                   wrong usage\n"
-         "  Where a pipe is closed, that of SIGPIPE (141 in a shell).\n\n"
+         "  A closed pipe ends the program by SIGPIPE (141 in a shell).\n\n"
          "Examples:\n"
          "  $ fixsplat make-scene knot -o knot.ply\n"
          "  $ fixsplat render knot.ply -o knot.png\n"
@@ -131,12 +133,12 @@ static void help_table(void)
         print_table(commands[i]);
 }
 
-static int help_about(const char *name)
+static int help_about(const char *name, int all)
 {
     const command *c = find_command(name);
     suggestion s = {0, 0};
     if (c) {
-        print_help(c);
+        print_help(c, all);
         return EXIT_OK;
     }
     for (int i = 0; i < TOPICS; i++)
@@ -162,8 +164,10 @@ int main(int argc, char **argv)
     for (; argc > 1 && !strcmp(argv[1], "--quiet"); argc--, argv++)
         be_quiet();
     const char *name = argc > 1 ? argv[1] : "";
-    if (!strcmp(name, "help") && argc > 2 && argv[2][0] != '-')
-        return argc == 3 ? help_about(argv[2]) : fail(EXIT_USAGE, "help takes one command or topic");
+    if (!strcmp(name, "help") && argc > 2 && argv[2][0] != '-') {
+        const int all = argc == 4 && !strcmp(argv[3], "all");
+        return argc == 3 || all ? help_about(argv[2], all) : fail(EXIT_USAGE, "help takes one command or topic");
+    }
     if (!strcmp(name, "help") && argc == 3 && !strcmp(argv[2], "--table")) {
         help_table();
         return EXIT_OK;

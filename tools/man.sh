@@ -1,5 +1,5 @@
 #!/bin/sh
-# man.sh PROGRAM FOLDER: makes a manual page for the program and one for each command from --help, by help2man.
+# man.sh PROGRAM FOLDER: makes a manual page for the program and one for each command from --help all, by help2man.
 program=$1 folder=$2
 if ! command -v help2man >/dev/null; then
     echo "no manual pages: no help2man here"
@@ -18,8 +18,8 @@ page() {
     chmod +x "$work/$1"
     { echo "[see also]"; for other in $pages; do [ $other = $1 ] || echo ".BR $other (1),"; done; } |
         sed '$s/,$//' >"$work/also"
-    help2man --no-info --version-string="${version#fixsplat }" --source="$version" --name="$2" \
-        --include="$work/also" "$work/$1" >"$folder/$1.1"
+    help2man --no-info --help-option="--help all" --version-string="${version#fixsplat }" --source="$version" \
+        --name="$2" --include="$work/also" "$work/$1" >"$folder/$1.1"
 }
 
 page fixsplat "renders 3D Gaussian splatting scenes in fixed point" || exit 1

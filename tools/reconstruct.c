@@ -191,7 +191,7 @@ static int take_photographs(work *w, int are_placed)
     const photograph_look how = {w->masked, w->options->invert_masks, w->options->skip_bad};
     status = are_placed ? 0 : photographs_look(&w->t, &w->photos, w->images, &how);
     if (!status && w->photos.count < LEAST)
-        return fail(EXIT_FAILED, "%s: %zu photograph%s: %d or more are needed, that overlap", w->options->in,
+        return fail(EXIT_FAILED, "%s: %zu photograph%s: at least %d are needed, and they must overlap", w->options->in,
                     w->photos.count, w->photos.count == 1 ? "" : "s", LEAST);
     status = status ? status : take_masks(w);
     return status ? status : write_list(w, EVERY_LENS);
@@ -333,8 +333,8 @@ static int keep_largest(work *w, const char *models)
             strcpy(best, name);
         }
     if (!most)
-        return fail(EXIT_FAILED, "%s: no two photographs were found to show the same things from places apart: take "
-                    "more, sharp, a step apart, each with most of what the last one shows", w->options->in);
+        return fail(EXIT_FAILED, "%s: no two photographs from different places overlap enough: take more, sharp, "
+                    "a step apart, each overlapping most of the one before", w->options->in);
     join_path(sparse, w->folder, "sparse");
     join_path(from, models, best);
     join_path(to, sparse, "0");
@@ -395,8 +395,8 @@ static void say_missing(const work *w, const fxs_file_view *views, long count)
         note("no place was found for %zu: %s%s", missing, text, used < 300 ? "" : ", ...");
     if (4 * missing > w->photos.count)
         note("%s", w->is_film ? "a slower film, without blur, or more --frames, would place more"
-                              : "more photographs, sharp and a step apart, would place more: each is to show most of "
-                                "what the one before it shows");
+                              : "more photographs would place more: sharp, a step apart, each overlapping most of the "
+                                "one before");
 }
 
 static int report(work *w)
@@ -448,7 +448,7 @@ static int find_masks(work *w)
     else
         join_path(w->masked, w->options->in, "masks");
     if (files_same(w->masked, w->masks))
-        return fail(EXIT_USAGE, "%s: it is where masks are written to", w->masked);
+        return fail(EXIT_USAGE, "%s: the masks are written there: give another folder to --masks", w->masked);
     if (is_folder(w->masked))
         return 0;
     if (given && *given)
@@ -463,8 +463,8 @@ static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t fr
     if (of != number)
         return fail(EXIT_FAILED, "%s: the cameras of other photographs: remove it, or give another -o", w->folder);
     if (w->options->frames && w->options->frames != frames)
-        return fail(EXIT_FAILED, "%s: made without --frames %u: leave that out to go on from it; or remove it, or give "
-                    "another -o", w->folder, (unsigned)w->options->frames);
+        return fail(EXIT_FAILED, "%s: made without --frames %u: leave out --frames to continue, remove the folder, or "
+                    "give another -o", w->folder, (unsigned)w->options->frames);
     return 0;
 }
 

@@ -82,7 +82,7 @@ int task_failed(const task *t, const char *program, int status)
 {
     char words[TO_INSTALL];
     return status == FXS_PROGRAM_MISSING
-               ? fail(EXIT_FAILED, "%s: to find its cameras takes %s, which is not here: %s", t->of, program,
+               ? fail(EXIT_FAILED, "%s: finding the cameras needs %s, which is not installed: %s", t->of, program,
                       to_install(words, program, TO_PATH))
            : status < 0 ? fail(EXIT_FAILED, "%s: %s", program, strerror(errno))
            : status > FXS_PROGRAM_SIGNAL

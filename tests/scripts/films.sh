@@ -125,7 +125,7 @@ fails "-o - twice" 2 "--output -: --output - is given before" render knot.ply -o
 fails "compare --diff given twice" 2 "--diff b.png: --diff a.png is given before" compare file.png file.png \
     --diff a.png --diff b.png
 fails "a film of a pattern" 2 "%d.y4m: a film is one file" render $three --view all -o %d.y4m
-fails "--quality of .png" 2 "--quality is of .jpg and .webp" render knot.ply -o x.png --quality 9
+fails "--quality of .png" 2 "--quality is for .jpg" render knot.ply -o x.png --quality 9
 fails "--quality 0" 2 "--quality 0" render knot.ply -o x.jpg --quality 0
 fails "--fps of .png" 2 "--fps is of .y4m" render knot.ply -o x.png --fps 25
 fails "--fps 0" 2 "--fps 0" render knot.ply -o x.y4m --fps 0
@@ -312,10 +312,10 @@ for bad in 1,2,3 1,2,3,4,5 -1,0,5,5 0,0,0,5 0,0,5,0 1,2,x,4; do
     fails "--scissor $bad" 2 "--scissor $bad: expected X,Y,WIDTH,HEIGHT" render $whole --scissor $bad --hash
 done
 for other in panorama 'stereo 0.1' foveate 'pick 1,1'; do
-    fails "--scissor --$other" 2 "--scissor is of one picture" render $whole --scissor 0,0,8,8 --hash --$other \
+    fails "--scissor --$other" 2 "--scissor does not go with" render $whole --scissor 0,0,8,8 --hash --$other \
         $([ "$other" != panorama ] || echo --size 64x32)
 done
-fails "--scissor --cutoff square" 2 "other tiles" render $whole --scissor 0,0,8,8 --cutoff square --hash
+fails "--scissor --cutoff square" 2 "go with --cutoff square" render $whole --scissor 0,0,8,8 --cutoff square --hash
 
 # ---- Statistics ------------------------------------------------------------------------------------------------------
 

@@ -22,6 +22,28 @@ for command in $commands; do
     succeeds "$command -V" "$command" -V
     check "$command -V: the version" equal "$(cat logs/out)" "$("$fixsplat" --version)"
 done
+
+# Each command has --help all. A command with more than 25 options has a short --help too.
+"$fixsplat" help --table >logs/table
+for command in $commands; do
+    count=$(cut -f 1 logs/table | grep -cx -- "$command")
+    "$fixsplat" "$command" --help >logs/short
+    "$fixsplat" "$command" --help all >logs/all
+    check "$command --help all: every option" equal "$(grep -cE '^  (-[a-zA-Z], )?--[a-z]' logs/all)" "$count"
+    for way in "help $command all" "$command -h all" "$command --help=all"; do
+        succeeds "$way" $way
+        check "$way: as --help all" cmp logs/out logs/all
+    done
+    if [ "$count" -gt 25 ]; then
+        check "$command --help: ten options, three examples" equal \
+            "$(grep -cE '^  (-[a-zA-Z], )?--[a-z]' logs/short) $(grep -c '^  [$] ' logs/short)" "10 3"
+        check "$command --help: its last line" equal "$(tail -n 1 logs/short)" \
+            "fixsplat $command --help all lists all $count options."
+    else
+        check "$command --help: every option" cmp logs/short logs/all
+    fi
+done
+fails "--help of another word" 2 "--help=most: expected all" render --help=most
 for topic in cameras formats backends; do
     succeeds "help $topic" help $topic
     check "help $topic: says something" says logs/out '^  '

@@ -77,8 +77,8 @@ check "bench: says the budget and the detail" grep -q '"budget": 9000.*"detail":
 "$fixsplat" bench knot.fxs $small --budget 4000 --compare bench.json >text 2>&1
 check "bench --compare: another budget is marked" grep -q 'budget is 9000 there and 4000 here' text
 for command in render view bench info; do
-    check "$command --help has --budget and --detail" equal \
-        "$("$fixsplat" $command --help | grep -c -e '^  --budget N' -e '^  --detail PIXELS')" 2
+    check "$command --help all has --budget and --detail" equal \
+        "$("$fixsplat" $command --help all | grep -c -e '^  --budget N' -e '^  --detail PIXELS')" 2
 done
 
 # ---- Paging ----------------------------------------------------------------------------------------------------------

@@ -73,7 +73,7 @@ fails "no folder" 2 "publish takes scenes and a folder to write" publish knot.pl
 fails "a scene for a folder" 2 "knot.ply is a scene: the last name is that of a folder" publish small.fxs knot.ply
 fails "a folder of something else" 1 "scenes: not empty, and not a folder that publish made" publish knot.ply scenes
 fails "no settings" 1 "none.json" publish knot.ply site --settings none.json
-fails "settings of several" 2 "publish: --settings is of one scene, and there are 2" publish knot.ply small.fxs new4 --settings tour.json
+fails "settings of several" 2 "--settings is for one scene, not 2" publish knot.ply small.fxs new4 --settings tour.json
 check "nothing is made then" [ ! -e new4 ]
 fails "no scene" 1 "nothing.ply" publish nothing.ply new --quiet
 head -c 200 knot.ply >short.ply

@@ -438,7 +438,7 @@ fails "no view of that name" 1 "no view 'x'" view --web knot.ply --cameras three
 fails "an address in words" 1 "expected an address in digits" view --web knot.ply --bind somewhere
 fails "an address of another machine" 1 "192.0.2.99, port 8080: Cannot assign" view --web knot.ply --bind 192.0.2.99
 for bad in 'eye 1,2,3' 'place 0:1,2,3' 'scene x.json' 'screenshot x.png' 'size 10x10'; do
-    fails "--web --${bad%% *}" 2 "no --${bad%% *}" view --web knot.ply --$bad
+    fails "--web --${bad%% *}" 2 "--${bad%% *} is for the window" view --web knot.ply --$bad
 done
 for bad in 'port 80' 'bind 0.0.0.0' 'host x' 'cert x' 'key x' no-open qr levels; do
     fails "--${bad%% *} without --web" 2 "--${bad%% *} needs --web" view knot.ply --$bad

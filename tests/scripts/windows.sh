@@ -139,7 +139,7 @@ done
 w fit set --steps 200 -o crlf.fxs >logs/out
 check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
 cp -r set/images plain
-refused "fit of photographs without cameras" 1 'takes colmap, which is not here' fit plain -o plain.fxs
+refused "fit of photographs without cameras" 1 'needs colmap, which is not installed' fit plain -o plain.fxs
 check "they are there for COLMAP" diff -r plain plain.fxs.cameras/images
 # In wine's console, Ctrl-C saves the fit.
 if have script; then
