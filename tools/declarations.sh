@@ -13,6 +13,7 @@ text=$({
 } | ${CC:-cc} -E -std=c99 -DFXS_API= '-DFXS_DEPRECATED(instead)=' -Isrc/include -x c -) || exit 1
 
 declarations() { printf '%s\n' "$text" | awk '
+    { sub(/\r$/, "") }                       # of a compiler of Windows
     /^#/ { of_headers = $3 ~ /include\/fixsplat\//; of_values = $3 == "\"<stdin>\""; next }
     of_values { values = values $0; next }
     !of_headers || NF == 0 { next }
