@@ -1,7 +1,7 @@
 #!/bin/sh
-# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without inline
-# functions, and with an enum for each integer #define. -c: as the C source of a library that contains them. Run at the
-# root.
+# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without
+# inline functions, and with an enum for each integer #define. -c: as the C source of a library that contains them. Run
+# at the root.
 #
 # Each #define is read from an appended line "NAME" = NAME;, in which the preprocessor keeps the quoted name and
 # replaces the other by its value.

@@ -20,7 +20,8 @@ build() { silent cmake --build "$work/$1" --parallel "${FXS_JOBS:-2}"; }
 
 picture() { "$@" render "$work/knot.ply" --size 320x240 --hash; }
 "$B/fixsplat" make-scene knot --count 20000 -o "$work/knot.ply" || exit 1
-check "the picture of .github/workflows/cmake.yml" grep -q "PICTURE: $(picture "$B/fixsplat")$" .github/workflows/cmake.yml
+workflow=.github/workflows/cmake.yml
+check "the picture of $workflow" grep -q "PICTURE: $(picture "$B/fixsplat")$" $workflow
 
 # ---- Files and flags -------------------------------------------------------------------------------------------------
 
@@ -38,7 +39,8 @@ libraries() { grep -e '-c.*tools/main\.c' | tr ' ' '\n' | grep FXS_WITH_ | sort;
 
 check "configures" configure whole -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 grep '"command"' "$work/whole/compile_commands.json" >"$work/cmake"
-env -u MAKEFLAGS make -n B="$work/made" CC="${CC:-cc}" CFLAGS=-O2 NVCC=none V=1 all 2>&1 | grep -e ' -c -o ' >"$work/make"
+env -u MAKEFLAGS make -n B="$work/made" CC="${CC:-cc}" CFLAGS=-O2 NVCC=none V=1 all 2>&1 |
+    grep -e ' -c -o ' >"$work/make"
 flags <"$work/cmake" >"$work/cmake.flags"
 flags <"$work/make" >"$work/make.flags"
 check "there are files" grep -q '^kernels/kernels.c ' "$work/make.flags"
@@ -47,7 +49,7 @@ libraries <"$work/cmake" >"$work/cmake.libraries"
 libraries <"$work/make" >"$work/make.libraries"
 check "make's optional libraries" diff "$work/make.libraries" "$work/cmake.libraries"
 
-# ---- Programs of another folder ----------------------------------------------------------------------------------------
+# ---- Programs of another folder --------------------------------------------------------------------------------------
 
 "$B/fixsplat" make-scene cubes -o "$work/cubes.ply" && "$B/fixsplat" convert "$work/cubes.ply" "$work/cubes.fxs" &&
     ${CC:-cc} -Isrc/include tests/outside/core.c "$B/libfixsplat-core.a" -o "$work/by_make" || exit 1
