@@ -1,15 +1,19 @@
 #!/bin/sh
-# declarations.sh HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without inline
-# functions, and with an enum for each integer #define. Run at the root.
+# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without
+# inline functions, and with an enum for each integer #define. -c: as the C source of a library that contains them. Run
+# at the root.
 #
 # Each #define is read from an appended line "NAME" = NAME;, in which the preprocessor keeps the quoted name and
 # replaces the other by its value.
+as_c=
+[ "$1" != -c ] || { as_c=yes; shift; }
 text=$({
     printf '#include "%s"\n' "$@"
     sed -n 's/^#define \(FXS_[A-Z0-9_]*\) .*/"\1" = \1;/p' "$@"
 } | ${CC:-cc} -E -std=c99 -DFXS_API= '-DFXS_DEPRECATED(instead)=' -Isrc/include -x c -) || exit 1
 
-printf '%s\n' "$text" | awk '
+declarations() { printf '%s\n' "$text" | awk '
+    { sub(/\r$/, "") }                       # of a compiler of Windows
     /^#/ { of_headers = $3 ~ /include\/fixsplat\//; of_values = $3 == "\"<stdin>\""; next }
     of_values { values = values $0; next }
     !of_headers || NF == 0 { next }
@@ -29,3 +33,11 @@ printf '%s\n' "$text" | awk '
             }
         }
     }'
+}
+
+[ "$as_c" ] || { declarations; exit; }
+echo '#include <fixsplat/declarations.h>'
+echo 'static const char text[] = {'
+declarations | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'
+echo '0};'
+echo 'const char *fxs_declarations(void) { return text; }'

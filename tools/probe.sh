@@ -6,26 +6,7 @@
 build=${1:?build folder}
 mkdir -p "$build/with" "$build/tests" || exit 1
 
-libraries='CJSON cjson/cJSON.h -lcjson
-EXPAT expat.h -lexpat
-ZIP zip.h -lzip
-ZLIB zlib.h -lz
-DEFLATE libdeflate.h -ldeflate
-ZSTD zstd.h -lzstd
-PNG png.h -lpng
-JPEG jpeglib.h -ljpeg
-WEBP webp/decode.h -lwebp
-EXIF libexif/exif-data.h -lexif
-HEIF libheif/heif.h -ldl
-STB stb/stb_image_write.h
-SDL SDL2/SDL.h -lSDL2
-TTF SDL2/SDL_ttf.h -lSDL2_ttf
-MICROHTTPD microhttpd.h -lmicrohttpd
-QRENCODE qrencode.h -lqrencode
-CURL curl/curl.h -ldl
-GLES GLES3/gl3.h -ldl
-EGL EGL/egl.h
-OSMESA GL/osmesa.h'
+libraries=$(sed -n 's/^LIBRARY_\([A-Z]*\) := /\1 /p' make/sources.mk)
 
 # compile ARGUMENT...: evaluates the flags like a recipe of make, since they may contain quotes.
 compile() { eval "$CC $CPPFLAGS $CFLAGS" '"$@"'; }
@@ -45,7 +26,7 @@ key() {
     search_folders | while read -r folder; do
         printf '%s\n' "$folder"
         for part in $parts; do printf '%s\n' "$folder/$part"; done
-    done | xargs ls -Lld --full-time "$0" $nvcc /var/lib/dpkg/status
+    done | xargs ls -Lld --full-time "$0" make/sources.mk make/target.txt $nvcc /var/lib/dpkg/status
     ls kernels/*.c kernels/cuda
 }
 state=$(key 2>/dev/null)
@@ -72,17 +53,11 @@ probe() {
     found KERNELS '' "$(ls kernels/*.c 2>/dev/null)"
     echo 'int main(void) { return 0; }' >"$source"
 
-    # The same conditions as in kernels/kernels.c.
-    printf '%s\n' '#if defined(__x86_64__) || defined(__i386__)' folder_x86 \
-        '#elif defined(__aarch64__) && !defined(__AARCH64EB__)' folder_arm '#endif' |
-        compile -E -P -x c - | sed -n 's/^folder_/KERNEL_FOLDER := /p'
+    compile -E -P -x c make/target.txt
 
-    printf '%s\n' '#ifdef _WIN32' system_win32 '#else' system_posix '#endif' | compile -E -P -x c - |
-        sed -n 's/^system_/SYSTEM := /p'
-
-    # Flags without excess precision of floats, which a fit needs: for i686 and s390x.
     printf '%s\n' '#include <float.h>' '#if FLT_EVAL_METHOD != 0' '#error' '#endif' >"$source.h"
-    for singles in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do
+    for singles in '' $(sed -n 's/^SINGLES_BY := //p' make/sources.mk); do
+        singles=$(echo $singles | tr , ' ')
         compile -std=c99 $singles -E -x c "$source.h" >/dev/null && echo "SINGLES := $singles" && break
     done
 

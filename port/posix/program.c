@@ -8,9 +8,13 @@
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/select.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
+#ifdef __APPLE__
+#include <mach-o/dyld.h>
+#endif
 
 extern char **environ;
 
@@ -29,8 +33,14 @@ void fxs_program_begin(int *argc, char ***argv)
 
 void fxs_program_path(char *path, size_t room)
 {
+#ifdef __APPLE__
+    uint32_t length = (uint32_t)room;
+    if (_NSGetExecutablePath(path, &length))
+        path[0] = 0;
+#else
     const ssize_t length = readlink("/proc/self/exe", path, room - 1);
     path[length > 0 ? length : 0] = 0;
+#endif
 }
 
 int fxs_program_is_here(const char *name)
@@ -285,23 +295,37 @@ void fxs_end_as_asked(void)
     raise(asked);
 }
 
-static sigset_t held;
+static sigset_t mask_to_wait;          /* as it was before fxs_end_hold */
+
+static void note_held(int number)
+{
+    asked = number;
+}
 
 void fxs_end_hold(void)
 {
-    struct sigaction now;
+    struct sigaction now, action;
+    sigset_t held;
     signal(SIGPIPE, SIG_IGN);
+    memset(&action, 0, sizeof action);
+    action.sa_handler = note_held;
+    sigfillset(&action.sa_mask);
     sigemptyset(&held);
     for (int i = 0; i < SIGNALS; i++)
         if (!sigaction(signals[i], 0, &now) && now.sa_handler != SIG_IGN)
             sigaddset(&held, signals[i]);
-    pthread_sigmask(SIG_BLOCK, &held, 0);
+    pthread_sigmask(SIG_BLOCK, &held, &mask_to_wait);
+    for (int i = 0; i < SIGNALS; i++)
+        if (sigismember(&held, signals[i]))
+            sigaction(signals[i], &action, 0);
 }
 
 int fxs_end_wait(unsigned milliseconds)
 {
     const struct timespec most = {(time_t)(milliseconds / 1000), (long)(milliseconds % 1000) * 1000000};
-    return sigtimedwait(&held, 0, &most) > 0;
+    asked = 0;
+    pselect(0, 0, 0, 0, &most, &mask_to_wait);
+    return asked != 0;
 }
 
 void fxs_without_signals(void (*call)(void *argument), void *argument)

@@ -1,5 +1,5 @@
-/* Waits for a condition variable with a deadline on fxs_clock. On Windows the deadline is converted to the time of day,
-   so setting that clock during a wait lengthens or shortens the wait. */
+/* Waits for a condition variable with a deadline on fxs_clock. Windows and macOS have such waits only for the time of
+   day, so setting that clock during a wait lengthens or shortens the wait. */
 #ifndef TIMED_WAIT_H
 #define TIMED_WAIT_H
 
@@ -10,9 +10,13 @@
 
 #include <fixsplat/clock.h>
 
+#if defined(_WIN32) || defined(__APPLE__)
+#define BY_TIME_OF_DAY
+#endif
+
 static inline void timed_condition_init(pthread_cond_t *condition)
 {
-#ifdef _WIN32
+#ifdef BY_TIME_OF_DAY
     pthread_cond_init(condition, 0);
 #else
     pthread_condattr_t monotonic;
@@ -27,7 +31,7 @@ static inline void timed_condition_init(pthread_cond_t *condition)
 static inline int timed_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until)
 {
     uint64_t end = until;
-#ifdef _WIN32
+#ifdef BY_TIME_OF_DAY
     const uint64_t now = fxs_clock(0);
     struct timespec day;
     clock_gettime(CLOCK_REALTIME, &day);

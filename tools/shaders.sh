@@ -1,0 +1,9 @@
+#!/bin/sh
+# shaders.sh FILE...: prints shaders as character arrays for C, without comments and indentation. Those of kernels/gles
+# are built around src/include/fixsplat/pixel.h.
+for file; do
+    echo "static const char $(basename "$file" | tr . _)[] = {"
+    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
+        -e 's/^ *//' -e 's/ *$//' -e '/^$/d' "$file" | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'
+    echo '0};'
+done
