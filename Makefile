@@ -36,9 +36,9 @@ DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ 
                  zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
-# Folder for library sources of `make setup web` (tools/web_sources.sh), shared by all clones; WEB_SOURCES= disables it.
+# Folder for library sources of `make setup web` (tools/scripts/web_sources.sh), shared by all clones; WEB_SOURCES= disables it.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Folder for the Windows libraries of `make setup windows` (tools/libraries.sh), shared by all clones.
+# Folder for the Windows libraries of `make setup windows` (tools/scripts/libraries.sh), shared by all clones.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check
@@ -55,15 +55,15 @@ ifneq ($(filter setup,$(GOALS)),)
 # ---- Setup ---------------------------------------------------------------------------------------------------------
 
 setup: ## install the Debian packages that are missing (and what goals behind it need: setup test, web, windows)
-	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
+	@sh tools/scripts/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
 	    $(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all $(DIST_GOALS),$(GOALS)),$(DIST_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES) wine64) \
 	    $(if $(filter test-all windows $(DIST_GOALS),$(GOALS)),$(WINDOWS_PACKAGES))
-	@$(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
-	@$(if $(filter test-all windows,$(GOALS)),sh tools/libraries.sh $(WINDOWS_LIBRARIES) x86_64-w64-mingw32 || :)
-	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; \
-	    sh tools/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/arm_libraries.sh $(B)/aarch64)
+	@$(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(if $(WEB_SOURCES),sh tools/scripts/web_sources.sh $(WEB_SOURCES)))
+	@$(if $(filter test-all windows,$(GOALS)),sh tools/scripts/libraries.sh $(WINDOWS_LIBRARIES) x86_64-w64-mingw32 || :)
+	@$(if $(filter test test-all,$(GOALS)),sh tools/scripts/page_modules.sh $(B)/page; \
+	    sh tools/scripts/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/scripts/arm_libraries.sh $(B)/aarch64)
 
 # Other goals run in a new make, which finds the installed packages.
 REST := $(filter-out setup,$(GOALS))

@@ -2,12 +2,12 @@
 
 include make/sources.mk
 
-# tools/probe.sh finds the compiler, the kernels for its processors and the optional libraries. It runs again when one
+# tools/scripts/probe.sh finds the compiler, the kernels for its processors and the optional libraries. It runs again when one
 # of them changes. Without its library, a feature reports a clear message.
 quoted = '$(subst ','\'',$(1))'
 ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
-    LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
+    LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/scripts/probe.sh $(B) >&2)
 include $(B)/probe.mk
 ifeq ($(filter CUDA,$(FOUND))$(filter none,$(NVCC)),)
 $(info built without the CUDA back end: no $(NVCC) for this compiler's machine)
@@ -39,10 +39,10 @@ LIBRARY := $(wildcard $(SOURCES_LIBRARY) $(SOURCES_$(SYSTEM)) $(SOURCES_PORT) $(
                       $(STAGES_$(KERNEL_FOLDER)))
 LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,$(SOURCES_EGL)) $(call with,OSMESA,$(SOURCES_OSMESA)))
 LIBRARY += $(B)/declarations.c
-WINDOW := $(filter-out tools/viewer_main.c,$(call with,SDL,$(SOURCES_VIEW)))
+WINDOW := $(filter-out tools/view/viewer_main.c,$(call with,SDL,$(SOURCES_VIEW)))
 SERVER := $(call with,MICROHTTPD,$(SOURCES_WEB) $(SOURCES_WEB_$(SYSTEM)))
 TOOL := $(filter-out $(NOT_TOOL),$(wildcard $(SOURCES_TOOL)))
-TOOL_SHARED := tools/metrics.c src/scene/make/procedural.c
+TOOL_SHARED := tools/command/metrics.c tools/command/procedural.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
 EXE := $(if $(filter win32,$(SYSTEM)),.exe)
@@ -79,11 +79,11 @@ $(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) tools/package/l
 $(B)/fixsplat$(EXE): $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-$(B)/fixsplat-view$(EXE): $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) \
+$(B)/fixsplat-view$(EXE): $(call objects,tools/view/viewer_main.c $(WINDOW) $(filter-out tools/command/main.c,$(TOOL))) \
                     $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(foreach name,$(LINKED_VIEW),$(LIBS_$(name))))
 
-$(B)/fixsplat-web$(EXE): $(call objects,$(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
+$(B)/fixsplat-web$(EXE): $(call objects,$(SERVER) $(filter-out tools/command/main.c,$(TOOL))) $(B)/libfixsplat.a \
                    $(B)/commands/link
 	$(call link,$(foreach name,$(LINKED_WEB),$(LIBS_$(name))) $(SOCKETS_$(SYSTEM)))
 
@@ -121,7 +121,7 @@ $(call objects,$(SOURCES_OSMESA)): $(B)/with/OSMESA
 
 $(B)/kernels/gles/shaders.h: $(wildcard $(SHADERS_gles))
 $(B)/kernels/compute/shaders.h: $(wildcard $(SHADERS_compute))
-$(B)/kernels/%/shaders.h: tools/shaders.sh
+$(B)/kernels/%/shaders.h: tools/scripts/shaders.sh
 	@mkdir -p $(@D)
 	@sh $< $(filter-out $<,$^) >$@
 WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
@@ -129,11 +129,11 @@ $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
 $(WITH_SHADERS): INCLUDES += -I$(@D)
 
 # The declarations of the headers, as a text inside the library.
-$(B)/declarations.c: $(HEADERS) tools/declarations.sh $(B)/commands/compile
-	@CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/declarations.sh -c $(HEADERS) >$@
+$(B)/declarations.c: $(HEADERS) tools/scripts/declarations.sh $(B)/commands/compile
+	@CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/scripts/declarations.sh -c $(HEADERS) >$@
 
 $(B)/with/%: ;
-FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools tests tests/gpu
+FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools/* tests tests/gpu
 -include $(wildcard $(foreach place,. firmware/* web/*,$(FOLDERS:%=$(B)/$(place)/%/*.d)))
 .SUFFIXES:
 .DELETE_ON_ERROR:

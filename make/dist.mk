@@ -4,10 +4,10 @@ DIST := dist
 
 dist: ## dist/: all of it, and SHA256SUMS, from the last commit
 	@NVCC=$(call quoted,$(NVCC)) PYTHON=$(call quoted,$(PYTHON)) WEB_SOURCES=$(call quoted,$(WEB_SOURCES)) \
-	    sh tools/dist.sh $(DIST) $(B)/dist
+	    sh tools/scripts/dist.sh $(DIST) $(B)/dist
 
 dist-check: dist ## the same a second time in another folder, and that both are the same bytes
 	@NVCC=$(call quoted,$(NVCC)) PYTHON=$(call quoted,$(PYTHON)) WEB_SOURCES=$(call quoted,$(WEB_SOURCES)) \
-	    sh tools/dist.sh $(B)/dist-again/dist $(B)/dist-again/build
+	    sh tools/scripts/dist.sh $(B)/dist-again/dist $(B)/dist-again/build
 	@cd $(B)/dist-again/dist && sha256sum -c $(abspath $(DIST))/SHA256SUMS
 .PHONY: dist dist-check

@@ -16,10 +16,10 @@ fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 
 # Man pages and completions, generated from the program's help if the program runs here.
-$(B)/share/made: $(B)/fixsplat tools/man.sh tools/completions.sh
+$(B)/share/made: $(B)/fixsplat tools/scripts/man.sh tools/scripts/completions.sh
 	@rm -rf $(@D) && mkdir -p $(@D)
 	$(call say,MAN,$(@D))if $(B)/fixsplat --version >/dev/null 2>&1; then \
-	    sh tools/man.sh $(B)/fixsplat $(@D)/man/man1 && sh tools/completions.sh $(B)/fixsplat $(@D); fi
+	    sh tools/scripts/man.sh $(B)/fixsplat $(@D)/man/man1 && sh tools/scripts/completions.sh $(B)/fixsplat $(@D); fi
 	@touch $@
 
 install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries, headers, the page where it is built: DESTDIR, PREFIX (/usr/local)

@@ -1,4 +1,4 @@
-# Sources, their flags and optional libraries, read by make, CMakeLists.txt and tools/probe.sh. Each line is
+# Sources, their flags and optional libraries, read by make, CMakeLists.txt and tools/scripts/probe.sh. Each line is
 # NAME := WORDS, without references to other names, because CMake and sh read it as text.
 
 # ---- Sources -------------------------------------------------------------------------------------------------------
@@ -24,16 +24,16 @@ SOURCES_CUDA := kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu
 SOURCES_EGL := port/gl/egl.c
 SOURCES_OSMESA := port/gl/osmesa.c
 
-# Shaders, which become shaders.h of these folders (tools/shaders.sh).
+# Shaders, which become shaders.h of these folders (tools/scripts/shaders.sh).
 SHADERS_gles := src/include/fixsplat/pixel.h kernels/gl/*.vert kernels/gles/*.vert kernels/gl/*.frag kernels/gles/*.frag
 SHADERS_compute := kernels/compute/generated/*.comp kernels/compute/*.frag kernels/compute/*.glsl \
                    kernels/gl/*.vert kernels/gl/*.frag
 
 # The command, and the programs of the window and of the server, which contain the command except main.c.
-SOURCES_TOOL := tools/*.c src/scene/make/procedural.c
-NOT_TOOL := tools/viewer% tools/serve%
-SOURCES_VIEW := port/window/*.c tools/viewer*.c
-SOURCES_WEB := tools/serve*.c port/http/*.c
+SOURCES_TOOL := tools/*/*.c
+NOT_TOOL := tools/view/% tools/serve/serve%
+SOURCES_VIEW := port/window/*.c tools/view/*.c
+SOURCES_WEB := tools/serve/serve*.c port/http/*.c
 SOURCES_WEB_posix := port/posix/http/*.c
 SOURCES_WEB_win32 := port/win32/http/*.c
 

@@ -34,7 +34,7 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
 FOR_WINDOW_win32 := -Wl,--allow-multiple-definition
 $(B)/tests/test_window$(EXE): $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
                         port/window/words.c $(WINDOW) \
-                        $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
+                        $(filter-out tools/command/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(FOR_WINDOW_$(SYSTEM)) $(LIBS_TTF) $(LIBS_SDL))
 
 test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names

@@ -140,16 +140,16 @@ FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quote
     /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
     /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
 $(PACKAGE): src/scene/formats.c
-$(WEB)/stages.js: tools/stages.mjs src/include/fixsplat/pixel.h $(wildcard kernels/compute/*.wgsl)
+$(WEB)/stages.js: tools/scripts/stages.mjs src/include/fixsplat/pixel.h $(wildcard kernels/compute/*.wgsl)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< $@
-$(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/inline.mjs
+$(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/scripts/inline.mjs
 	@mkdir -p $(@D)
-	@node tools/inline.mjs style $< >$@
-$(WEB)/inline/files.js: tools/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
+	@node tools/scripts/inline.mjs style $< >$@
+$(WEB)/inline/files.js: tools/scripts/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< files $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
-$(WEB)/inline/worker.js: tools/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/viewer/,worker_whole.js worker.js)
+$(WEB)/inline/worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/viewer/,worker_whole.js worker.js)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --outfile=$(B)/web/worker.js \
 	    $(WEB)/viewer/worker_whole.js && node $< files viewer/worker.js=$(B)/web/worker.js >$@

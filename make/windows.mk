@@ -20,5 +20,5 @@ windows: ## the command and the libraries for Windows, x86-64, in build/windows 
 ifneq ($(and $(filter win32,$(SYSTEM)),$(shell command -v rsvg-convert)),)
 $(B)/fixsplat-view$(EXE): $(B)/icon.o
 endif
-$(B)/icon.o: tools/package/fixsplat.svg tools/icon.sh
-	$(call say,ICON,$<)sh tools/icon.sh $< $(@:.o=.ico) && echo '1 ICON "$(@:.o=.ico)"' | $(WINDRES) -O coff -o $@
+$(B)/icon.o: tools/package/fixsplat.svg tools/scripts/icon.sh
+	$(call say,ICON,$<)sh tools/scripts/icon.sh $< $(@:.o=.ico) && echo '1 ICON "$(@:.o=.ico)"' | $(WINDRES) -O coff -o $@

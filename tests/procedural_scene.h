@@ -9,7 +9,7 @@
 
 #include <fixsplat/message.h>
 #include <fixsplat/pack.h>
-#include "src/scene/make/procedural.h"
+#include "tools/command/procedural.h"
 
 /* *report may be null. Returns 0 and a *packed for fxs_packed_scene_free, or -1 and a message. */
 static inline int procedural_scene_make(const char *name, uint64_t count, int antialiased, fxs_packed_scene *packed,

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include <fixsplat/camera.h>
-#include "tools/metrics.h"
+#include "tools/command/metrics.h"
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "procedural_scene.h"

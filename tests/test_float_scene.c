@@ -7,8 +7,8 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
 #include "src/fit/float_scene.h"
-#include "src/scene/make/procedural.h"
-#include "tools/metrics.h"
+#include "tools/command/procedural.h"
+#include "tools/command/metrics.h"
 #include "check.h"
 #include "one_scene.h"
 #include "reference.h"

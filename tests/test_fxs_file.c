@@ -15,7 +15,7 @@
 #include <fixsplat/map.h>
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/packed.h>
-#include "src/scene/make/procedural.h"
+#include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"

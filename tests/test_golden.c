@@ -8,7 +8,7 @@
 #include <fixsplat/backends.h>
 #include <fixsplat/camera.h>
 #include <fixsplat/image_file.h>
-#include "tools/metrics.h"
+#include "tools/command/metrics.h"
 #include "check.h"
 #include "one_scene.h"
 #include "procedural_scene.h"

@@ -22,7 +22,7 @@
 #endif
 
 #include "src/base/opened.h"
-#include "tools/metrics.h"
+#include "tools/command/metrics.h"
 #include "check.h"
 #include "jpeg_bytes.h"
 

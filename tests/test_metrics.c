@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "src/fit/random.h"
-#include "tools/metrics.h"
+#include "tools/command/metrics.h"
 #include "check.h"
 
 enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };

@@ -6,8 +6,8 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include "tools/metrics.h"
-#include "src/scene/make/procedural.h"
+#include "tools/command/metrics.h"
+#include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"

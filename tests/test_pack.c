@@ -18,7 +18,7 @@
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/packed.h>
 #include "src/core/chunk.h"
-#include "src/scene/make/procedural.h"
+#include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
 #include "decoded.h"

@@ -1,5 +1,5 @@
 /* The generated scenes: hashes of their bytes, plausible values, each scene's special property, and the .ply writer. */
-#include "src/scene/make/procedural.h"
+#include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
 

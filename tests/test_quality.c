@@ -18,8 +18,8 @@
 #include <fixsplat/world.h>
 #include "src/gaussian/transform_internal.h"
 #include "src/core/frame.h"
-#include "tools/metrics.h"
-#include "src/scene/make/procedural.h"
+#include "tools/command/metrics.h"
+#include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"

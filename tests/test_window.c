@@ -319,7 +319,7 @@ static void test_graph_shows_the_times(void)
 
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/image_file.h>
-#include "tools/viewer.h"
+#include "tools/view/viewer.h"
 
 /* Replaces SDL's function: a screen with several pixels per point. */
 static int pixels_a_point = 1;

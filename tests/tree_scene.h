@@ -7,7 +7,7 @@
 #include <fixsplat/pack.h>
 
 #include "check.h"
-#include "src/scene/make/procedural.h"
+#include "tools/command/procedural.h"
 
 enum { TREE_WIDTH = 320, TREE_HEIGHT = 200, TREE_COUNT = 60000 };
 

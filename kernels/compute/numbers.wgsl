@@ -43,7 +43,7 @@ fn less(a: wide, b: wide) -> bool
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
 }
 
-// By halves of 16 bits. tools/compute_shaders.mjs replaces the body with umulExtended.
+// By halves of 16 bits. tools/scripts/compute_shaders.mjs replaces the body with umulExtended.
 fn mul_wide(a: u32, b: u32) -> wide
 {
     let al = a & 0xffffu;

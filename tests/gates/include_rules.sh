@@ -112,7 +112,7 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
         plain = $3 ~ /^std(int|def)\.h$/
         if ($2 == "<" && $3 ~ /^fixsplat\//) {
             # stage.h and its like say what kernels are, and the texts of devices hold the stages.
-            if (folder == "tools" || folder ~ /^port/)
+            if (folder ~ /^tools/ || folder ~ /^port/)
                 next
             if (!(name in owner)) says("no public header " $3)
             else if (!may(i, owner[name] "/" name)) says("includes <" $3 "> of " owner[name])
@@ -121,11 +121,11 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
                 folder ~ /^kernels\/simd\/lanes/ && !plain ||
                 folder ~ /^kernels(\/simd|$)/ && !plain && !isa ||
                 folder ~ /^src/ && $3 ~ /^(unistd|fcntl|pthread|signal|sched|dirent|sys\/.*|cuda.*|GL.*|EGL.*)(\.h)?$/ ||
-                folder == "tools" && $3 ~ /^(cuda|GL|EGL)/)
+                folder ~ /^tools/ && $3 ~ /^(cuda|GL|EGL)/)
                 says("includes <" $3 ">")
         } else if ($3 ~ /\//) {
-            if (folder == "tools")
-                ok = $3 ~ /^(src|port)\/[a-z\/_]*\.h$/ && $3 !~ /_internal\.h$/
+            if (folder ~ /^tools/)
+                ok = $3 ~ /^(src|port|tools)\/[a-z\/_]*\.h$/ && $3 !~ /_internal\.h$/
             else
                 ok = may(i, $3) && !(folder ~ /^port/ && $3 ~ /^kernels\/.*\// && $3 !~ /\/(gl|plan|cuda_fit)\.h$/)
             if (!ok) says("includes \"" $3 "\"")

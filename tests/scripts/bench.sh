@@ -1,5 +1,5 @@
 #!/bin/sh
-# bench --compare, and tools/bench.sh on a copy of docs/measured.md, with smaller scenes: 2,000 Gaussians for a million,
+# bench --compare, and tools/scripts/bench.sh on a copy of docs/measured.md, with smaller scenes: 2,000 Gaussians for a million,
 # 10 frames for 60. A part of the document is replaced whole, or the document stays unchanged.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
@@ -52,7 +52,7 @@ else
 fi
 fails "--compare --json" 2 "no --json" bench knot.ply $small --compare before.json --json
 
-# ---- tools/bench.sh --------------------------------------------------------------------------------------------------
+# ---- tools/scripts/bench.sh --------------------------------------------------------------------------------------------------
 
 mkdir programs
 export ORDER= COMMAND="$fixsplat"
@@ -74,7 +74,7 @@ measure() {
 }
 unchanged() { cmp document.md "$root/docs/measured.md" && [ ! -e document.md.new ]; }
 
-measure sh tools/bench.sh stereo
+measure sh tools/scripts/bench.sh stereo
 check "a part: measured" equal $status 0
 sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' document.md >rest.md
 sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' "$root/docs/measured.md" >rest-before.md
@@ -87,7 +87,7 @@ check "no copy is left" [ ! -e document.md.new ]
 
 part_fails() {
     ORDER=$1
-    measure sh tools/bench.sh $2
+    measure sh tools/scripts/bench.sh $2
     check "$1 fails: so does bench.sh" [ $status != 0 ]
     check "$1 fails: the document stays" unchanged
 }
@@ -105,7 +105,7 @@ camera='{"img_name": "a", "width": 80, "height": 60, "fx": 90, "fy": 90, "positi
     "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}'
 { printf '[%s' "$camera"; for i in 1 2 3 4 5 6 7 8; do printf ', %s' "$camera"; done; echo ']'; } >captured/snowmiku/cameras.json
 ORDER=
-SCENES_HERE=captured measure sh tools/bench.sh levels
+SCENES_HERE=captured measure sh tools/scripts/bench.sh levels
 check "levels: measured" equal $status 0
 sed -n '/^<!-- levels: begin/,/^<!-- levels: end/p' document.md >part.md
 check "levels: the Gaussians that are left" equal "$(awk -F ' *[|] *' '/%/ { print $2, $3, $4 }' part.md | tr '\n' ';')" \
@@ -122,7 +122,7 @@ if have node; then
     mkdir -p captured/luma-seal kept programs/page/node_modules
     cp knot.ply captured/luma-seal/luma-seal.ply
     "$fixsplat" convert knot.ply kept/luma-seal-refined.fxs --levels
-    SCENES_HERE=captured measure env KEPT="$work/kept" CAPTURED=luma-seal ROUNDS=1 sh tools/bench.sh budgets
+    SCENES_HERE=captured measure env KEPT="$work/kept" CAPTURED=luma-seal ROUNDS=1 sh tools/scripts/bench.sh budgets
     check "budgets: measured" equal $status 0
     sed -n '/^<!-- budgets: begin/,/^<!-- budgets: end/p' document.md >part.md
     check "budgets: less and less" equal "$(awk -F ' *[|] *' '/%/ { print $3 }' part.md | tr '\n' ' ')" \
@@ -139,19 +139,19 @@ fi
 
 ORDER=sleep
 for signal in INT TERM; do
-    measure env --default-signal=$signal timeout -s $signal 1 sh tools/bench.sh stereo
+    measure env --default-signal=$signal timeout -s $signal 1 sh tools/scripts/bench.sh stereo
     check "SIG$signal: ended by it" equal $status 124
     check "SIG$signal: the document stays" unchanged
 done
 ORDER=
-measure sh tools/bench.sh levels colours
+measure sh tools/scripts/bench.sh levels colours
 check "a part that is not: fails" [ $status != 0 ]
 check "a part that is not: said" grep -q 'no part colours' logs/err
 check "a part that is not: the document stays" unchanged
 
-# ---- tools/plot.awk --------------------------------------------------------------------------------------------------
+# ---- tools/scripts/plot.awk --------------------------------------------------------------------------------------------------
 
-draw() { awk -v plot="$1" -f "$root/tools/plot.awk" "$2"; }
+draw() { awk -v plot="$1" -f "$root/tools/scripts/plot.awk" "$2"; }
 sizes='<!-- sizes: begin -->
 Measured today, on a machine; not this.
 | scene | form | bytes a Gaussian | PSNR, dB | SSIM | import, s |

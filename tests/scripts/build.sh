@@ -135,7 +135,7 @@ echo 'exit 1' >"$work/bin/dpkg-query"
 echo 'exit 0' >"$work/bin/sleep"
 echo 'exec "$@"' >"$work/bin/sudo"
 chmod +x "$work/bin"/*
-check "setup: ends well" env PATH="$work/bin:$PATH" APT_LOG="$work/apt" sh tools/setup.sh one two
+check "setup: ends well" env PATH="$work/bin:$PATH" APT_LOG="$work/apt" sh tools/scripts/setup.sh one two
 check "setup: waits for the lock of update" [ "$(grep -c update "$work/apt")" = 3 ]
 check "setup: installs, waiting for the lock of dpkg" grep -q 'Lock::Timeout=300 install .*one two$' "$work/apt"
 
@@ -148,7 +148,7 @@ mkdir -p "$3/node_modules/puppeteer-core"
 END
 chmod +x "$work/bin/npm"
 for time in 1 2; do
-    check "setup: npm, time $time" env PATH="$work/bin:$PATH" NPM_LOG="$work/npm" sh tools/page_modules.sh "$work/page"
+    check "setup: npm, time $time" env PATH="$work/bin:$PATH" NPM_LOG="$work/npm" sh tools/scripts/page_modules.sh "$work/page"
 done
 check "setup: npm runs once, no script of a module" equal "$(cut -d ' ' -f 1-4 "$work/npm")" \
     "ci --prefix $work/page --ignore-scripts"

@@ -60,11 +60,11 @@ fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
-# Each option is a row in a table of tools/*.c: name, value, and function that takes it.
+# Each option is a row in a table of tools/*/*.c: name, value, and function that takes it.
 "$fixsplat" help --table >table
 cut -f 2 table | sort -u >options
 check "each row belongs to a command" equal "$(cat options)" \
-    "$(sed -En 's/^    \{"([a-z-]*)", (0|"[^"]*"), (take_|[A-Z0-9_]*\().*/\1/p' "$root"/tools/*.c | sort -u)"
+    "$(sed -En 's/^    \{"([a-z-]*)", (0|"[^"]*"), (take_|[A-Z0-9_]*\().*/\1/p' "$root"/tools/*/*.c | sort -u)"
 for command in render view bench info convert compare make-scene fit demo doctor; do
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Blocks that continue from a coarse fit, and tools/cluster.sh with GNU parallel and with a Slurm on this machine.
+# Blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and with a Slurm on this machine.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -98,19 +98,19 @@ check "nothing was written" test ! -e x.ply
 cluster() {
     to=$1
     shift
-    sh "$root/tools/cluster.sh" set -o "$to" --blocks 3 --coarse-steps 100 --coarse-resolution 32 --steps 300 "$@" \
+    sh "$root/tools/scripts/cluster.sh" set -o "$to" --blocks 3 --coarse-steps 100 --coarse-resolution 32 --steps 300 "$@" \
         -- --threads 1 >logs/out 2>logs/err
 }
 # refused NAME WORDS ARGUMENT...
 refused() {
     name=$1 words=$2
     shift 2
-    sh "$root/tools/cluster.sh" "$@" >logs/out 2>logs/err
+    sh "$root/tools/scripts/cluster.sh" "$@" >logs/out 2>logs/err
     if [ $? != 0 ] && [ "$(wc -l <logs/err)" = 1 ] && grep -q -e "$words" logs/err; then ok "$name"; else
         fail "$name" "$(cat logs/err)"
     fi
 }
-check "cluster.sh --help has examples" sh -c "sh '$root/tools/cluster.sh' --help | grep -q 'engine slurm'"
+check "cluster.sh --help has examples" sh -c "sh '$root/tools/scripts/cluster.sh' --help | grep -q 'engine slurm'"
 refused "no photographs" "which photographs" -o x.fxs --blocks 2
 refused "blocks" "expected 1 to 4096" set -o x.fxs --blocks 4097
 refused "an ending" "expected a name ending in .fxs" set -o x.ply --blocks 2
@@ -122,7 +122,7 @@ refused "an option" "no such option" set -o x.fxs --blocks 2 --recipe fast
 odd='a\tb\c "$(exit)" %a {} '"'"
 mkdir "$odd"
 cp -r set "$odd/set"
-check "names of all kinds: the jobs are written" sh "$root/tools/cluster.sh" "$odd/set" -o "$odd/x.fxs" --blocks 2 \
+check "names of all kinds: the jobs are written" sh "$root/tools/scripts/cluster.sh" "$odd/set" -o "$odd/x.fxs" --blocks 2 \
     --coarse-steps 20 --coarse-resolution 32 --steps 40 --engine parallel --dry-run -- --threads 1
 FIXSPLAT_QUIET=1 "$odd/x.fxs.jobs/coarse.sh" >logs/out 2>logs/err
 check "names of all kinds: the coarse fit" equal "$(ls "$odd/x.fxs.jobs/coarse.fit") $(cat logs/err)" "$odd/x.fxs.jobs/coarse.fit "
@@ -131,7 +131,7 @@ check "names of all kinds: what is missing" equal "$(cat logs/err)" \
     "part-0.ply is missing: its job failed, see its log in $PWD/$odd/x.fxs.jobs"
 refused "names of all kinds: a message" 'none\\tat: no such file' 'none\tat' -o x.fxs --blocks 2
 if have parallel; then
-    check "names of all kinds: by GNU parallel" sh "$root/tools/cluster.sh" "$odd/set" -o "$odd/x.fxs" --blocks 2 \
+    check "names of all kinds: by GNU parallel" sh "$root/tools/scripts/cluster.sh" "$odd/set" -o "$odd/x.fxs" --blocks 2 \
         --coarse-steps 20 --coarse-resolution 32 --steps 40 -- --threads 1
     check "names of all kinds: the scene" [ -s "$odd/x.fxs" ]
     check "by GNU parallel" cluster one.fxs --jobs 2

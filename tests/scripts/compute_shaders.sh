@@ -1,5 +1,5 @@
 #!/bin/sh
-# The compute shaders: kernels/compute/generated is what tools/compute_shaders.mjs makes of the WGSL above it and of
+# The compute shaders: kernels/compute/generated is what tools/scripts/compute_shaders.mjs makes of the WGSL above it and of
 # pixel.h; and the WGSL compiles as it is in Chromium, for WebGPU by SwiftShader.
 . tests/scripts/lib/check.sh
 B=${B:-build}
@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 same_text() {
     for file in "$work"/*.comp kernels/compute/generated/*.comp; do
         cmp -s "$work/${file##*/}" "kernels/compute/generated/${file##*/}" ||
-            { echo "${file##*/} is old: node tools/compute_shaders.mjs $B/page kernels/compute/generated"; return 1; }
+            { echo "${file##*/} is old: node tools/scripts/compute_shaders.mjs $B/page kernels/compute/generated"; return 1; }
     done
 }
 
@@ -19,7 +19,7 @@ if ! have node || [ ! -d "$modules/naga-wasm" ]; then
     finish
     exit
 fi
-check "the shaders are made" node tools/compute_shaders.mjs "${modules%/node_modules}" "$work"
+check "the shaders are made" node tools/scripts/compute_shaders.mjs "${modules%/node_modules}" "$work"
 check "kernels/compute/generated has them" same_text
 if have chromium && [ -d "$modules/puppeteer-core" ]; then
     check "WebGPU compiles their WGSL" node tests/web/wgsl.mjs "$work" "$modules"

@@ -136,9 +136,9 @@ fi
 
 # ---- Man pages and completions ---------------------------------------------------------------------------------------
 
-check "completions are made" sh "$root/tools/completions.sh" "$fixsplat" "$share"
+check "completions are made" sh "$root/tools/scripts/completions.sh" "$fixsplat" "$share"
 if have help2man; then
-    check "pages are made" sh "$root/tools/man.sh" "$fixsplat" "$share/man/man1"
+    check "pages are made" sh "$root/tools/scripts/man.sh" "$fixsplat" "$share/man/man1"
     for page in fixsplat $(for c in $commands; do echo "fixsplat-$c"; done); do
         if have groff; then
             groff -man -ww -Tutf8 "$share/man/man1/$page.1" >logs/page 2>logs/err
@@ -156,7 +156,7 @@ else
     skip "pages" "no help2man here"
 fi
 mkdir -p bin && ln -sf "$(command -v sh)" bin/sh
-check "without help2man: no pages, said" equal "$(PATH=$work/bin sh "$root/tools/man.sh" "$fixsplat" "$share/none")" \
+check "without help2man: no pages, said" equal "$(PATH=$work/bin sh "$root/tools/scripts/man.sh" "$fixsplat" "$share/none")" \
     "no manual pages: no help2man here"
 
 if have bash; then

@@ -11,12 +11,12 @@ i686=i686-linux-gnu-gcc
 library="$(echo src/core src/base src/gaussian src/scene src/scene/read src/scene/write src/pack |
     sed 's|[^ ]*|&/*.c|g') port/posix/output.c port/posix/files.c"
 golden="$library $(echo src/scene/edit src/scene/make src/camera src/image | sed 's|[^ ]*|&/*.c|g') tests/test_golden.c \
-    tools/metrics.c port/backend/[!f]*.c port/backend/foveate.c port/posix/[!fo]*.c"
+    tools/command/metrics.c port/backend/[!f]*.c port/backend/foveate.c port/posix/[!fo]*.c"
 photos="tests/test_photo_bytes.c src/base/*.c src/camera/[!fgswy]*.c src/image/image_file.c src/image/photograph.c \
     src/core/view.c src/scene/read/ply_*.c src/fit/photo*.c port/posix/files.c port/posix/output.c port/posix/pool.c"
 files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"
 
-# Prints the flags for float arithmetic without excess precision, found like in tools/probe.sh; the Makefile builds
+# Prints the flags for float arithmetic without excess precision, found like in tools/scripts/probe.sh; the Makefile builds
 # src/pack with them. Without such flags, trees of levels are refused.
 singles() {
     for found in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do

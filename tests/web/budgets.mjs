@@ -1,8 +1,8 @@
 // node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
-// tools/bench.sh. cuts: budgets compared with equal numbers of Gaussians by splat-transform, Spark and pruning.
+// tools/scripts/bench.sh. cuts: budgets compared with equal numbers of Gaussians by splat-transform, Spark and pruning.
 // budgets: PSNR, time and bytes of frames with falling budgets; ROUNDS of timing (5), LANDSCAPE: its number of
 // Gaussians (10000000). steps: changes between frames on a slow path of FRAMES (240). boards: Gaussians that a board
-// draws in a tenth of a second. FOLDER caches derived scenes. MODULES: made by tools/page_modules.sh.
+// draws in a tenth of a second. FOLDER caches derived scenes. MODULES: made by tools/scripts/page_modules.sh.
 import { execFileSync, spawnSync } from 'node:child_process'
 import {
     closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,

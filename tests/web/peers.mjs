@@ -1,4 +1,4 @@
-// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: the measurements of tools/peers.sh. MADE:
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: the measurements of tools/scripts/peers.sh. MADE:
 // folder of landscape.ply, a million Gaussians of fixsplat make-scene.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'

@@ -12,7 +12,7 @@ extern "C" {
 #endif
 
 /* All structs, functions and constants of this library as preprocessed C: one static text, generated from the headers
-   of the library's build (tools/declarations.sh). */
+   of the library's build (tools/scripts/declarations.sh). */
 FXS_API const char *fxs_declarations(void);
 
 #ifdef __cplusplus

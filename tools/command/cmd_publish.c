@@ -1,0 +1,341 @@
+/* fixsplat publish: writes a folder for any web server, with scenes, their pictures and the page that shows them; or
+   one file that works without a server. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/formats.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/map.h>
+#include "src/base/system.h"
+#include "cmd_render.h"
+#include "file_guard.h"
+#include "tools/serve/made_list.h"
+#include "tools/serve/page_folder.h"
+#include "publish_scene.h"
+#include "publish_single.h"
+#include "tools/serve/scene_list.h"
+#include "tools/serve/scene_pages.h"
+#include "task.h"
+
+typedef struct publish_options {
+    frame_options frame;           /* poster size; packing and reading of scenes */
+    const char *title, *site, *settings;
+    char *const *words;            /* the command line */
+    int single;                    /* one .html file, no folder */
+    char mark[TASK_PATH];          /* marks the folder as unfinished */
+    scene_list list;
+    size_t bytes;                  /* of all files written */
+    made_list made;                /* new files and folders, removed if publish fails */
+} publish_options;
+
+#define OPTIONS publish_options
+
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"title", "TEXT", TEXT(title), .help =
+     "title of the page or, for several scenes, of their list (default: the scene's name)"},
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+     "how scenes are packed: small (20 bytes per Gaussian), compact or default (default: small; an .fxs is copied "
+     "unchanged)"},
+    {"single", 0, FLAG(single), .help =
+     "write one scene as one .html file that holds everything. It opens by a double click, without a server or a "
+     "network"},
+    {"levels", 0, FLAG(frame.load.tree), .help =
+     "pack scenes, .fxs included, with levels of detail: the page then fetches only the visible part of a large scene"},
+    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "size of the poster (default 1280x720)"},
+    {"settings", "FILE", TEXT(settings), .help =
+     "settings file of the viewer or of supersplat-viewer, with camera, annotations and tracks; for a folder of one "
+     "scene"},
+    {0}
+};
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+static int write_scene(publish_options *o, listed_scene *s)
+{
+    char name[LISTED_NAME + 8], path[TASK_PATH];
+    loaded_scene scene;
+    fxs_message why;
+    snprintf(name, sizeof name, "%s.fxs", s->name);
+    join_path(path, o->site, name);
+    load_options own;
+    if (options_of_file(&own, &o->frame.load, 0, 1) || publish_load(&scene, s->path, &own, is_given("profile")))
+        return EXIT_FAILED;
+    if (!is_given("profile"))
+        publish_say_gain(&scene, o->words);
+    o->bytes += scene.opened->bytes;
+    made_list_add(&o->made, path);
+    const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
+    free_scene(&scene);
+    return error ? fail_for(&why) : 0;
+}
+
+/* Renders the poster from the page's first view. */
+static int write_poster(publish_options *o, const listed_scene *s)
+{
+    render_options *r = calloc(1, sizeof *r);
+    char name[LISTED_NAME + 8], scene[TASK_PATH], poster[TASK_PATH], *scenes[] = {scene};
+    if (!r)
+        return fail(EXIT_FAILED, "out of memory");
+    snprintf(name, sizeof name, "%s.fxs", s->name);
+    join_path(scene, o->site, name);
+    snprintf(name, sizeof name, "%s.jpg", s->name);
+    join_path(poster, o->site, name);
+    made_list_add(&o->made, poster);
+    r->frame = o->frame;
+    r->frame.world = (world_options){.scenes = scenes, .scene_count = 1};
+    r->output = poster;
+    r->encoding = FXS_IMAGE_JPG;
+    r->quality = 85;
+    const int status = render_views(r);
+    files_done();
+    free(r);
+    return status;
+}
+
+/* ---- The page ---------------------------------------------------------------------------------------------------- */
+
+static int write_bytes(publish_options *o, const char *folder, const char *name, const void *bytes, size_t size)
+{
+    char path[TASK_PATH];
+    fxs_message why;
+    const fxs_encoded file = {.bytes = bytes, .size = size};
+    join_path(path, folder, name);
+    made_list_add(&o->made, path);
+    o->bytes += size;
+    return fxs_encoded_write(path, &file, &why) ? fail_for(&why) : 0;
+}
+
+typedef struct copying {
+    publish_options *o;
+    const char *from, *to;
+    int status;
+} copying;
+
+static void copy_file(void *argument, const char *name)
+{
+    copying *c = argument;
+    char path[TASK_PATH];
+    fxs_mapping file;
+    fxs_message why;
+    join_path(path, c->from, name);
+    if (c->status || is_folder(path))
+        return;
+    c->status = fxs_map(&file, path, &why) ? fail_for(&why) : 0;
+    if (!c->status) {
+        c->status = write_bytes(c->o, c->to, name, file.data, file.bytes);
+        fxs_unmap(&file);
+    }
+}
+
+static int copy_files(publish_options *o, const char *from, const char *to)
+{
+    made_list_add(&o->made, to);
+    copying c = {o, from, to, make_folder(to)};
+    return fxs_folder_each(from, copy_file, &c) ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno)) : c.status;
+}
+
+/* In the scene's folder, where the page looks for it. */
+static int copy_settings(publish_options *o)
+{
+    fxs_mapping file;
+    fxs_message why;
+    if (!o->settings)
+        return 0;
+    if (fxs_map(&file, o->settings, &why))
+        return fail_for(&why);
+    const int status = write_bytes(o, o->site, "settings.json", file.data, file.bytes);
+    fxs_unmap(&file);
+    return status;
+}
+
+static int copy_page(publish_options *o, const char *package)
+{
+    char from[TASK_PATH], to[TASK_PATH], to_viewer[TASK_PATH];
+    join_path(from, package, "viewer");
+    join_path(to, o->site, "fixsplat");
+    join_path(to_viewer, to, "viewer");
+    const int status = copy_files(o, package, to);
+    return status ? status : copy_files(o, from, to_viewer);
+}
+
+static void print_scene(FILE *file, const char *title, const char *name, const char *settings)
+{
+    static const char of_scene[] =
+        "<meta property=\"og:image\" content=\"%s.jpg\">\n"
+        "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
+        "<script type=\"module\" src=\"fixsplat/viewer/published.js\"></script>\n"
+        "<fixsplat-viewer src=\"%s.fxs\" label=\"%s\" poster=\"%s.jpg\" ";
+    static const char in_scene[] =
+        ">\nThis page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
+        "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
+    print_page_head(file, title);
+    print_html(file, of_scene, name, name, title, name);
+    fprintf(file, "%s%s", settings ? "settings=\"settings.json\"" : "background=\"#000000\"", in_scene);
+}
+
+static void print_list(FILE *file, const char *title, const scene_list *list)
+{
+    char address[LISTED_NAME + 8], poster[LISTED_NAME + 8];
+    print_list_head(file, title, "fixsplat/viewer");
+    for (size_t i = 0; i < list->count; i++) {
+        snprintf(address, sizeof address, "%s.html", list->scenes[i].name);
+        snprintf(poster, sizeof poster, "%s.jpg", list->scenes[i].name);
+        print_listed(file, address, poster, list->scenes[i].title);
+    }
+}
+
+/* The page of a scene, or with a null scene the list. */
+static int write_page(publish_options *o, const char *name, const listed_scene *s)
+{
+    fxs_printed printed;
+    if (fxs_print_begin(&printed))
+        return fail(EXIT_FAILED, "out of memory");
+    FILE *file = printed.file;
+    const int is_one = s && o->list.count > 1;     /* with several scenes, --title names the list */
+    const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
+    if (s)
+        print_scene(file, title, s->name, o->settings);
+    else
+        print_list(file, title, &o->list);
+    if (fxs_print_end(&printed))
+        return fail(EXIT_FAILED, "out of memory");
+    const int status = write_bytes(o, o->site, name, printed.text, printed.size);
+    free(printed.text);
+    return status;
+}
+
+static int write_pages(publish_options *o)
+{
+    char name[LISTED_NAME + 8];
+    int status = write_page(o, "index.html", o->list.count == 1 ? o->list.scenes : 0);
+    for (size_t i = 0; i < o->list.count && o->list.count > 1 && !status; i++) {
+        snprintf(name, sizeof name, "%s.html", o->list.scenes[i].name);
+        status = write_page(o, name, &o->list.scenes[i]);
+    }
+    return status;
+}
+
+/* ---- The command ------------------------------------------------------------------------------------------------- */
+
+static void count_file(void *files, const char *name)
+{
+    *(int *)files += strcmp(name, ".") && strcmp(name, "..");
+}
+
+/* Accepts a folder that is missing, empty, or from an earlier publish, even a killed one: a marker file exists until
+   the folder is complete. */
+static int take_site(publish_options *o)
+{
+    char page[TASK_PATH];
+    int files = 0;
+    fxs_folder_each(o->site, count_file, &files);
+    join_path(page, o->site, "fixsplat/viewer");
+    join_path(o->mark, o->site, ".fixsplat-publish");
+    const int has_mark = fxs_file_kind(o->mark) == FXS_FILE_REGULAR;
+    if (files && !is_folder(page) && !has_mark)
+        return fail(EXIT_FAILED, "%s: not empty, and not a folder that publish made: give a new one", o->site);
+    made_list_add_folders(&o->made, o->site);
+    const int status = make_folders(o->site);
+    if (status || files)
+        return status;
+    made_list_add(&o->made, o->mark);
+    FILE *mark = fxs_stream_open(o->mark, "w");
+    return mark && !fclose(mark) ? 0 : fail(EXIT_FAILED, "%s: %s", o->mark, strerror(errno));
+}
+
+static int read_options(publish_options *o, int argc, char **argv)
+{
+    memset(o, 0, sizeof *o);
+    frame_options_default(&o->frame);
+    o->frame.load.profile = FXS_PROFILE_SMALL;
+    if (take_options(&command_publish, o, argc, argv))
+        return EXIT_USAGE;
+    if (argc - optind < 2)
+        return fail(EXIT_USAGE, "publish takes scenes and a folder to write; see: fixsplat publish --help");
+    o->site = argv[argc - 1];
+    o->words = argv;
+    if (fxs_scene_format_of(o->site, 0))
+        return fail(EXIT_USAGE, "publish: %s is a scene: the last name is that of %s to write", o->site,
+                    o->single ? "a file" : "a folder");
+    if (o->single && !ends_with(o->site, ".html"))
+        return fail(EXIT_USAGE, "publish: --single writes a file whose name ends in .html, not %s", o->site);
+    return frame_options_check(&o->frame);
+}
+
+static int publish_folder(publish_options *o, const char *package)
+{
+    int status = o->settings && o->list.count > 1
+                     ? fail(EXIT_USAGE, "publish: --settings is for one scene, not %zu", o->list.count)
+                     : take_site(o);
+    status = status ? status : copy_settings(o);
+    status = status ? status : copy_page(o, package);
+    for (size_t i = 0; i < o->list.count && !status; i++) {
+        status = write_scene(o, &o->list.scenes[i]);
+        status = status ? status : write_poster(o, &o->list.scenes[i]);
+    }
+    status = status ? status : write_pages(o);
+    if (!status)
+        fxs_file_remove(o->mark);
+    return status;
+}
+
+static int publish_file(publish_options *o, const char *package)
+{
+    const listed_scene *s = o->list.scenes;
+    if (o->list.count != 1)
+        return fail(EXIT_USAGE, "publish: --single takes one scene, not %zu", o->list.count);
+    if (o->settings)
+        return fail(EXIT_USAGE, "publish: --settings does not go with --single");
+    const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
+                              .name = s->name, .words = o->words, .has_profile = is_given("profile")};
+    return write_single(&page, &o->frame, o->site, &o->bytes);
+}
+
+static void report(const publish_options *o)
+{
+    const double megabytes = (double)o->bytes * 1e-6;
+    if (o->single)
+        printf("%s: %.1f MB, all in one file: any browser opens it, without a server or a network\n", o->site,
+               megabytes);
+    else {
+        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: " FXS_PYTHON " -m http.server -d",
+               o->site, o->list.count, o->list.count == 1 ? "" : "s", megabytes);
+        write_shell_word(stdout, o->site);
+        puts("");
+    }
+}
+
+static int run(int argc, char **argv)
+{
+    static publish_options o;
+    char package[PAGE_PATH];
+    int status = read_options(&o, argc, argv);
+    for (int i = optind; i < argc - 1 && !status; i++)
+        status = scene_list_add(&o.list, argv[i]);
+    status = status ? status : page_folder_find(package);
+    status = status ? status : o.single ? publish_file(&o, package) : publish_folder(&o, package);
+    if (!status)
+        report(&o);
+    else
+        made_list_remove(&o.made);
+    made_list_free(&o.made);
+    scene_list_free(&o.list);
+    return status;
+}
+
+const command command_publish = {
+    "publish", "scene files -> folder for a web server", run,
+    "Usage: fixsplat publish SCENE... SITE [OPTION...]\n"
+    "       fixsplat publish --single SCENE FILE.html [OPTION...]\n\n"
+    "Writes a folder for any web server or static host: each scene as .fxs with a picture, the page with the viewer,\n"
+    "and a list for several scenes. A SCENE may be a folder of scenes. A SITE that publish made before is updated;\n"
+    "other files in it stay.\n",
+    0,
+    "  $ fixsplat publish garden.ply site\n"
+    "  $ fixsplat publish garden.fxs site --title 'The garden' --settings settings.json\n"
+    "  $ fixsplat publish scenes site --levels\n"
+    "  $ fixsplat publish --single garden.ply garden.html\n",
+    {{own_rows, 0}, COMMON_TABLE}
+};

@@ -1,0 +1,338 @@
+/* fixsplat fit: its options. fit_photos.c reads the photographs and opens the fit, fit_steps.c makes the steps,
+   fit_end.c writes, measures and prints the result. */
+#include "cmd_fit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/clock.h>
+#include "tools/command/beside.h"
+#include "tools/command/file_guard.h"
+#include "fit_result.h"
+#include "tools/command/task.h"
+
+const char *const fit_recipes[] = {"reference", "mcmc", "fast", 0};
+static const char *const qualities[] = {"draft", "good", "best", 0};
+static const struct {
+    enum fxs_fit_recipe recipe;
+    uint32_t steps;
+    int resolution;                 /* 0: default */
+} by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
+static const char *const exposures[] = {"none", "gain", "affine", 0};   /* enum fxs_fit_exposure */
+static const char *const alphas[] = {"compose", "ignore", 0};   /* fxs_photos_options.ignore_transparent */
+
+/* ---- Options ----------------------------------------------------------------------------------------------------- */
+
+static int take_block(const option_row *row, void *field, const char *value)
+{
+    fit_command *c = field;
+    const char *slash = strchr(value, '/');
+    const size_t length = slash ? (size_t)(slash - value) : 0;
+    char first[8] = "";
+    uint64_t block, blocks;
+    if (length && length < sizeof first)
+        memcpy(first, value, length);
+    if (!slash || !parse_count(slash + 1, 1, FXS_FIT_BLOCKS_MOST, &blocks) || !parse_count(first, 0, blocks, &block))
+        return wrong_value(row, value);
+    c->block = (uint32_t)block;
+    c->blocks = (uint32_t)blocks;
+    return 0;
+}
+
+static int take_sky(const option_row *row, void *field, const char *value)
+{
+    fit_command *c = field;
+    uint64_t directions = FXS_FIT_SKY;
+    if (value && !parse_count(value, 1, FXS_FIT_SKY_MOST, &directions))
+        return wrong_value(row, value);
+    c->options.sky = (uint32_t)directions;
+    return 0;
+}
+
+#define OPTIONS fit_command
+
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"output", "OUT", OUTPUT(out), .letter = 'o', .basic = 1, .help =
+     "result: .fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
+    {"quality", "NAME", CHOICE(quality, qualities), .basic = 1, .help =
+     "draft (small photographs, few steps: a quick check), good (default; 28.7 dB in 13 s at 1200x900 on an H100) or "
+     "best (four times the steps and the Gaussians). Sets the recipe, --steps and --resolution, unless the latter are "
+     "given"},
+    {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
+     "method that adds and removes Gaussians, instead of --quality: fast (default; also draft and good), mcmc (also "
+     "best) or reference (published method, for comparison: 27.9 dB in 54 s)"},
+    {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
+     "correct differences of exposure and white balance between photographs: none (default), gain (3 factors each) or "
+     "affine (3x3 factors and 3 constants). Blocks use the corrections of --coarse"},
+    {"refine-poses", 0, FLAG(options.refine_poses), .help =
+     "fit the camera poses too, but not for held-out photographs. Blocks use the poses of --coarse"},
+    {"antialiased", 0, FLAG(options.antialiased), .help =
+     "prefilter for views at other distances or sizes than the photographs (Mip-Splatting): Gaussians below a pixel "
+     "fade, and none is finer than the photographs. Blocks follow --coarse"},
+    {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
+     "add distant Gaussians where photographs look and no points lie: sky, clouds, mountains. N directions all around, "
+     "1 to 1000000 (default 20000). Blocks use the sky of --coarse"},
+    {"steps", "N", UINT32(options.steps, 1, 1000000000), .basic = 1, .help =
+     "number of steps, one photograph each (default 8000; mcmc and reference 30000)"},
+    {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .basic = 1, .help =
+     "longest side of a photograph, pixels (default 1600); larger photographs are averaged down"},
+    {"sh-degree", "D", INT(frame.render.sh_degree, 0, 3), .help = "highest SH degree, 0 to 3 (default 3)"},
+    {"batch", "N", UINT32(options.batch, 1, 8), .help =
+     "photographs per step, 1 to 8 (default 1; with several devices, one per device)"},
+    {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 4096", .help =
+     "fit only block I of N, N up to 4096, with the photographs that see it. OUT is a .ply of the block; convert "
+     "merges all blocks"},
+    {"coarse", "FILE.fit", TEXT(coarse), .help =
+     "start a block from this short fit of the whole set, for example of small photographs. Blocks share its Gaussians "
+     "evenly; block 0 is the rest, outside all blocks"},
+    {"max-gaussians", "N", SIZE_T(options.max_gaussians, 1, FXS_MAX_COUNT), .help =
+     "largest number of Gaussians (default 250000, mcmc 1000000, reference 4194304)"},
+    {"seed", "N", UINT64(options.seed, 0, INFINITY), .help = "seed of all random numbers (default 0)"},
+    {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help =
+     "where a Gaussian ends: mahalanobis (default) or square"},
+    {"background", "RRGGBB", COLOUR(frame.render.background), .help =
+     "colour behind the scene, and behind transparent photographs (default 000000)"},
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+     "how the scene is packed: default, compact or small. The last tenth of the steps fits the packed values"},
+    {"crop-to-subject", 0, FLAG(crops), .basic = 1, .help =
+     "crop the finished scene to the subject that the cameras look at. Measurements are from before the crop"},
+    {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
+     "keep every N-th photograph by name, from the first, for measurements (default 8). 0: keep none, and measure the "
+     "fitted photographs"},
+    {"masks", "FOLDER", TEXT(reading.masks), .basic = 1, .help =
+     "masks of the photographs, white: used, black: ignored. The mask of IMAGE.jpg is IMAGE.jpg.png or IMAGE.png "
+     "(default: the folder masks beside images, if it exists; none: no masks)"},
+    {"invert-masks", 0, FLAG(reading.invert_masks), .help =
+     "masks are black where a photograph is used, white where it is ignored"},
+    {"alpha", "NAME", CHOICE(reading.ignore_transparent, alphas), .help =
+     "transparent pixels of photographs: compose (default: over --background) or ignore (like a mask)"},
+    {"frames", "N", UINT32(frames, 3, 1000), .help =
+     "frames to take from a film, 3 to 1000, the sharpest of each stretch (default: one in ten, 60 to 300)"},
+    {"cameras-only", 0, FLAG(cameras_only), .help = "find the cameras, in OUT.cameras, and stop before the fit"},
+    {"skip-bad", 0, FLAG(reading.skip_bad), .help =
+     "leave out photographs that cannot be read (default: stop with an error)"},
+    {"measure", "SCENE", TEXT(measure), .help =
+     "measure this scene, of any format, against the held-out photographs; without a fit and -o"},
+    {"compare", "FOLDER", TEXT(compare), .basic = 1, .help =
+     "write each measured photograph beside its rendering into FOLDER, .png"},
+    {"write-cameras", "FILE", OUTPUT(cameras), .help = "write the final cameras of all photographs, a cameras.json"},
+    {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
+     "save the fit to OUT.fit after every N steps. Ctrl-C and SIGTERM save it too, and stop"},
+    {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
+     "measure against the held-out photographs after every N steps too, and print a line"},
+    {"preview", 0, FLAG(preview), .basic = 1, .help =
+     "serve a page on this machine with the scene and the progress, and print its address. The scene does not depend "
+     "on it; the fit takes 5 % longer"},
+    {"port", "N", UINT64(port, 0, 65535), .help =
+     "port of --preview, 1 to 65535, or 0 for any free port (default 8080)"},
+    {"log", "FILE", TEXT(log_name), .help =
+     "write a table to FILE: a line per hundredth of the steps, and the results of --metrics-every; fields are "
+     "separated by tabs, and the first line names them. --resume appends to it"},
+    {"resume", "FILE", TEXT(resume), .basic = 1, .help =
+     "continue a saved fit, with the same PHOTOS and options of photographs. The options of the fit come from FILE, "
+     "except --steps. The result is the same, byte for byte, as of an uninterrupted fit"},
+    {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda"), .basic = 1, .help =
+     "where the steps run: cpu (default) or cuda; the scene does not depend on it"},
+    {"device", "LIST", take_devices, FIELD(frame_options, frame), .help =
+     "GPUs of --backend cuda: numbers from 0, separated by commas, or all (default 0). They share the photographs of a "
+     "batch"},
+    {"max-memory", "SIZE", BYTES(frame.max_memory), .help =
+     "limit of the memory used on each GPU, bytes, also as 512M, 2G (default: none)"},
+    {"threads", "N", take_threads, FIELD(frame_options, frame), 1, 64, .help =
+     "number of threads, 1 to 64 (default: one per processor); the scene does not depend on it"},
+    {"cpu", "LIST", TEXT(frame.cpu), .help =
+     "instruction sets to use: all (default), c for none, or a list out of sse41,avx2,avx512,neon; the scene does not "
+     "depend on it"},
+    {"json", 0, FLAG(json), .help = "print a JSON object instead of the table"},
+    {0}
+};
+
+/* Sets the devices of --backend cuda. */
+static int set_devices(fit_command *c, const fxs_backend *backend)
+{
+    fxs_fit_options *o = &c->options;
+    int devices[DEVICES_MOST];
+    if (!(backend->can & FXS_CAN_DEVICES))
+        return strcmp(backend->name, "cpu") ? fail(EXIT_USAGE, "fit: --backend %s: expected cpu or cuda", backend->name)
+                                            : 0;
+    const int count = choose_devices(&c->frame, devices);
+    for (int i = 0; i < count && i < 8; i++)
+        o->devices[i] = devices[i];
+    o->device_count = (uint32_t)count;
+    o->max_memory = c->frame.max_memory;
+    if (count < 1)
+        return EXIT_FAILED;
+    if (count > 8 || (o->batch && o->batch % o->device_count))
+        return fail(EXIT_USAGE, "fit: --batch %u is not a multiple of the %d devices",
+                    (unsigned)(o->batch ? o->batch : 8), count);
+    return 0;
+}
+
+/* Applies options that depend on each other. */
+static int finish_options(fit_command *c)
+{
+    const fxs_backend *backend;
+    fxs_backend_options how;
+    fxs_fit_options *o = &c->options;
+    int status = choose_backend(&c->frame, 0, &backend, &how);
+    if (!status)
+        status = set_devices(c, backend);
+    const int has_quality = is_given("quality");
+    if (has_quality)
+        o->recipe = by_quality[c->quality].recipe;
+    if (has_quality && !is_given("resolution"))
+        c->reading.resolution = by_quality[c->quality].resolution;
+    if (!is_given("steps"))
+        o->steps = c->resume ? 0 : has_quality ? by_quality[c->quality].steps : fxs_fit_recipe_steps(o->recipe);
+    if (!is_given("max-gaussians"))
+        o->max_gaussians = fxs_fit_recipe_gaussians(o->recipe);
+    o->sh_degree = c->frame.render.sh_degree;
+    o->cutoff = c->frame.render.cutoff;
+    o->profile = c->frame.load.profile;
+    o->cpu = ~how.without_cpu;
+    o->clock = fxs_clock;
+    memcpy(o->background, c->frame.render.background, sizeof o->background);
+    memcpy(c->reading.background, o->background, sizeof o->background);
+    c->reading.seed = o->seed;
+    if (c->reading.masks && !strcmp(c->reading.masks, "none"))
+        c->reading.masks = "";
+    return status;
+}
+
+/* Rejects conflicting options. */
+static int check_options(const fit_command *c)
+{
+    if (!c->out && !c->measure)
+        return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
+    if (is_given("quality") && is_given("recipe"))
+        return fail(EXIT_USAGE, "--quality includes a recipe: leave out --recipe");
+    if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name || c->crops))
+        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras, --log "
+                    "and --crop-to-subject");
+    if (c->cameras_only && (c->cameras || c->log_name))
+        return fail(EXIT_USAGE, "--cameras-only: nothing is fitted: leave out --write-cameras and --log");
+    if (c->blocks && !c->block && (c->cameras || c->log_name || c->compare || c->metrics_every))
+        return fail(EXIT_USAGE, "--block 0: nothing is fitted: leave out --write-cameras, --log, --compare and "
+                    "--metrics-every");
+    if (c->options.exposure && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--exposure with --block needs --coarse, whose exposures it uses");
+    if (c->options.refine_poses && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--refine-poses with --block needs --coarse, whose poses it uses");
+    if (c->options.sky && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--sky with --block needs --coarse, whose sky it uses");
+    if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
+        return fail(EXIT_USAGE, "--crop-to-subject needs a whole fit, to .fxs or .ply");
+    if (c->coarse && !c->blocks)
+        return fail(EXIT_USAGE, "--coarse needs --block I/N");
+    if (c->blocks && !c->block && !c->coarse)
+        return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
+    if (c->preview && (c->measure || c->cameras_only || (c->blocks && !c->block)))
+        return fail(EXIT_USAGE, "--preview: nothing is fitted: leave out --measure, --cameras-only and --block 0");
+    if (is_given("port") && !c->preview)
+        return fail(EXIT_USAGE, "--port needs --preview");
+    if (c->blocks && !ends_with(c->out, ".ply"))
+        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, for convert to merge", c->out);
+    return 0;
+}
+
+static int read_options(fit_command *c, int argc, char **argv)
+{
+    memset(c, 0, sizeof *c);
+    frame_options_default(&c->frame);
+    fxs_fit_options_init(&c->options);
+    c->reading.hold_out = 8;
+    c->port = 8080;
+    if (take_options(&command_fit, c, argc, argv))
+        return EXIT_USAGE;
+    if (optind != argc - 1)
+        return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
+    c->argv = argv;
+    c->in = argv[optind];
+    const int status = check_options(c);
+    return status ? status : finish_options(c);
+}
+
+/* Checks that the outputs can be written, before hours of work. */
+static int check_outputs(fit_command *c)
+{
+    int wrong = c->measure ? 0 : result_check(c->out);
+    if (!wrong && c->cameras)
+        wrong = result_check_place(c->cameras);
+    if (wrong)
+        return wrong;
+    const size_t room = strlen(c->measure ? "" : c->out) + sizeof ".fit";
+    c->saved = c->measure ? 0 : malloc(room);
+    if (!c->saved && !c->measure)
+        return fail(EXIT_FAILED, "out of memory");
+    if (c->saved)
+        snprintf(c->saved, room, "%s.fit", c->out);
+    c->saves_itself = c->resume && files_same(c->resume, c->saved);
+    files_read(c->in);
+    files_read(c->saves_itself ? 0 : c->resume);
+    files_read(c->coarse);
+    files_read(c->reading.masks);
+    files_read(c->measure);
+    files_write(c->out);
+    files_write(c->saved);
+    files_write(c->cameras);
+    files_write(c->log_name);
+    const int taken = files_check();
+    if (taken)
+        return taken;
+    const int status = c->compare ? make_folder(c->compare) : 0;
+    return status ? status : fit_log_open(c->log, c->log_name);
+}
+
+/* ---- The command ------------------------------------------------------------------------------------------------- */
+
+int fit_run(int argc, char **argv, const fit_watcher *watcher)
+{
+    static fit_command c;
+    fit_log log = {0};
+    int status = read_options(&c, argc, argv);
+    c.log = &log;
+    if (!status && c.preview && !watcher)
+        return run_beside(&server_program, "--preview", argv);
+    c.watcher = c.preview ? watcher : 0;
+    status = status ? status : check_outputs(&c);
+    if (!status && c.watcher)
+        status = c.watcher->open(c.out, c.port);
+    if (!status) {
+        status = fit_photos(&c);
+        if (c.watcher)
+            c.watcher->close(status);
+    }
+    fit_log_close(&log);
+    free(c.saved);
+    free(c.found);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    return fit_run(argc, argv, 0);
+}
+
+const command command_fit = {
+    "fit", "photographs -> scene", run,
+    "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
+    "Fits a scene to photographs, on the processor or on NVIDIA GPUs. The same photographs, options and seed give the\n"
+    "same file on every machine, byte for byte. PHOTOS is one of:\n\n"
+    "  a COLMAP folder     images, and sparse/0 or sparse with .bin or .txt files\n"
+    "  a camera file       with images beside it: transforms.json of nerfstudio or Blender, Inria's cameras.json,\n"
+    "                      Metashape .xml, RealityCapture .csv or Bundler .out; or a folder with one of them\n"
+    "  photographs         a folder of them, or a film: COLMAP and ffmpeg find the cameras, in OUT.cameras\n\n"
+    "At the end, the packed scene is rendered from the cameras of the held-out photographs, and PSNR and SSIM are\n"
+    "printed.\n",
+    0,
+    "  $ fixsplat fit garden -o garden.fxs\n"
+    "  $ fixsplat fit walk.mp4 -o walk.fxs --quality draft --compare pictures\n"
+    "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
+    "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
+    "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
+    "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
+    "  $ fixsplat fit city -o coarse.fit --recipe reference --resolution 400 --steps 3000\n"
+    "  $ fixsplat fit city -o part-1.ply --recipe reference --coarse coarse.fit --block 1/16\n",
+    {{own_rows, 0}, COMMON_TABLE}
+};

@@ -1,0 +1,279 @@
+/* Runs `fixsplat fit`: finds the cameras, reads the photographs, opens or resumes the fit (also of a block), then
+   calls fit_make_steps and fit_end. */
+#include "cmd_fit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/clock.h>
+#include "src/base/system.h"
+#include "tools/command/file_guard.h"
+#include "film_frames.h"
+#include "fit_result.h"
+#include "reconstruct.h"
+
+/* ---- The photographs --------------------------------------------------------------------------------------------- */
+
+static void say_sizes(const fxs_photos *photos, size_t begins)
+{
+    int width = 0, height = 0;
+    for (size_t i = 0; i < photos->fit_count; i++) {
+        const fxs_file_view *view = &photos->fit[i].view;
+        width = view->width > width ? view->width : width;
+        height = view->height > height ? view->height : height;
+    }
+    note("%zu photographs to fit, %zu held out, up to %dx%d; %zu points", photos->fit_count,
+         photos->held_out_count, width, height, begins);
+}
+
+/* Skips photographs without a camera if the reconstruction already listed them. */
+static void say_left_out(void *argument, const char *why)
+{
+    const fit_command *c = argument;
+    const size_t length = c->found ? strlen(c->found) : 0;
+    if (!length || strncmp(why, c->found, length) || strncmp(why + length, "/images: ", 9))
+        note("left out: %s", why);
+}
+
+/* A bar on a terminal, otherwise a line every ten seconds. */
+static int show_reading(void *argument, double done)
+{
+    static char label[] = "reading";
+    static uint64_t shown;
+    const uint64_t now = fxs_clock(0);
+    (void)argument;
+    shown = shown ? shown : now;
+    if (!fxs_is_terminal(stderr) && now - shown >= 10000000000u) {
+        note("%s photographs: %d %%", label, (int)(100 * done));
+        shown = now;
+    }
+    return progress_bar(label, done);
+}
+
+static double share_ignored(const fxs_photos *photos)
+{
+    const fxs_fit_photo *lists[] = {photos->fit, photos->held_out};
+    const size_t counts[] = {photos->fit_count, photos->held_out_count};
+    double pixels = 0, ignored = 0;
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; i < counts[k]; i++) {
+            const fxs_fit_photo *photo = &lists[k][i];
+            const size_t size = (size_t)photo->view.width * (size_t)photo->view.height;
+            pixels += (double)size;
+            for (size_t p = 0; p < size && photo->mask; p++)
+                ignored += !photo->mask[p];
+        }
+    return pixels > 0 ? ignored / pixels : 0;
+}
+
+static void say_masks(const fit_command *c, const fxs_photos *photos)
+{
+    if (photos->with_mask)
+        note("%s: masks of %zu photographs", c->in, photos->with_mask);
+    if (photos->without_mask)
+        note("%s: no mask of %zu photograph%s, of which all is used", c->in, photos->without_mask,
+             photos->without_mask > 1 ? "s" : "");
+    if (photos->with_mask || c->reading.ignore_transparent)
+        note("%s: %.1f %% of the pixels are ignored", c->in, 100 * share_ignored(photos));
+}
+
+static void say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
+{
+    if (photos->skipped)
+        note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
+             photos->fit_count + photos->held_out_count);
+    say_masks(c, photos);
+    if (photos->points_are_random && !c->resume)
+        note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
+    say_sizes(photos, begins);
+}
+
+/* ---- The fit ----------------------------------------------------------------------------------------------------- */
+
+/* Checks that the options given match the resumed file. */
+static int check_resumed(const fit_command *c, const fxs_fit *fit)
+{
+    const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
+    const struct {
+        const char *name;
+        int same;
+    } options[] = {
+        {"recipe", given->recipe == is->recipe}, {"quality", given->recipe == is->recipe},
+        {"seed", given->seed == is->seed},
+        {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
+        {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
+        {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
+        {"refine-poses", given->refine_poses == is->refine_poses},
+        {"antialiased", given->antialiased == is->antialiased}, {"sky", given->sky == is->sky},
+        {"background", !memcmp(given->background, is->background, sizeof is->background)}
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (is_given(options[i].name) && !options[i].same)
+            return fail(EXIT_USAGE, "--%s: %s was begun with another value", options[i].name, c->resume);
+    return 0;
+}
+
+static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit)
+{
+    const fxs_fit_options *o = &c->options;
+    fxs_message message;
+    const int error = c->resume   ? fxs_fit_resume(fit, c->resume, photos->fit, photos->fit_count, o, &message)
+                      : c->coarse ? fxs_fit_create_block(fit, block->coarse, block, o, &message)
+                                  : fxs_fit_create(fit, photos->fit, photos->fit_count, photos->points,
+                                                   photos->point_count, o, &message);
+    if (error)
+        return fail_for(&message);
+    if (c->coarse && is_given("exposure") && o->exposure != fxs_fit_options_of(*fit)->exposure)
+        return fail(EXIT_USAGE, "--exposure: %s was begun with another value", c->coarse);
+    if (c->coarse && o->refine_poses && !fxs_fit_options_of(*fit)->refine_poses)
+        return fail(EXIT_USAGE, "--refine-poses: %s was begun without it", c->coarse);
+    if (c->coarse && o->antialiased && !fxs_fit_options_of(*fit)->antialiased)
+        return fail(EXIT_USAGE, "--antialiased: %s was begun without it", c->coarse);
+    if (c->coarse && is_given("sky") && o->sky != fxs_fit_options_of(*fit)->sky)
+        return fail(EXIT_USAGE, "--sky: %s was begun with another value", c->coarse);
+    return c->resume ? check_resumed(c, *fit) : 0;
+}
+
+static void say_sky(const fit_command *c, const fxs_fit *fit)
+{
+    const size_t count = fxs_fit_sky_count(fit);
+    if (count)
+        note("%s: begins with a sky of %zu Gaussians", c->in, count);
+    else if (c->options.sky && !c->resume && !c->coarse)
+        note("%s: no sky added: points lie wherever a photograph looks", c->in);
+}
+
+/* Renders with the fit's cut-off and background: a resumed fit has its file's. */
+static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    c->frame.render.cutoff = o->cutoff;
+    memcpy(c->frame.render.background, o->background, sizeof o->background);
+}
+
+/* `block`: the block of the photographs, or null. */
+static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_block *block)
+{
+    fxs_fit *fit = 0;
+    fit_progress progress;
+    if (c->compare)
+        result_tell_pictures(photos, c->compare);
+    int status = files_check();     /* the photographs' names are known now */
+    if (!status)
+        status = open_fit(c, photos, block, &fit);
+    if (!status) {
+        say_sky(c, fit);
+        draw_as_fitted(c, fit);
+        status = fit_make_steps(c, fit, photos, &progress);
+    }
+    if (!status)
+        status = fit_end(c, fit, photos, block, &progress);
+    fxs_fit_free(fit);
+    return status;
+}
+
+static int fit_whole(fit_command *c)
+{
+    fxs_photos photos;
+    fxs_message message;
+    const int error = fxs_photos_read(c->in, &c->reading, &photos, &message);
+    progress_end();
+    if (error)
+        return fail_for(&message);
+    say_photos(c, &photos, photos.point_count);
+    const int status = c->options.sky && photos.points_are_random && !c->resume
+                           ? fail(EXIT_FAILED, "--sky: %s has no points to find the sky from", c->in)
+                           : make_fit(c, &photos, 0);
+    fxs_photos_free(&photos);
+    return status;
+}
+
+static int measure_scene(fit_command *c)
+{
+    fxs_photos photos;
+    fxs_message message;
+    quality q = {0};
+    world scene = {0};
+    c->reading.held_out_alone = 1;
+    const int error = fxs_photos_read(c->in, &c->reading, &photos, &message);
+    progress_end();
+    if (error)
+        return fail_for(&message);
+    say_masks(c, &photos);
+    if (c->compare)
+        result_tell_pictures(&photos, c->compare);
+    int status = files_check();
+    if (!status)
+        status = world_open_file(&scene, c->measure, &c->frame.load);
+    if (!status)
+        status = result_measure(&q, &scene, &photos, &c->frame, c->compare);
+    if (!status)
+        fit_print_measured(c, &photos, &scene, &q);
+    quality_free(&q);
+    world_close(&scene);
+    fxs_photos_free(&photos);
+    return status;
+}
+
+/* Fits block c->block as if its photographs and points were the whole set. */
+static int fit_block(fit_command *c)
+{
+    fxs_fit_block block;
+    fxs_fit_coarse *coarse = 0;
+    fxs_message message;
+    if (c->coarse && fxs_fit_coarse_read(&coarse, c->coarse, &message))
+        return fail_for(&message);
+    const int error = fxs_fit_block_read(c->in, &c->reading, coarse, c->block, c->blocks, &block, &message);
+    progress_end();
+    int status = error ? fail_for(&message) : 0;
+    if (!status && c->block) {
+        c->options.extent = block.extent;
+        c->options.block = c->block;
+        c->options.blocks = c->blocks;
+        c->options.coarse = coarse ? fxs_fit_coarse_number(coarse) : 0;
+        say_photos(c, &block.photos, coarse ? block.gaussian_count : block.photos.point_count);
+        status = make_fit(c, &block.photos, &block);
+    } else if (!status) {
+        status = fit_write_outside(c, &block);
+    }
+    if (!error)
+        fxs_fit_block_free(&block);
+    fxs_fit_coarse_free(coarse);
+    return status;
+}
+
+/* Reconstructs cameras unless the input has them. */
+static int find_cameras(fit_command *c)
+{
+    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
+                                     c->reading.masks, c->reading.invert_masks};
+    if (c->frames && !film_is_named(c->in))
+        return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
+    if (c->measure || !reconstruct_is_needed(c->in))
+        return c->cameras_only ? fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in) : 0;
+    const int status = reconstruct(&how, &c->found);
+    if (status)
+        return status;
+    c->in = c->found;
+    if (c->reading.masks && *c->reading.masks)
+        c->reading.masks = 0;      /* now masks of the found folder, white where photographs count */
+    c->reading.invert_masks = 0;
+    return 0;
+}
+
+int fit_photos(fit_command *c)
+{
+    const int status = find_cameras(c);
+    if (status || c->cameras_only)
+        return status;
+    fxs_pool *pool = fxs_pool_create(c->frame.threads);
+    c->options.run = c->reading.run = pool ? fxs_pool_run : 0;
+    c->options.pool = c->reading.pool = pool;
+    c->options.threads = pool ? c->frame.threads : 1;
+    c->reading.progress = show_reading;
+    c->reading.left_out = say_left_out;
+    c->reading.argument = c;
+    const int made = c->measure ? measure_scene(c) : c->blocks ? fit_block(c) : fit_whole(c);
+    fxs_pool_destroy(pool);
+    return made;
+}

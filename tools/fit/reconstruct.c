@@ -1,0 +1,556 @@
+/* Structure from motion for `fixsplat fit`: takes frames of a film, lists photographs and masks in OUT.cameras, runs
+   COLMAP (features, matches, GLOMAP or else its own mapper), keeps the largest model, and
+   reports. An interrupted run is continued. */
+#define _XOPEN_SOURCE 700          /* strdup */
+
+#include "reconstruct.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/camera_file.h>
+#include <fixsplat/image_file.h>
+#include "src/camera/camera_find.h"
+#include "src/fit/photo_points.h"
+#include "src/fit/photo_masks.h"
+#include "tools/command/command.h"
+#include "tools/command/file_guard.h"
+#include "film_frames.h"
+#include "photo_folder.h"
+
+/* LEAST: fewest photographs. Up to ALL_PHOTOGRAPHS photographs, or ALL_FRAMES frames of a film, all pairs are
+   matched. */
+enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
+
+typedef struct work {
+    const reconstruct_options *options;
+    task t;
+    int is_film;
+    char source[TASK_PATH];        /* the film, or the folder of photographs */
+    char masked[TASK_PATH];        /* folder of the given masks, or empty; `masks` holds links to them */
+    char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
+    char log_name[TASK_PATH];
+    photographs photos;
+    char threads[16];
+    uint64_t looked_at;            /* photographs with features, until now */
+    uint32_t points;               /* points of the model and its error in pixels; 0: COLMAP did not print them */
+    double error;
+} work;
+
+static int no_memory(void)
+{
+    return fail(EXIT_FAILED, "out of memory");
+}
+
+/* Writes a text file whole or not at all, even on a full disk. */
+static int write_text(const char *path, fxs_printed *printed)
+{
+    fxs_message why;
+    if (fxs_print_end(printed))
+        return no_memory();
+    const fxs_encoded file = {.bytes = (void *)printed->text, .size = printed->size};
+    const int error = fxs_encoded_write(path, &file, &why);
+    free(printed->text);
+    return error ? fail_for(&why) : 0;
+}
+
+/* Reads numbers of up to nine digits from another program's line, one for each % of the pattern. Returns 1 if the
+   line begins as the pattern says, else 0. */
+static int take_numbers(const char *line, const char *pattern, uint32_t *numbers)
+{
+    for (; *pattern; pattern++) {
+        const size_t digits = *pattern == '%' ? strspn(line, "0123456789") : 0;
+        if (*pattern == '%' ? !digits || digits > 9 : *line != *pattern)
+            return 0;
+        if (digits)
+            *numbers++ = (uint32_t)strtoul(line, 0, 10);
+        line += digits ? digits : 1;
+    }
+    return 1;
+}
+
+/* ---- Input ------------------------------------------------------------------------------------------------------- */
+
+/* Finds photographs in `in` or its subfolder images, and stores that folder. Returns their number. */
+static size_t find_photographs(char folder[TASK_PATH], const char *in)
+{
+    photographs p = {0};
+    snprintf(folder, TASK_PATH, "%.*s", TASK_PATH - 1, in);
+    photographs_list(&p, folder);
+    if (!p.count) {
+        join_path(folder, in, "images");
+        photographs_list(&p, folder);
+    }
+    const size_t count = p.count;
+    photographs_free(&p);
+    return count;
+}
+
+int reconstruct_is_photographs(const char *folder)
+{
+    char in[TASK_PATH];
+    return find_photographs(in, folder) > 0;
+}
+
+int reconstruct_is_needed(const char *in)
+{
+    fxs_message why;
+    char cameras[FXS_CAMERA_PATH];
+    return film_is_named(in) || (is_folder(in) && fxs_camera_file_find(in, cameras, &why));
+}
+
+/* ---- Photographs ------------------------------------------------------------------------------------------------- */
+
+static int take_film(work *w)
+{
+    return is_folder(w->images) ? 0 : film_frames(&w->t, w->source, w->options->frames, w->images);
+}
+
+static int link_photographs(work *w)
+{
+    photographs p = {0};
+    const reconstruct_options *o = w->options;
+    const int status = photographs_list(&p, w->source)
+                           ? photo_folder_make(&w->t, &p, w->source, w->images, o->threads, o->skip_bad)
+                           : no_memory();
+    photographs_free(&p);
+    return status;
+}
+
+/* Writes an inverted mask in black and white: white where the photograph counts. */
+static int write_inverse(const char *from, const char *to)
+{
+    uint8_t *rgba;
+    int width, height;
+    fxs_message why;
+    if (fxs_image_file_read(from, &rgba, &width, &height, &why))
+        return fail_for(&why);
+    for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
+        uint8_t *p = rgba + 4 * i;
+        p[0] = p[1] = p[2] = fxs_photo_mask_grey(p) < FXS_PHOTO_MASK_WHITE ? 255 : 0;
+        p[3] = 255;
+    }
+    const int error = fxs_image_file_write(to, rgba, width, height, &why);
+    free(rgba);
+    return error ? fail_for(&why) : 0;
+}
+
+static int take_mask(const work *w, const char *from, const char *name)
+{
+    char to[TASK_PATH];
+    if (snprintf(to, sizeof to, "%s/%s.png", w->masks, name) >= TASK_PATH)
+        return fail(EXIT_FAILED, "%s: name too long", name);
+    fxs_file_remove(to);
+    if (w->options->invert_masks)
+        return write_inverse(from, to);
+    char *whole = fxs_path_whole(from);
+    const int wrong = !whole || fxs_file_link(whole, to);
+    free(whole);
+    return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+}
+
+/* Links or converts all masks into OUT.cameras under COLMAP's names, replacing earlier ones. */
+static int take_masks(const work *w)
+{
+    size_t taken = 0;
+    remove_folder(w->masks);
+    int status = *w->masked ? make_folder(w->masks) : 0;
+    for (size_t i = 0; i < w->photos.count && !status && *w->masked; i++) {
+        char from[FXS_PHOTO_PATH];
+        if (!photograph_mask(w->masked, w->photos.names[i], from))
+            continue;
+        status = take_mask(w, from, w->photos.names[i]);
+        taken++;
+    }
+    return status || taken || !w->options->masks || !*w->masked
+               ? status : fail(EXIT_FAILED, "%s: no mask of any photograph of %s", w->masked, w->options->in);
+}
+
+enum { EVERY_LENS = -1 };
+
+static int write_list(const work *w, long lens)
+{
+    fxs_printed list;
+    if (fxs_print_begin(&list))
+        return no_memory();
+    for (size_t i = 0; i < w->photos.count; i++)
+        if (lens == EVERY_LENS || w->photos.lenses[i] == (size_t)lens)
+            fprintf(list.file, "%s\n", w->photos.names[i]);
+    return write_text(w->list, &list);
+}
+
+static int take_photographs(work *w, int are_placed)
+{
+    int status = w->is_film ? take_film(w) : link_photographs(w);
+    if (status)
+        return status;
+    if (!photographs_list(&w->photos, w->images))
+        return no_memory();
+    const photograph_look how = {w->masked, w->options->invert_masks, w->options->skip_bad};
+    status = are_placed ? 0 : photographs_look(&w->t, &w->photos, w->images, &how);
+    if (!status && w->photos.count < LEAST)
+        return fail(EXIT_FAILED, "%s: %zu photograph%s: at least %d are needed, and they must overlap", w->options->in,
+                    w->photos.count, w->photos.count == 1 ? "" : "s", LEAST);
+    status = status ? status : take_masks(w);
+    return status ? status : write_list(w, EVERY_LENS);
+}
+
+/* ---- Structure from motion --------------------------------------------------------------------------------------- */
+
+static void look_at_features(task *t, const char *line)
+{
+    const work *w = t->argument;
+    uint32_t done;
+    if (take_numbers(line, "Processed file [%/", &done))
+        task_show(t, w->looked_at + done, w->photos.count);
+}
+
+static int run_colmap(work *w, const char *const *arguments)
+{
+    const int status = task_run(&w->t, arguments, 0, 0);
+    return status ? task_failed(&w->t, "colmap", status) : 0;
+}
+
+/* Runs COLMAP once for each lens: it assumes one camera in a call, with the focal length from the first photograph's
+   EXIF data. */
+static int find_features(work *w)
+{
+    const char *const arguments[] = {
+        "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
+        w->list, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size", "1600",
+        "--SiftExtraction.max_num_features", "4096", "--SiftExtraction.num_threads", w->threads,
+        "--ImageReader.single_camera", "1", *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
+    };
+    int status = 0;
+    task_begin(&w->t, "looking for features of photographs", look_at_features);
+    for (size_t lens = 0; lens < w->photos.lens_count && !status; lens++) {
+        status = write_list(w, (long)lens);
+        status = status ? status : run_colmap(w, arguments);
+        for (size_t i = 0; i < w->photos.count; i++)
+            w->looked_at += w->photos.lenses[i] == lens;
+    }
+    return status ? status : write_list(w, EVERY_LENS);
+}
+
+/* Exhaustive matching reports blocks with about equally many pairs; sequential matching reports photographs. */
+static void look_at_matches(task *t, const char *line)
+{
+    enum { ROW, ROWS, COLUMN, COLUMNS };
+    const work *w = t->argument;
+    const uint64_t pairs = (uint64_t)w->photos.count * (w->photos.count - 1) / 2;
+    uint32_t n[4];
+    if (take_numbers(line, "Matching block [%/%, %/%]", n)) {
+        if (n[ROW] && n[ROW] <= n[ROWS] && n[COLUMN] && n[COLUMN] <= n[COLUMNS])
+            task_show(t, (uint64_t)((double)pairs * ((n[ROW] - 1.0) * n[COLUMNS] + n[COLUMN] - 1.0) /
+                                    ((double)n[ROWS] * n[COLUMNS])), pairs);
+    } else if (take_numbers(line, "Matching image [%/%]", n))
+        task_show(t, n[ROW], n[ROWS]);
+}
+
+static int find_matches(work *w)
+{
+    const int all = w->photos.count <= (w->is_film ? ALL_FRAMES : ALL_PHOTOGRAPHS);
+    const char *const arguments[] = {
+        "colmap", all ? "exhaustive_matcher" : "sequential_matcher", "--database_path", w->database,
+        "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", w->threads,
+        all ? "--ExhaustiveMatching.block_size" : "--SequentialMatching.overlap", all ? "8" : "12", 0
+    };
+    task_begin(&w->t, all ? "matching pairs of photographs" : "matching photographs with those near them",
+               look_at_matches);
+    return run_colmap(w, arguments);
+}
+
+static void look_at_mapper(task *t, const char *line)
+{
+    const work *w = t->argument;
+    uint32_t number_and_placed[2];
+    if (take_numbers(line, "Registering image #% (%)", number_and_placed))
+        task_show(t, number_and_placed[1], w->photos.count);
+}
+
+static void remove_models(const char *models)
+{
+    char path[TASK_PATH], name[16];
+    for (int i = 0; snprintf(name, sizeof name, "%d", i), join_path(path, models, name), is_folder(path); i++)
+        remove_folder(path);
+    remove_folder(models);
+}
+
+static int map_cameras(work *w, const char *models)
+{
+    const char *const global[] = {"glomap", "mapper", "--database_path", w->database, "--image_path", w->images,
+                                  "--output_path", models, 0};
+    const char *const stepwise[] = {"colmap", "mapper", "--database_path", w->database, "--image_path", w->images,
+                                    "--output_path", models, "--Mapper.num_threads", w->threads,
+                                    "--Mapper.min_model_size", "3", 0};
+    task_begin(&w->t, "placing photographs", look_at_mapper);
+    task_show(&w->t, 0, w->photos.count);
+    return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
+}
+
+/* The number of photographs in a model, from the head of images.bin. */
+static uint64_t size_of_model(const char *models, const char *name)
+{
+    char path[TASK_PATH], folder[TASK_PATH];
+    unsigned char bytes[8] = {0};
+    uint64_t count = 0;
+    join_path(folder, models, name);
+    join_path(path, folder, "images.bin");
+    FILE *file = fxs_stream_open(path, "rb");
+    const size_t read = file ? fread(bytes, 1, 8, file) : 0;
+    if (file)
+        fclose(file);
+    for (int i = 7; i >= 0; i--)
+        count = count << 8 | bytes[i];
+    return read == 8 ? count : 0;
+}
+
+/* Reads the model's files: on a full disk a mapper may truncate them and still exit with 0. */
+static int check_model(const work *w, const char *model)
+{
+    char path[TASK_PATH];
+    fxs_file_view *views = 0;
+    fxs_photo_points points = {0};
+    fxs_message why;
+    join_path(path, model, "points3D.bin");
+    const int wrong = fxs_camera_file_read(model, &views, &why) < 0 || fxs_photo_points_colmap(&points, path, &why);
+    free(views);
+    free(points.points);
+    return wrong ? fail(EXIT_FAILED, "%s: the cameras were not written whole, perhaps on a full disk: see %s; the same "
+                        "command goes on", why.text, w->log_name) : 0;
+}
+
+/* Moves the largest model to sparse/0. */
+static int keep_largest(work *w, const char *models)
+{
+    char sparse[TASK_PATH], from[TASK_PATH], to[TASK_PATH], best[16] = "", name[16];
+    uint64_t most = 0;
+    for (int i = 0; snprintf(name, sizeof name, "%d", i), size_of_model(models, name); i++)
+        if (size_of_model(models, name) > most) {
+            most = size_of_model(models, name);
+            strcpy(best, name);
+        }
+    if (!most)
+        return fail(EXIT_FAILED, "%s: no two photographs from different places overlap enough: take more, sharp, "
+                    "a step apart, each overlapping most of the one before", w->options->in);
+    join_path(sparse, w->folder, "sparse");
+    join_path(from, models, best);
+    join_path(to, sparse, "0");
+    int status = check_model(w, from);
+    status = status ? status : make_folder(sparse);
+    return status ? status : fxs_file_rename(from, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+}
+
+static int find_cameras(work *w)
+{
+    char models[TASK_PATH];
+    join_path(models, w->folder, "models");
+    int status = find_features(w);
+    status = status ? status : find_matches(w);
+    remove_models(models);         /* left by a mapper that was stopped */
+    status = status ? status : make_folder(models);
+    if (status)
+        return status;
+    status = map_cameras(w, models);
+    /* COLMAP's mapper also fails if no pair is good enough to start from; then it leaves no model. */
+    status = task_is_cut(status) || (status && size_of_model(models, "0"))
+                 ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
+    remove_models(models);
+    return status;
+}
+
+/* ---- The report -------------------------------------------------------------------------------------------------- */
+
+static void look_at_report(task *t, const char *line)
+{
+    work *w = t->argument;
+    double error;
+    take_numbers(line, "Points: %", &w->points);
+    if (sscanf(line, "Mean reprojection error: %lf", &error) == 1 && error >= 0 && error < FXS_MAX_SIZE)
+        w->error = error;
+}
+
+static int has_camera(const char *name, const fxs_file_view *views, long count)
+{
+    for (long i = 0; i < count; i++)
+        if (!strncmp(name, views[i].name, sizeof views[i].name - 1))
+            return 1;
+    return 0;
+}
+
+static void say_missing(const work *w, const fxs_file_view *views, long count)
+{
+    char text[400] = "";
+    size_t missing = 0, used = 0;
+    for (size_t i = 0; i < w->photos.count; i++) {
+        if (has_camera(w->photos.names[i], views, count))
+            continue;
+        if (used < 300)
+            used += (size_t)snprintf(text + used, 80, "%s%.70s", missing ? ", " : "", w->photos.names[i]);
+        missing++;
+    }
+    if (missing)
+        note("no place was found for %zu: %s%s", missing, text, used < 300 ? "" : ", ...");
+    if (4 * missing > w->photos.count)
+        note("%s", w->is_film ? "a slower film, without blur, or more --frames, would place more"
+                              : "more photographs would place more: sharp, a step apart, each overlapping most of the "
+                                "one before");
+}
+
+static int report(work *w)
+{
+    char model[TASK_PATH];
+    fxs_file_view *views = 0;
+    fxs_message why;
+    join_path(model, w->folder, "sparse/0");
+    const char *const arguments[] = {"colmap", "model_analyzer", "--path", model, 0};
+    const long count = fxs_camera_file_read(model, &views, &why);
+    if (count < 0)
+        return fail_for(&why);
+    task_begin(&w->t, "measuring", look_at_report);
+    if (task_run(&w->t, arguments, 0, 0) == 0 && w->points)
+        note("%s: cameras of %ld of %zu photographs, %" PRIu32 " points, reprojection error %.2f pixels", w->options->in,
+             count, w->photos.count, w->points, w->error);
+    else
+        note("%s: cameras of %ld of %zu photographs", w->options->in, count, w->photos.count);
+    say_missing(w, views, count);
+    free(views);
+    return 0;
+}
+
+/* ---- The folder -------------------------------------------------------------------------------------------------- */
+
+/* FNV-1a hash of the names and sizes of the photographs or the film. */
+static uint64_t number_of(const work *w, const photographs *p)
+{
+    fxs_file_facts facts;
+    uint64_t number = 14695981039346656037u;
+    char path[TASK_PATH], text[TASK_PATH + 48];
+    for (size_t i = 0; i < p->count + (size_t)w->is_film; i++) {
+        const char *name = w->is_film ? "" : p->names[i];
+        join_path(path, w->source, name);
+        const int there = fxs_file_look(w->is_film ? w->source : path, &facts) != FXS_FILE_NONE;
+        snprintf(text, sizeof text, "%s %" PRIu64 " ", name, there ? facts.size : 0);
+        for (const char *c = text; *c; c++)
+            number = (number ^ (unsigned char)*c) * 1099511628211u;
+    }
+    return number;
+}
+
+/* Finds the folder of masks, if any. OUT.cameras/masks is refused, since masks are written there. */
+static int find_masks(work *w)
+{
+    const char *given = w->options->masks;
+    if (given)
+        snprintf(w->masked, TASK_PATH, "%.*s", TASK_PATH - 1, given);
+    else
+        join_path(w->masked, w->options->in, "masks");
+    if (files_same(w->masked, w->masks))
+        return fail(EXIT_USAGE, "%s: the masks are written there: give another folder to --masks", w->masked);
+    if (is_folder(w->masked))
+        return 0;
+    if (given && *given)
+        return fail(EXIT_FAILED, "%s: no such folder of masks", given);
+    *w->masked = 0;
+    return 0;
+}
+
+/* Checks that the folder belongs to the same photographs and, if given, the same number of frames. */
+static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t frames)
+{
+    if (of != number)
+        return fail(EXIT_FAILED, "%s: the cameras of other photographs: remove it, or give another -o", w->folder);
+    if (w->options->frames && w->options->frames != frames)
+        return fail(EXIT_FAILED, "%s: made without --frames %u: leave out --frames to continue, remove the folder, or "
+                    "give another -o", w->folder, (unsigned)w->options->frames);
+    return 0;
+}
+
+/* Claims a new folder, or checks the existing one. */
+static int claim_folder(const work *w)
+{
+    photographs p = {0};
+    char path[TASK_PATH];
+    uint64_t of = 0;
+    uint32_t frames = 0;
+    if (!w->is_film && !photographs_list(&p, w->source))
+        return no_memory();
+    const uint64_t number = number_of(w, &p);
+    photographs_free(&p);
+    join_path(path, w->folder, "of");
+    FILE *file = fxs_stream_open(path, "r");
+    const int has = file && fscanf(file, "%" SCNx64 " %" SCNu32, &of, &frames) >= 1;
+    if (file)
+        fclose(file);
+    if (has)
+        return check_folder(w, number, of, frames);
+    fxs_printed text;
+    if (fxs_print_begin(&text))
+        return no_memory();
+    fprintf(text.file, "%016" PRIx64 " %" PRIu32 "\n", number, w->options->frames);
+    return write_text(path, &text);
+}
+
+/* Locks the folder for the life of this process, since the fit reads its photographs. */
+static int lock_folder(const work *w)
+{
+    char path[TASK_PATH];
+    join_path(path, w->folder, "lock");
+    const int taken = fxs_file_lock(path);
+    return taken > 0 ? fail(EXIT_FAILED, "%s: another fit is at work there: wait for its end, or give another -o",
+                            w->folder)
+           : taken ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
+}
+
+static int open_folder(work *w)
+{
+    const size_t room = TASK_PATH - 64;
+    if (strlen(w->options->out) > room || strlen(w->options->in) > room)
+        return fail(EXIT_FAILED, "a name of more than %zu characters", room);
+    /* COLMAP rejects a path that begins like an option. */
+    snprintf(w->folder, TASK_PATH, "%s%s.cameras", *w->options->out == '-' ? "./" : "", w->options->out);
+    strcpy(w->source, w->options->in);
+    if (!w->is_film && !find_photographs(w->source, w->options->in))
+        return fail(EXIT_FAILED, "%s: no photographs here, nor in a folder images here", w->options->in);
+    join_path(w->images, w->folder, "images");
+    join_path(w->masks, w->folder, "masks");
+    join_path(w->database, w->folder, "database.db");
+    join_path(w->list, w->folder, "photographs.txt");
+    join_path(w->log_name, w->folder, "log.txt");
+    int status = find_masks(w);
+    status = status ? status : make_folder(w->folder);
+    status = status ? status : lock_folder(w);
+    status = status ? status : claim_folder(w);
+    if (status)
+        return status;
+    w->t.of = w->options->in;
+    w->t.log_name = w->log_name;
+    w->t.argument = w;
+    w->t.log = fxs_stream_open(w->log_name, "a");
+    snprintf(w->threads, sizeof w->threads, "%u", (unsigned)w->options->threads);
+    return w->t.log ? 0 : fail(EXIT_FAILED, "%s: %s", w->log_name, strerror(errno));
+}
+
+int reconstruct(const reconstruct_options *options, char **folder)
+{
+    static work w;
+    char found[TASK_PATH];
+    memset(&w, 0, sizeof w);
+    w.options = options;
+    w.is_film = film_is_named(options->in);
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP's commands load Qt even without a window */
+    int status = open_folder(&w);
+    join_path(found, w.folder, "sparse/0");
+    const int are_placed = !status && is_folder(found);
+    status = status ? status : take_photographs(&w, are_placed);
+    if (!are_placed)
+        status = status ? status : find_cameras(&w);
+    status = status ? status : report(&w);
+    *folder = status ? 0 : strdup(w.folder);
+    if (w.t.log)
+        fclose(w.t.log);
+    photographs_free(&w.photos);
+    return status || *folder ? status : no_memory();
+}

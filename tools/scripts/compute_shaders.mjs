@@ -1,0 +1,87 @@
+// node tools/scripts/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in
+// GLSL ES 3.10 without unneeded white space (stored in kernels/compute/generated); and STAGE.wgsl, complete for WebGPU, if FOLDER is another one. Sources:
+// kernels/compute/*.wgsl and src/include/fixsplat/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
+import { writeFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+import { resolve } from "node:path";
+import { room, stages, stageText } from "./stages.mjs";
+
+const [modules, folder] = process.argv.slice(2);
+const { parseWgsl, validate, writeGlsl } =
+    await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
+
+// Removes functions that main does not reach; keeps their order.
+function reachable(text)
+{
+    const functions = [...text.matchAll(/^(?!const|struct|layout)\w+ (\w+)\([^\n]*\) \{\n[^]*?^\}\n/gm)];
+    const needed = new Set(), look = ["main"];
+    while (look.length) {
+        const name = look.pop();
+        if (needed.has(name))
+            continue;
+        needed.add(name);
+        const body = functions.find((one) => one[1] === name)[0];
+        look.push(...functions.map((one) => one[1]).filter((other) => body.includes(`${other}(`)));
+    }
+    return functions.reduce((rest, one) => needed.has(one[1]) ? rest : rest.replace(one[0], ""), text);
+}
+
+// Joins a block of naga's lines to one expression: a `type name = value;` is substituted at its use, assignments are
+// joined by commas.
+function oneLine(lines, last = "")
+{
+    const values = new Map(), done = [];
+    const whole = (text) => text.replace(/_e\d+/g, (name) => values.get(name) ?? name);
+    for (const [, type, name, value] of lines.matchAll(/^ *(?:(\w+) )?(\w+) = (.*);$/gm)) {
+        if (type)
+            values.set(name, whole(value));
+        else
+            done.push(`${name} = ${whole(value)}`);
+    }
+    return last ? whole(last) : done.join(", ");
+}
+
+// Rewrites naga's endless loops, which step at the start of all rounds except the first, as for loops that drivers
+// unroll.
+function loops(glsl)
+{
+    return glsl
+        .replace(/^( *)bool (loop_init\w*) = true;\n *while\(true\) \{\n *if \(!\2\) \{\n((?:.*;\n)+) *\}\n *\2 = false;\n/gm,
+                 (_, space, name, step) => `${space}for (; ; ${oneLine(step)}) {\n`)
+        .replace(/^( *for \(; ); (.*\) \{\n)((?: *\w+ _e\d+ = .*;\n)*) *if \((.*)\) \{\n *\} else \{\n *break;\n *\}\n/gm,
+                 (_, start, rest, before, test) => `${start}${oneLine(before, test)}; ${rest}`);
+}
+
+// Adapts naga's output: adds the bindings, which GLSL ES requires; removes the zeroing of workgroup memory by a single
+// thread, which no stage relies on; and replaces read-modify-write atomics by plain loads and stores of atomics, which
+// threads need not wait for.
+function glslText(wgsl, entry)
+{
+    const module = parseWgsl(wgsl), info = validate(module);
+    return loops(reachable(writeGlsl(module, info, { version: "310 es", stage: "compute", entryPoint: entry })))
+        .replace(/layout\((std\d+)\)([^{]*\{[^}]*_group_\d_binding_(\d)_cs)/g, "layout($1, binding = $3)$2")
+        .replace(/    if \(gl_LocalInvocationID == uvec3\(0u\)\) \{[^}]*\}\n    memoryBarrierShared\(\);\n    barrier\(\);\n/,
+                 "")
+        .replace(/ = atomicOr\((.*), 0u\);/g, " = $1;")
+        .replace(/^( *)atomicExchange\((.*), (.*)\);/gm, "$1$2 = $3;")
+        .replace(/(uvec2 mul_wide\(uint (\w+), uint (\w+)\) )\{[^}]*\}/,
+                 "$1{\n    uint high;\n    uint low;\n    umulExtended($2, $3, high, low);\n" +
+                 "    return uvec2(low, high);\n}");
+}
+
+// Removes white space that GLSL does not need, and breaks the text into lines of at most 120 columns.
+function minified(glsl)
+{
+    const short = (part) => part.trim().replace(/\s+/g, " ").replace(/ ?([{}()[\],;=*/<>!&|?:^%]) ?/g, "$1")
+                                .replace(/(.{1,119}[;{}, ])/g, "$1\n").replace(/ \n/g, "\n").trim();
+    return glsl.split(/^(#.*)\n/m).map((part) => part.startsWith("#") ? part : short(part))
+               .filter((part) => part).join("\n") + "\n";
+}
+
+for (const stage of stages) {
+    const wgsl = stageText(stage);
+    if (resolve(folder) !== resolve(`${room}/generated`))
+        writeFileSync(`${folder}/${stage}.wgsl`, wgsl);
+    for (const [, entry] of wgsl.matchAll(/@compute[^]*?fn (\w+)\(/g))
+        writeFileSync(`${folder}/${entry}.comp`, minified(glslText(wgsl, entry)));
+}

@@ -1,0 +1,25 @@
+// Turns files of the npm package into modules:
+// node tools/scripts/inline.mjs style STYLE.css: a module with the text of a style sheet.
+// node tools/scripts/inline.mjs files NAME=FILE...: a module that gives these files to the package, WebAssembly as gzip in
+// base64, scripts as text.
+import { readFileSync } from 'node:fs'
+import { gzipSync } from 'node:zlib'
+
+const [kind, ...rest] = process.argv.slice(2)
+
+const textOf = (file) =>
+  file.endsWith('.wasm')
+    ? gzipSync(readFileSync(file), { level: 9 }).toString('base64')
+    : readFileSync(file, 'utf8')
+
+function styleOf(file) {
+  const text = readFileSync(file, 'utf8').replace(/\/\*[^]*?\*\//g, '').replace(/\s*\n\s*/g, '\n').trim()
+  return `export const style = ${JSON.stringify(text)}\n`
+}
+
+function filesOf(pairs) {
+  const files = Object.fromEntries(pairs.map((pair) => pair.split('=')).map(([name, file]) => [name, textOf(file)]))
+  return `import { setAssets } from '../fixsplat_assets.js'\nsetAssets(${JSON.stringify(files)})\n`
+}
+
+process.stdout.write(kind === 'style' ? styleOf(rest[0]) : filesOf(rest))

@@ -1,0 +1,39 @@
+// Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/pixel.h.
+// node tools/scripts/stages.mjs FILE writes the module stages.js of the npm package: the parts' texts without comments, and the
+// names of each stage's parts.
+import { readFileSync, writeFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+export const room = "kernels/compute/";
+export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
+
+// pixel.h uses so small a subset of C that these replacements turn it into WGSL.
+function pixelHeader()
+{
+    return readFileSync("src/include/fixsplat/pixel.h", "utf8")
+        .replace(/\/\*[^]*?\*\//g, "")
+        .replace(/[ \t]+$/gm, "")
+        .replace(/^#define (\w+) (\d+)$/gm, "const $1: i32 = $2;")
+        .replace(/^#.*\n/gm, "")
+        .replace(/FXS_FN int (\w+)\(([^)]*)\)/g, (all, name, parameters) =>
+            `fn ${name}(${parameters.replace(/int (\w+)/g, "$1: i32")}) -> i32`)
+        .replace(/return ([^?;]*) \? ([^:;]*) : ([^;]*);/g, "return select($3, $2, $1);")
+        .replace(/\bint (\w+) = /g, "var $1 = ");
+}
+
+const textOf = (part) => part === "pixel" ? pixelHeader() : readFileSync(`${room}${part}.wgsl`, "utf8");
+const partsOf = (stage) => [...textOf(stage).match(/^\/\/ Needs (.*)$/m)[1].split(" "), stage];
+
+export const stageText = (stage) => partsOf(stage).map(textOf).join("\n");
+
+const bare = (text) => text.replace(/\/\/.*/g, "").replace(/^\s+|[ \t]+$/gm, "");
+
+function packageModule()
+{
+    const parts = Object.fromEntries(stages.map((stage) => [stage, partsOf(stage)]));
+    const texts = Object.fromEntries(Object.values(parts).flat().map((part) => [part, bare(textOf(part))]));
+    return `export const parts = ${JSON.stringify(parts)}\nexport const texts = ${JSON.stringify(texts)}\n`;
+}
+
+if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href)
+    writeFileSync(process.argv[2], packageModule());

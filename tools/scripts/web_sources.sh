@@ -1,0 +1,50 @@
+#!/bin/sh
+# tools/scripts/web_sources.sh FOLDER: fetches the sources of the libraries for the web port, with Debian's patches and in the
+# installed versions, to FOLDER/zlib and so on. apt checks the signatures, and its own state is unchanged. Without them,
+# the web port is built without the features that need them.
+folder=${1:?folder}
+names='cjson libwebp libzip libzstd zlib'
+packages='libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev'
+
+wanted=$(dpkg-query -W -f='${source:Package}=${source:Version}\n' $packages 2>/dev/null | sort -u)
+printf '%s\n' "$wanted" | cmp -s - "$folder/versions" && exit
+
+apt() {
+    LC_ALL=C apt-get -qq -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts="$work/none" \
+        -o Dir::State::lists="$work/lists" -o Dir::Cache::srcpkgcache= -o Dir::Cache::pkgcache= \
+        -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
+}
+
+# The reverse order asks a suite before its security updates, where both have the same version.
+fetch() {
+    mkdir -p "$work/lists/partial" "$work/none" &&
+        apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
+            'Created-By: Packages' | sort -ru >"$work/sources.list" &&
+        apt update && { apt source --only-source $wanted || apt source --only-source $names; }
+}
+
+# The error messages of libzip, which its CMake generates from the header.
+name_errors() {
+    echo '#include "zipint.h"'
+    echo 'const char *const _zip_err_str[] = {'
+    sed -n 's|^#define ZIP_ER_.*/\* [NSZ] \(.*\) \*/|    "\1",|p' "$1"
+    printf '%s\n' '};' 'const int _zip_nerr_str = sizeof _zip_err_str / sizeof *_zip_err_str;' 'enum { N, S, Z };' \
+        'const int _zip_err_type[] = {'
+    sed -n 's|^#define ZIP_ER_.*/\* \([NSZ]\) .*|    \1,|p' "$1"
+    echo '};'
+}
+
+# An interrupted replacement invalidates FOLDER/versions.
+take() {
+    rm -f ../versions
+    for name in $names; do
+        rm -rf "../$name" && mv "$name"-*/ "../$name" || return
+    done
+    name_errors ../libzip/lib/zip.h >../libzip/lib/zip_err_str.c && printf '%s\n' "$wanted" >../versions
+}
+
+echo "setup: fetching sources for the web port"
+mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" || exit
+trap 'rm -rf "$work"' EXIT
+said=$(fetch 2>&1 && take 2>&1) || printf '%s\n' "setup: no sources for the web port: $said" >&2
+exit 0

@@ -1,0 +1,737 @@
+/* The window's thread of `fixsplat view`: opens and installs scenes, turns keys, pointer and wheel into camera
+   motion, adapts the budget to the frame rate, and queues requests for the renderer's thread (viewer_frame.c). */
+#include "viewer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/clock.h>
+#include "port/window/motion.h"
+#include "port/window/words.h"
+#include "src/base/system.h"
+#include "tools/command/views.h"
+#include <fixsplat/packed.h>
+
+enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
+       FILM_NS = 1000000000 / FILM_RATE };
+
+/* ---- Scene and views --------------------------------------------------------------------------------------------- */
+
+/* Shows a view of v->views. The pivot is the --look point, or else the point ahead that is nearest to the scene's
+   middle. */
+static void show_view(viewer *v, long index)
+{
+    const double *low = v->world.inner_low, *high = v->world.inner_high;
+    const fxs_file_view *view = &v->views[index];
+    double ahead = 0, square = 0;
+    for (int i = 0; i < 3; i++) {
+        double half = (high[i] - low[i]) / 2;
+        double target = v->options.look.given ? v->options.look.at[i] : low[i] + half;
+        square += half * half;
+        ahead += (target - view->position[i]) * view->rotation[6 + i];
+    }
+    v->radius = fmax(sqrt(square), 1e-3);
+    v->distance = ahead > 0.01 * v->radius ? ahead : v->radius;
+    v->view = *view;
+    v->view.near = v->options.near > 0 ? v->options.near : fxs_near_of_box(low, high);
+    v->index = index;
+    v->changed = 1;
+}
+
+/* The up direction, in this order: --up, the scene's file, the mean of a camera file's views, the default. */
+static void find_up(viewer *v)
+{
+    double mean[3];
+    if (!v->options.up.given && world_up(&v->world, v->up))
+        return;
+    const int of_views = v->options.cameras && !v->options.up.given && !v->options.auto_up &&
+                         fxs_views_up(v->views, (size_t)v->view_count, sizeof *v->views, mean);
+    memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
+}
+
+/* A chunk's origin in the world: p = R o s + t */
+static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
+{
+    fxs_chunk header;
+    memcpy(&header, object->scene->chunks + (size_t)chunk * sizeof header, sizeof header);
+    fxs_little_endian(&header, offsetof(fxs_chunk, origin_q32), 3, sizeof *header.origin_q32);
+    for (int i = 0; i < 3; i++) {
+        double turned = 0;
+        for (int k = 0; k < 3; k++)
+            turned += ldexp((double)object->rotation_q30[3 * i + k], -30) * ldexp((double)header.origin_q32[k], -32);
+        point[i] = turned * ldexp((double)object->scale_q32, -32) + ldexp((double)object->translation_q32[i], -32);
+    }
+}
+
+/* Samples the scene at every n-th chunk. Chunks hold equally many Gaussians, so the sample is even. */
+static void find_points(viewer *v)
+{
+    uint64_t chunks = 0, number = 0;
+    for (uint32_t i = 0; i < v->world.count; i++)
+        chunks += v->world.objects[i].scene->chunk_count;
+    const uint64_t step = (chunks + NEAR_POINTS - 1) / NEAR_POINTS;
+    v->point_count = 0;
+    for (uint32_t i = 0; i < v->world.count; i++)
+        for (uint32_t k = 0; k < v->world.objects[i].scene->chunk_count; k++)
+            if (number++ % step == 0)
+                point_of(&v->world.objects[i], k, v->points[v->point_count++]);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The distance to the nearest twentieth of the scene, within 0.01 to 2 scene radii. */
+static double reach(const viewer *v)
+{
+    double distances[NEAR_POINTS];
+    for (int i = 0; i < v->point_count; i++) {
+        const double *p = v->points[i], *e = v->view.position;
+        distances[i] = hypot(hypot(p[0] - e[0], p[1] - e[1]), p[2] - e[2]);
+    }
+    qsort(distances, (size_t)v->point_count, sizeof *distances, ascending);
+    const double near = v->point_count ? distances[v->point_count / 20] : v->radius;
+    return fmin(fmax(near, 0.01 * v->radius), 2 * v->radius);
+}
+
+/* ---- Opening scenes ---------------------------------------------------------------------------------------------- */
+
+/* Saves a scene that was opened alone in the recent list. Reports only the first failure. */
+static void keep_recent(loading *l)
+{
+    fxs_message message;
+    if (l->world.placed.file_count == 1 && fxs_recent_add(l->world.placed.files[0], &message) && !l->unkept++)
+        note("recent scenes are not kept: %s", message.text);
+}
+
+/* Called on a pager's thread. */
+static void note_arrived(void *viewer_)
+{
+    viewer *v = viewer_;
+    if (!__atomic_exchange_n(&v->arrived, 1, __ATOMIC_ACQ_REL))
+        fxs_window_wake();
+}
+
+/* Stores the failure's message, with the path shortened to its last component. */
+static void note_why(loading *l)
+{
+    const world_options *given = &l->options.world;
+    const char *why = last_failure(), *path = l->path ? l->path : given->file ? given->file : given->scenes[0];
+    if (!strncmp(why, path, strlen(path)))
+        why += viewer_file_name(path) - path;
+    snprintf(l->why, sizeof l->why, "%.255s", why);
+}
+
+/* On the loader's thread: opens the scenes and views that v->loading names. */
+static void load(void *argument)
+{
+    viewer *v = argument;
+    loading *l = &v->loading;
+    load_options how = l->options.load;
+    how.progress = fxs_worker_tell;
+    how.progress_argument = v->loader;
+    how.arrived = note_arrived;
+    how.arrived_argument = v;
+    frame_options all = l->options;
+    all.view = "all";
+    l->views = 0;
+    l->status = l->path ? world_open_file(&l->world, l->path, &how) : world_open(&l->world, &l->options.world, &how);
+    if (l->status) {
+        note_why(l);
+        return;
+    }
+    l->count = choose_views(&all, &l->world, &l->views, 0);
+    l->options.up = all.up;
+    l->index = l->count < 0 ? -1 : find_view(&l->options, l->views, l->count);
+    if (l->index >= 0) {
+        keep_recent(l);
+        return;
+    }
+    world_close(&l->world);
+    free(l->views);
+    l->status = EXIT_FAILED;
+    note_why(l);
+}
+
+static void start_loading(viewer *v)
+{
+    v->loading.on = v->exposed = 1;
+    fxs_worker_do(v->loader, load, v);
+}
+
+/* Opens a dropped file in place of the current scenes, or after the one being opened. */
+static void drop(viewer *v, const char *path)
+{
+    char **place = v->loading.on ? &v->loading.next : &v->loading.path;
+    free(*place);
+    *place = strdup(path);
+    if (v->loading.on || !*place)
+        return;
+    v->loading.options = v->options;
+    v->loading.options.cameras = v->loading.options.view = 0;
+    v->loading.options.eye.given = v->loading.options.look.given = 0;
+    v->loading.options.load.pool = 0;
+    start_loading(v);
+}
+
+static void end_loading(viewer *v)
+{
+    char *next = v->loading.next;
+    v->loading.on = 0;
+    v->exposed = 1;
+    v->loading.next = 0;
+    if (next)
+        drop(v, next);
+    free(next);
+}
+
+/* A dropped file that fails leaves the current scenes on show. If the scenes of the command line fail, the program
+   ends, unless it owns its terminal and the messages would vanish with it. */
+static void collect_loaded(viewer *v)
+{
+    if (!v->loading.on || v->installing || fxs_worker_busy(v->loader))
+        return;
+    if (!v->loading.status) {
+        v->installing = ask_install(v);
+        return;
+    }
+    if (v->loading.path || fxs_terminal_ends_with_this())
+        memcpy(v->note, v->loading.why, sizeof v->note);
+    else {
+        v->quit = 1;
+        v->status = v->loading.status;
+    }
+    end_loading(v);
+}
+
+void viewer_install(viewer *v)
+{
+    loading *l = &v->loading;
+    const frame_options *o = &l->options;
+    const int first = !v->path;
+    world_close(&v->world);
+    free(v->views);
+    free(v->path);
+    v->path = l->path ? l->path : strdup(o->world.file ? o->world.file : o->world.scenes[0]);
+    v->world = l->world;
+    v->views = l->views;
+    v->view_count = l->count;
+    v->options.cameras = o->cameras;
+    v->options.view = o->view;
+    v->options.eye.given = o->eye.given;
+    v->options.look.given = o->look.given;
+    v->options.up = o->up;
+    if (l->path)
+        v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
+    l->path = 0;
+    v->ends = v->installing = v->cropped = v->lost = 0;
+    v->gaussians = v->missing = 0;
+    if (world_is_paged(&v->world) && !v->options.render.budget)
+        v->options.render.budget = viewer_budget_most(v);
+    v->film = v->film == FILM_TAKEN ? FILM_NONE : v->film;
+    find_up(v);
+    find_points(v);
+    crop_begin(v);
+    show_view(v, l->index);
+    if (first)
+        fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
+    end_loading(v);
+}
+
+/* ---- Keys and pointer -------------------------------------------------------------------------------------------- */
+
+static void next_view(viewer *v, int key)
+{
+    (void)key;
+    const int back = fxs_window_holds(FXS_KEY_SHIFT);
+    show_view(v, (v->index + (back ? v->view_count - 1 : 1)) % v->view_count);
+}
+
+static void reset(viewer *v, int key)
+{
+    (void)key;
+    show_view(v, v->index);
+}
+
+static void toggle_crop(viewer *v, int key) { (void)key; crop_toggle(v); }
+
+static int is_writing(const viewer *v)
+{
+    return v->film == FILM_WRITTEN || v->crop_written;
+}
+
+static void write_crop(viewer *v, int key)
+{
+    (void)key;
+    if (v->crop.on && !is_writing(v))
+        ask_crop(v);
+}
+
+static void toggle_cutoff(viewer *v, int key)
+{
+    (void)key;
+    v->options.render.cutoff = v->options.render.cutoff == FXS_CUTOFF_SQUARE ? FXS_CUTOFF_MAHALANOBIS
+                                                                            : FXS_CUTOFF_SQUARE;
+    v->changed = 1;
+}
+
+static void choose_degree(viewer *v, int key)
+{
+    v->options.render.sh_degree = key - '0';
+    v->changed = 1;
+}
+
+static void next_backend(viewer *v, int key) { (void)key; ask_backend(v); }
+
+static void screenshot(viewer *v, int key) { (void)key; ask_screenshot(v); }
+
+static void next_divisor(viewer *v, int key)
+{
+    (void)key;
+    v->divisor = v->divisor == 4 ? 1 : 2 * v->divisor;
+    snprintf(v->note, sizeof v->note, "1/%d of the resolution in motion", v->divisor);
+}
+
+static void change_speed(viewer *v, int key)
+{
+    v->speed = fmin(fmax(v->speed * (key == '-' ? 1 / 1.5 : 1.5), 1e-3), 1e3);
+    snprintf(v->note, sizeof v->note, "speed here %.3g units a second", v->speed * reach(v));
+}
+
+static void show_other(viewer *v, int key)
+{
+    const enum viewer_picture other = key == 'z' ? SHOW_DEPTH : SHOW_IDS;
+    v->shown = v->shown == other ? SHOW_COLOUR : other;
+    v->changed = 1;
+}
+
+static void toggle_measure(viewer *v, int key)
+{
+    (void)key;
+    v->measuring = !v->measuring;
+    v->ends = 0;
+    if (v->measuring)
+        snprintf(v->note, sizeof v->note, "measure: click one end");
+}
+
+/* Starts recording the camera's path, then writes it as a film; a third press cancels the writing. */
+static void toggle_film(viewer *v, int key)
+{
+    (void)key;
+    if (v->film == FILM_WRITTEN) {
+        fxs_worker_stop(v->drawer);
+    } else if (v->film == FILM_TAKEN) {
+        if (v->way_count && !v->crop_written)
+            ask_film(v);
+    } else {
+        free(v->way);
+        v->way = malloc(FILM_MOST * sizeof *v->way);
+        v->way_count = 0;
+        v->film = v->way ? FILM_TAKEN : FILM_NONE;
+        if (!v->way)
+            snprintf(v->note, sizeof v->note, "no film: out of memory");
+    }
+}
+
+/* Records the current view for each frame due since the last step. */
+static void take_way(viewer *v, uint64_t now)
+{
+    v->filmed = v->way_count ? v->filmed : now;
+    for (; v->way_count < FILM_MOST && v->filmed <= now; v->filmed += FILM_NS)
+        v->way[v->way_count++] = v->view;
+    if (v->way_count == FILM_MOST && !v->crop_written)
+        ask_film(v);
+}
+
+/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
+
+int viewer_has_levels(const viewer *v)
+{
+    for (uint32_t i = 0; i < v->world.count; i++)
+        if (v->world.objects[i].scene->nodes)
+            return 1;
+    return 0;
+}
+
+/* Half of each pool is left for prefetched and recently visible chunks. */
+uint32_t viewer_budget_most(const viewer *v)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < v->world.placed.file_count; i++)
+        most += fxs_pager_room(v->world.scenes[i].opened->pager) / 2 * (uint64_t)FXS_CHUNK;
+    most = most && most < v->world.gaussians ? most : v->world.gaussians;
+    return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
+}
+
+/* The largest budget means no budget, unless scenes are paged. */
+static void set_budget(viewer *v, double gaussians)
+{
+    const uint32_t most = viewer_budget_most(v);
+    const double budget = fmin(fmax(gaussians, BUDGET_LEAST), most);
+    v->options.render.budget = budget < most || world_is_paged(&v->world) ? (uint32_t)budget : 0;
+}
+
+static double budget_of(const viewer *v)
+{
+    return v->options.render.budget ? v->options.render.budget : viewer_budget_most(v);
+}
+
+static void change_budget(viewer *v, int key)
+{
+    if (!viewer_has_levels(v)) {
+        snprintf(v->note, sizeof v->note, "no levels of detail: convert --levels makes them");
+        return;
+    }
+    set_budget(v, budget_of(v) * (key == ',' ? 1 / 1.25 : 1.25));
+    v->slider = fxs_clock(0) + SLIDER_MS * 1000000ull;
+    v->changed = 1;
+}
+
+static void toggle_levels(viewer *v, int key)
+{
+    (void)key;
+    v->options.render.show_levels = !v->options.render.show_levels;
+    v->changed = 1;
+}
+
+/* Changes by a factor of 0.8 to 1.25 a frame, and grows only if the budget limits the frame. */
+void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
+{
+    const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
+    const double change = fmin(fmax(wanted / (double)(nanoseconds ? nanoseconds : 1), 0.8), 1.25);
+    if (viewer_has_levels(v) && (change < 0.95 || (change > 1.05 && drawn > budget / 2)))
+        set_budget(v, fmin(budget, change < 1 ? fmax(drawn, BUDGET_LEAST) : budget) * change);
+}
+
+static void toggle_graph(viewer *v, int key) { (void)key; v->graph = !v->graph; }
+
+static void toggle_rate(viewer *v, int key) { (void)key; v->rate = !v->rate; }
+
+static void toggle_theme(viewer *v, int key) { (void)key; v->light = !v->light; }
+
+static void toggle_help(viewer *v, int key) { (void)key; v->help = !v->help; }
+
+/* Ends the innermost activity: writing, cropping, or the viewer itself. */
+static void leave(viewer *v, int key)
+{
+    (void)key;
+    if (v->crop_written)
+        fxs_worker_stop(v->drawer);
+    else if (v->crop.on)
+        crop_toggle(v);
+    else
+        v->quit = 1;
+}
+
+static void press(viewer *v, int pressed)
+{
+    static const struct {
+        int key, of_scene;                  /* ignored without a scene */
+        void (*act)(viewer *v, int key);
+    } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
+                {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
+                {'3', 1, choose_degree}, {'b', 1, next_backend}, {'v', 0, next_divisor}, {'+', 1, change_speed},
+                {'=', 1, change_speed}, {'-', 1, change_speed}, {'z', 1, show_other}, {'i', 1, show_other},
+                {'m', 1, toggle_measure}, {'k', 1, toggle_film}, {'f', 0, toggle_rate}, {'g', 0, toggle_graph},
+                {',', 1, change_budget}, {'.', 1, change_budget}, {'o', 1, toggle_levels},
+                {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
+            *v->note = 0;
+            v->exposed = 1;
+            keys[i].act(v, pressed);
+        }
+}
+
+/* Hovers over or drags a handle of the crop box. Returns whether one is dragged. */
+static int point_at_handle(viewer *v, const fxs_window_event *event)
+{
+    v->dragged = v->dragged && event->left;
+    if (v->dragged)
+        crop_drag(v, event->x, event->y);
+    else if (v->crop.on) {
+        const int face = event->left || event->other ? CROP_NONE : crop_face_at(v, event->x, event->y);
+        v->exposed |= face != v->face;
+        v->face = face;
+    }
+    return v->dragged;
+}
+
+/* Dragging across the window's height turns by half a turn; a look or pan keeps the scene under the pointer. */
+static void point(viewer *v, const fxs_window_event *event)
+{
+    int width, height, look = fxs_window_holds(' ');
+    if (point_at_handle(v, event))
+        return;
+    fxs_window_size(v->window, &width, &height);
+    double turn = acos(-1) / height, pixels = (double)v->view.height / height;
+    if (look)
+        fxs_motion_look(&v->view, v->up, event->dx * pixels / v->view.fx, event->dy * pixels / v->view.fy);
+    else if (event->left)
+        fxs_motion_orbit(&v->view, v->distance, v->up, event->dx * turn, event->dy * turn);
+    else if (event->other)
+        fxs_motion_pan(&v->view, v->distance, event->dx * pixels, event->dy * pixels);
+    if (look || event->left || event->other)
+        v->changed = v->moving = 1;
+}
+
+static void zoom(viewer *v, double steps)
+{
+    double nearest = 1e-4 * v->radius / v->distance;
+    fxs_motion_zoom(&v->view, &v->distance, fmax(pow(0.9, steps), nearest));
+    v->changed = v->moving = 1;
+}
+
+static void fly(viewer *v, double seconds)
+{
+    int right = fxs_window_holds('d') - fxs_window_holds('a'), down = fxs_window_holds('q') - fxs_window_holds('e');
+    int forward = fxs_window_holds('w') - fxs_window_holds('s');
+    v->flying = right || down || forward;
+    if (v->flying) {
+        double step = seconds * v->speed * reach(v) * (fxs_window_holds(FXS_KEY_SHIFT) ? 4 : 1);
+        fxs_motion_fly(&v->view, right * step, down * step, forward * step);
+        v->changed = v->moving = 1;
+    }
+}
+
+static void press_at(viewer *v, const fxs_window_event *event)
+{
+    v->face = v->crop.on ? crop_face_at(v, event->x, event->y) : CROP_NONE;
+    v->dragged = v->face != CROP_NONE;
+    v->exposed |= v->dragged;
+}
+
+static void click(viewer *v, const fxs_window_event *event)
+{
+    *v->note = 0;
+    if (v->dragged)
+        return;
+    if (v->measuring)
+        ask_end(v, event->x, event->y);
+    else if (event->count == 2)
+        ask_focus(v, event->x, event->y);
+}
+
+static void open_recent(viewer *v, int i)
+{
+    if (i >= 0 && i < v->recent.count && !v->loading.on)
+        drop(v, v->recent.paths[i]);
+}
+
+/* Handles the pointer in the window without a scene. */
+static void choose_recent(viewer *v, const fxs_window_event *event)
+{
+    if (event->type == FXS_EVENT_WHEEL || v->help)
+        return;
+    const int i = viewer_recent_at(v, event->x, event->y);
+    if (event->type == FXS_EVENT_CLICK)
+        open_recent(v, i);
+    v->exposed |= i != v->recent_marked;
+    v->recent_marked = i;
+}
+
+static void take(viewer *v, const fxs_window_event *event)
+{
+    switch (event->type) {
+    case FXS_EVENT_QUIT: v->quit = 1; break;
+    case FXS_EVENT_KEY:
+        if (!v->path && event->key >= '0' && event->key <= '9')
+            open_recent(v, (event->key - '0' + 9) % 10);
+        else
+            press(v, event->key);
+        break;
+    case FXS_EVENT_DROP: drop(v, event->path); break;
+    case FXS_EVENT_CHANGED: v->changed = v->exposed = 1; break;
+    case FXS_EVENT_POINTER:
+    case FXS_EVENT_PRESS:
+    case FXS_EVENT_WHEEL:
+    case FXS_EVENT_CLICK:
+        if (!v->path)
+            choose_recent(v, event);
+        else if (event->type == FXS_EVENT_POINTER)
+            point(v, event);
+        else if (event->type == FXS_EVENT_PRESS)
+            press_at(v, event);
+        else if (event->type == FXS_EVENT_WHEEL)
+            zoom(v, event->dy);
+        else
+            click(v, event);
+        break;
+    case FXS_EVENT_WOKEN:
+    case FXS_EVENT_NONE: break;
+    }
+}
+
+/* ---- The viewer -------------------------------------------------------------------------------------------------- */
+
+static int milliseconds_until(uint64_t now, uint64_t then)
+{
+    return then > now ? (int)((then - now) / 1000000) + 1 : 0;
+}
+
+/* Milliseconds to wait for events: as asked, limited by the next timed action. */
+static int time_to_wait(const viewer *v, int milliseconds)
+{
+    const uint64_t now = fxs_clock(0);
+    const int due[] = {v->flying ? milliseconds_until(now, v->clock + FRAME_MS * 1000000) : -1,
+                       v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
+                       (v->loading.on && !v->installing) || is_writing(v) ? LOADING_MS : -1,
+                       v->film == FILM_TAKEN && v->way_count < FILM_MOST ? milliseconds_until(now, v->filmed) : -1,
+                       v->slider ? milliseconds_until(now, v->slider) : -1,
+                       v->hint ? milliseconds_until(now, v->hint) : -1};
+    for (size_t i = 0; i < sizeof due / sizeof *due; i++)
+        if (due[i] >= 0 && (milliseconds < 0 || due[i] < milliseconds))
+            milliseconds = due[i];
+    return milliseconds;
+}
+
+/* Handles events and flight. */
+static void move(viewer *v, int milliseconds)
+{
+    const fxs_file_view view = v->view;
+    const double distance = v->distance;
+    fxs_camera camera;
+    fxs_message message;
+    fxs_window_event event;
+    for (int wait = time_to_wait(v, milliseconds); !v->quit && fxs_window_wait(v->window, wait, &event); wait = 0)
+        take(v, &event);
+    uint64_t now = fxs_clock(0);
+    if (v->path)
+        fly(v, v->flying ? fmin((double)(now - v->clock) * 1e-9, 0.1) : FRAME_MS * 1e-3);
+    v->clock = now;
+    if (v->moving)
+        v->moved = now;
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* out of the renderer's range: undo the
+                                                                             motion */
+        v->view = view;
+        v->distance = distance;
+    }
+    if (v->film == FILM_TAKEN)
+        take_way(v, now);
+    if (v->slider && now >= v->slider) {
+        v->slider = 0;
+        v->exposed = 1;
+    }
+    if (v->hint && now >= v->hint) {
+        v->hint = 0;
+        v->exposed = 1;
+    }
+}
+
+/* Draws a new frame after missing chunks were loaded. */
+static void take_arrived(viewer *v)
+{
+    if (v->missing && !v->request_count && __atomic_exchange_n(&v->arrived, 0, __ATOMIC_ACQ_REL))
+        v->changed = 1;
+}
+
+/* True if the last frame had a reduced size and the camera has rested for STILL_MS. */
+static int is_still(const viewer *v)
+{
+    return v->coarse && v->clock >= v->moved + STILL_MS * 1000000;
+}
+
+int viewer_busy(const viewer *v)
+{
+    return v->loading.on || v->request_count || (v->path && v->changed);
+}
+
+void viewer_step(viewer *v, int milliseconds)
+{
+    move(v, milliseconds);
+    if (v->quit)
+        return;
+    collect_loaded(v);
+    stop_frame(v);
+    viewer_collect(v);
+    take_arrived(v);
+    if (v->path && !v->request_count && (v->changed || is_still(v))) {
+        ask_frame(v);
+        viewer_collect(v);
+    }
+    v->exposed |= v->loading.on || is_writing(v);
+    if (v->exposed && !v->quit && viewer_show(v)) {
+        v->quit = 1;
+        v->status = EXIT_FAILED;
+    }
+    v->exposed = 0;
+}
+
+static int has_scenes(const frame_options *options)
+{
+    return options->world.file || options->world.scene_count;
+}
+
+static int start(viewer *v)
+{
+    fxs_message message;
+    v->drawer = fxs_worker_start(fxs_window_wake);
+    v->loader = fxs_worker_start(fxs_window_wake);
+    v->points = malloc(NEAR_POINTS * sizeof *v->points);
+    if (!v->drawer || !v->loader || !v->points)
+        return fail(EXIT_FAILED, "no window: out of memory");
+    if (fxs_words_open(&v->words, &message))
+        fail(0, "%s", message.text);
+    fxs_window_resize(v->window, v->options.width ? v->options.width * eyes_of(v) : 1280,
+                      v->options.height ? v->options.height : 720);
+    v->hint = fxs_clock(0) + HINT_MS * 1000000ull;
+    ask_open(v);
+    if (has_scenes(&v->options))
+        start_loading(v);
+    else
+        fxs_recent_read(&v->recent);
+    return viewer_show(v);
+}
+
+int viewer_open(viewer *v, const frame_options *options, const char *screenshot_path, double rate_wanted)
+{
+    fxs_message message;
+    memset(v, 0, sizeof *v);
+    v->screenshot = screenshot_path;
+    v->divisor = 2;
+    v->speed = 0.5;
+    v->rate_wanted = rate_wanted;
+    v->recent_marked = -1;
+    v->options = v->loading.options = *options;
+    int status = fxs_window_open(&v->window, &message) ? fail_for(&message) : start(v);
+    if (status)
+        viewer_close(v);
+    return status;
+}
+
+static void close_renderer(void *argument)
+{
+    renderer_close(argument);
+}
+
+void viewer_close(viewer *v)
+{
+    if (v->loader)
+        fxs_worker_end(v->loader);
+    if (v->drawer) {
+        fxs_worker_stop(v->drawer);
+        fxs_worker_wait(v->drawer);
+        fxs_worker_do(v->drawer, close_renderer, &v->renderer);
+        fxs_worker_end(v->drawer);
+    }
+    if (v->loading.on && !v->loading.status) {
+        world_close(&v->loading.world);
+        free(v->loading.views);
+    }
+    free(v->loading.path);
+    free(v->loading.next);
+    world_close(&v->world);                             /* before the window: pagers wake it */
+    fxs_words_close(v->words);
+    if (v->window)
+        fxs_window_close(v->window);
+    picture_free(&v->picture);
+    picture_free(&v->drawn);
+    fxs_recent_free(&v->recent);
+    free(v->points);
+    free(v->way);
+    free(v->views);
+    free(v->path);
+}

@@ -1,0 +1,23 @@
+/* fixsplat-view: the program behind `fixsplat view`, with the same arguments. */
+#include <fixsplat/output.h>
+#include "src/base/system.h"
+#include "viewer.h"
+#include "tools/command/cmd_view.h"
+
+int main(int argc, char **argv)
+{
+    view_options o;
+    viewer v;
+    fxs_program_begin(&argc, &argv);
+    check_printed_at_exit();
+    int status = view_options_take(&o, argc, argv);
+    if (!status)
+        status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
+    if (status)
+        return status;
+    fxs_output_remove_at_signals();   /* except the signals that the window handles as a request to close */
+    while (!v.quit)
+        viewer_step(&v, -1);
+    viewer_close(&v);
+    return v.status;
+}
