@@ -110,7 +110,8 @@ typedef struct fxs_scene {
     uint32_t chunk_count, chunk_bytes;
     uint32_t palette_entries, palette_step_q19;
     int sh_degree;                    /* 0 to 3 */
-    int antialiased;                  /* 1: opacities compensate for the renderer's dilation of small Gaussians */
+    int antialiased;                  /* 1: opacities compensate for the dilation, a blur that the renderer adds to each
+                                         Gaussian */
     const unsigned char *nodes;       /* chunk_count - 1 nodes of the tree over the chunks; null: no tree */
     const unsigned char *node_chunks, *node_rows;   /* chunk headers and rows of the nodes; aligned to 64 */
 

@@ -43,7 +43,7 @@ typedef struct fxs_scene_file_info {
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
     int stored_sh_degree; /* the same, or 4 if the file has degree 4, which is not read */
-    int antialiased;      /* 1: opacities were fitted with compensation for the dilation */
+    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation */
     int levels;           /* levels of detail that can be opened; 1 except for .lcc, .rad and streamed SOG. A leaf of a
                              streamed SOG without the level is read at its nearest level */
     fxs_grid colour;      /* grid of 0.5 + 0.28209479177387814 dc */

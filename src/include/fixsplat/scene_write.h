@@ -19,7 +19,7 @@ typedef struct fxs_scene_writer fxs_scene_writer;
 typedef struct fxs_scene_write_options {
     uint64_t count;              /* exact number of Gaussians that will be written */
     int sh_degree;               /* 0 to 3 */
-    int antialiased;             /* 1: opacities were fitted with compensation for the dilation */
+    int antialiased;             /* 1: opacities were fitted with compensation for the renderer's dilation */
     float low[3], high[3];       /* bounds of the centres, for the header of a .glb; unused by other formats */
     int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
     const char *format;          /* a name of formats.h, such as "ply"; null: by the path's ending */
