@@ -28,7 +28,7 @@ typedef struct fxs_compute fxs_compute;
 
 /* A packed scene on the device. All 0: not uploaded. */
 typedef struct fxs_compute_scene {
-    const fxs_scene *key;          /* the caller's scene, for comparison by the caller */
+    const fxs_scene *key;          /* the caller's scene; for the caller's use */
     fxs_scene here;                /* the fxs_scene at the time of the upload */
     uint32_t heads, parts[FXS_COMPUTE_PARTS];   /* names of GL buffers */
     uint32_t part_chunks;          /* chunks per buffer */
