@@ -1,8 +1,8 @@
 /** True if this browser or Node supports simd128, the vector instructions of WebAssembly. `load` then uses them. */
 export const hasSimd: boolean
 
-/** True if this browser or Node also supports relaxed simd128. It makes rendering a quarter faster, with the same
-    pictures. */
+/** True if this browser or Node also supports relaxed simd128. Rendering is then a quarter faster; the pictures are the
+    same. */
 export const hasRelaxed: boolean
 
 /** Pixels that ImageData accepts: Uint8ClampedArray<ArrayBuffer> in TypeScript 5.7 and later, Uint8ClampedArray in
@@ -28,8 +28,8 @@ export interface LoadOptions {
   /** The directions of the axes x, y, z of an .spz file: 'rub' is right, up, back; 'rdf' is right, down, front.
       'file', the default, uses the axes that the file states. */
   axes?: 'file' | 'rub' | 'rdf'
-  /** The largest number of Gaussians to read; a larger scene is an Error. Ignored for .fxs files. The default is a
-      million plus the number of bytes of the file, at most 2 ** 26. */
+  /** The largest number of Gaussians to read; a larger scene is an Error. Ignored for .fxs files. The default is
+      1,000,000 plus the size of the file in bytes, at most 2 ** 26. */
   maxGaussians?: number
   /** The largest number of bytes of memory for reading and packing the file. A file that needs more is an Error.
       Ignored for .fxs files. By default, the limit follows from `maxGaussians`. */
@@ -38,8 +38,8 @@ export interface LoadOptions {
   progress?: (progress: Progress) => void
   /** Called with a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH.
       Previews come during the download of a .ply, .splat, .ksplat or compressed .ply file if the server states the
-      length of the file, and before a large scene is packed. An .fxs file has none. The caller owns the preview and
-      must call `free` on it. If the function returns a promise, loading waits for it. */
+      length of the file, and before a large scene is packed. An .fxs file has no previews. The caller owns the preview
+      and must call `free` on it. If the function returns a promise, loading waits for it. */
   preview?: (scene: Scene) => void | Promise<void>
   /** Cancels loading: the promise is rejected with the reason of the signal, and all requests are aborted. The signal
       has no effect after loading. */
@@ -101,9 +101,9 @@ export interface Progress {
 /** Opens a scene file. Formats: @FORMATS@.
     `source` is an address (in Node also a path), the bytes of a file, a Blob, or a list of files. A scene file may name
     other files. They are read too if they are in the folder of the scene file or below it; files elsewhere are not
-    read. In a list of files they are found by webkitRelativePath or name. Limits: 2 GB for a file, 4 GB for all files
-    of a scene. The download stops early if the first bytes are not a scene, or if the file is far longer than its
-    header says. A redirection from https to http is refused. If the scene cannot be opened, the promise is rejected
+    read. In a list of files, the other files are found by webkitRelativePath or name. Limits: 2 GB for a file, 4 GB for
+    all files of a scene. The download stops early if the first bytes are not a scene, or if the file is far longer than
+    its header says. A redirection from https to http is refused. If the scene cannot be opened, the promise is rejected
     with an Error that states the reason. */
 export function load(
   source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
@@ -209,14 +209,15 @@ export interface Targets {
   colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
   /** The coverage: the share of the light that the Gaussians at a pixel absorb, times 255. */
   coverage?: boolean
-  /** The median depth: from near to far, the depth of the first Gaussian after which half of the light is absorbed. */
+  /** The median depth: the depth of the Gaussian, from near to far, at which more than half of the light has been
+      absorbed. */
   depth?: boolean
   /** The mean depth of the Gaussians at a pixel, weighted by their contributions. */
   meanDepth?: boolean
   /** The object and the Gaussian with the largest contribution to a pixel. */
   ids?: boolean
-  /** Input: the depth of other geometry at each pixel, in the units of `Frame`. It hides Gaussians with a farther
-      centre at that pixel. */
+  /** Input: the depth of other geometry at each pixel, in the units of `Frame`. A Gaussian whose centre is farther is
+      hidden at that pixel. */
   occluder?: Uint32Array
   /** Input: a picture to draw instead of the background colour, four bytes a pixel: red, green, blue, and a byte that
       is ignored. It cannot be combined with the formats 'premultiplied' and 'premultiplied16'. */
@@ -289,11 +290,11 @@ export interface Placed {
 
 /** The Gaussian with the largest contribution to a pixel. */
 export interface Picked {
-  /** The index of its object in the list of objects. */
+  /** The index of the Gaussian's object in the list of objects. */
   object: number
   /** Its index in the packed scene. */
   gaussian: number
-  /** The distance of its centre along the z axis of the camera, in world units. */
+  /** The distance of the Gaussian's centre along the z axis of the camera, in world units. */
   depth: number
   /** The point at this depth on the ray through the pixel, in world units. */
   position: [number, number, number]
@@ -302,7 +303,7 @@ export interface Picked {
 /** A packed scene in the memory of a WebAssembly module, made by `load`. After `free`, drawing it throws an Error. */
 export class Scene {
   private constructor()
-  /** The name of its file; 'scene' for bytes without a name. */
+  /** The name of the scene's file; 'scene' for bytes without a name. */
   readonly name: string
   /** The number of Gaussians. */
   readonly count: number
@@ -331,8 +332,8 @@ export class Scene {
   /** The start view that is stored in the .fxs file, as a camera for a picture of 2 x 2 pixels; null if the file has
       none. `render` without a camera uses it. */
   readonly start: Pinhole | null
-  /** The number of threads that draw the scene now. Threads that are still starting are not counted; pictures do not
-      wait for them. */
+  /** The number of threads that draw the scene now. Threads that are still starting are not counted, and pictures do
+      not wait for these threads. */
   readonly threads: number
   /** A copy of the packed scene: the bytes of an .fxs file. Throws an Error for a streamed scene. */
   readonly packed: Bytes
@@ -394,11 +395,11 @@ export interface IntoTexture {
       left; 0 and 0 by default. */
   x?: number
   y?: number
-  /** A depth buffer of other geometry at the same pixels, in a depth format and with the usage TEXTURE_BINDING. It
-      hides Gaussians with a farther centre at that pixel. `planes`: the distances from the camera, in scene units, of
-      the depths 0 and 1. Either may be the far plane. The far plane hides nothing and may be Infinity. `linear`: true
-      if depths between 0 and 1 are linear in distance, as with an orthographic camera; false, the default, for a
-      perspective camera. */
+  /** A depth buffer of other geometry at the same pixels, in a depth format and with the usage TEXTURE_BINDING. A
+      Gaussian whose centre is farther than the depth at a pixel is hidden there. `planes`: the distances from the
+      camera, in scene units, of the depths 0 and 1. Either may be the distance of the far plane, which hides nothing
+      and may be Infinity. `linear`: true if depths between 0 and 1 are linear in distance, as with an orthographic
+      camera; false, the default, for a perspective camera. */
   depth?: { texture: GPUTexture; planes: readonly [number, number]; linear?: boolean }
   /** With `alpha`: true blends the picture over the contents of the texture. False, the default, overwrites them. */
   over?: boolean
@@ -476,7 +477,7 @@ export class Screen {
   readonly device: GPUDevice | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. With the back end 'webgpu' the GPU
       completes the picture later, at the latest when `finish` is fulfilled; the canvas shows the previous picture until
-      then. If `draw` is called several times meanwhile, only the last picture is shown. */
+      then. If `draw` is called several times before that, only the last picture is shown. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
   /** Fulfilled when the GPU has completed all pictures. With the back end 'webgpu' it is rejected with a one-line Error
       if the last picture failed; a failed picture is not shown, and `draw` may be called again. */

@@ -97,7 +97,7 @@ export interface Settings {
   /** The height of the eye above the ground while walking, in scene units. 0, the default: estimated from the start
       view or from the height of the scene. */
   eyeHeight: number
-  /** The speed of flying and walking, 0.1 to 2; 0.5 by default. */
+  /** A factor for the speed of flying and walking, 0.1 to 2; 0.5 by default. */
   speed: number
   /** The vertical field of view, 1 to 170 degrees. */
   fov: number
@@ -154,7 +154,7 @@ export interface ViewerEvents {
   pause: CustomEvent<{ track: number }>
   ended: CustomEvent<{ track: number }>
   timeupdate: CustomEvent<{ track: number; time: number }>
-  /** Pictures were drawn for VR or AR. `scale`: their size as a share of the viewport, in width and height. */
+  /** Pictures were drawn for VR or AR. `scale`: width and height of the pictures as a share of the viewport's. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
@@ -236,7 +236,7 @@ export interface FilmOptions {
 /** A film as a .webm file. */
 export interface Film {
   blob: Blob
-  /** 'MediaRecorder' is used if WebCodecs is missing; its frames are timed by the clock while they are drawn. */
+  /** 'MediaRecorder' is used if WebCodecs is missing; it records each frame for its duration, by the clock. */
   codec: 'VP9' | 'VP8' | 'MediaRecorder'
   frames: number
   width: number
@@ -261,9 +261,9 @@ export class Viewer extends HTMLElement {
   readonly link: string
   /** The scenes in the picture. */
   readonly scenes: ShownScene[]
-  /** A copy of the camera; null without a scene. A part of a camera may be set. Before a scene is loaded, it sets the
-      start view; then `eye` and `look` are required. Setting a field with the wrong count of numbers throws an
-      Error. */
+  /** A copy of the camera; null without a scene. A part of a camera may be set. Before a scene is loaded, setting the
+      camera sets the start view; then `eye` and `look` are required. Setting a field with the wrong count of numbers
+      throws an Error. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
   /** All settings. Setting an object changes the settings in it. Setting a string sets the attribute `settings`, the
@@ -278,13 +278,13 @@ export class Viewer extends HTMLElement {
   /** Removes the scenes opened by `src`, by `open` or by the user. Each <fixsplat-scene> of the page stays. */
   clear(): void
   /** Replaces the scene by the scene of another address; the camera stays. False if no scene is loaded, or if the
-      viewer is busy; then try again later. */
+      viewer is busy (it may be tried again later). */
   replace(source: string): Promise<boolean>
   /** Shows a view of the attribute `cameras`. The index counts from 0 and wraps around. */
   showView(index: number): void
   /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion. True
       when the camera has arrived; false without a scene, or if the user, a program or another scene has moved the
-      camera meanwhile. */
+      camera before it arrived. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
   /** Finds the Gaussian at a point of the element, in CSS pixels; null if nothing is there. */
   pick(x: number, y: number): Promise<Found | null>
@@ -308,7 +308,8 @@ export class Viewer extends HTMLElement {
   /** The duration of the selected track, in seconds. */
   readonly duration: number
   readonly paused: boolean
-  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`; the codec changes its bytes. */
+  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`; the lossy codec then changes its
+      pixels. */
   film(options?: FilmOptions): Promise<Film>
   /** Reads a settings file: an address, a File, or the content of a file as an object. Its camera, annotations and
       tracks replace the present ones. Returns a line about each part of the file that was ignored. Rejected if it is

@@ -11,8 +11,9 @@
 extern "C" {
 #endif
 
-/* Features of a back end beyond colour. Requests beyond them end with FXS_ERR_UNSUPPORTED; the processor has all
-   features except FXS_CAN_DEVICES. Every other request gets the same bytes as by the processor. */
+/* Features of a back end besides colour targets. A request that needs a missing feature ends with FXS_ERR_UNSUPPORTED;
+   every other request gets the same bytes as on the processor. The processor has all features except
+   FXS_CAN_DEVICES. */
 enum fxs_backend_can {
     FXS_CAN_TRACE = 1,             /* depth and id targets */
     FXS_CAN_COMPOSE = 2,           /* occluder, backdrop, coverage target, RGBA16 */
@@ -61,7 +62,7 @@ typedef struct fxs_backend {
     void (*close)(void *self);
 
     /* Finds the Gaussian that the first eye shows at pixel (x, y), as fxs_pick does, with the targets that fxs_pick
-       reads. The pointer is null if the back end cannot pick; the processor's can. */
+       reads. The pointer is null if the back end cannot pick; the processor's back end can. */
     int (*pick)(void *self, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
                 fxs_message *why);
 } fxs_backend;

@@ -30,14 +30,14 @@ FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const d
                                double fov, int width, int height, fxs_message *message);
 
 /* Estimates a scene's up direction from `count` views, each `stride` bytes after the one before. It is the mean of the
-   cameras' up vectors, corrected by least squares to be perpendicular to their right vectors, since cameras pitch but
-   rarely roll. Its length is 1. Returns 1, or 0 if the up vectors cancel each other: the length of their mean is 0.1 or
-   less. */
+   cameras' up vectors, corrected by least squares to be perpendicular to the cameras' right vectors, since cameras
+   pitch but rarely roll. `up` has the length 1. Returns 1, or 0 if the up vectors cancel each other: the length of
+   their mean is 0.1 or less. */
 FXS_API int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3]);
 
-/* Estimates a scene's up direction from one view that is not rolled, such as a start view. Candidates are the scene's
-   axes and their opposites that point sideways by less than a thousandth. The result is the candidate nearest to the
-   picture's up vector; without candidates, the up vector itself. */
+/* Estimates a scene's up direction from one view that is not rolled, such as a start view. Candidates are the
+   directions along the scene's axes (both ways) whose component along the picture's right vector is below a thousandth.
+   The result is the candidate nearest to the picture's up vector; without candidates, the up vector itself. */
 FXS_API void fxs_view_up(const fxs_file_view *view, double up[3]);
 
 /* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1; returns 0 and leaves the

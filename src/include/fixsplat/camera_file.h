@@ -37,9 +37,9 @@ typedef struct fxs_file_view {
    cameras.xml, cameras.csv, bundle.out. Cameras of COLMAP are sorted by image name.
 
    Metashape: cameras without a transform or with enabled="false" are left out. Positions are in the coordinate system
-   of the component, or else of the chunk. If its translation exceeds 2^16 units, as for places on the Earth, the first
-   such translation, rounded to whole units, is subtracted from all positions. RealityCapture: a .csv
-   ("internal/external camera parameters") has x to the east, y to the north and z up; its distortion is read by Brown's
+   of the component, or else of the chunk. If the translation of this system exceeds 2^16 units, as in geographic
+   coordinates, the first such translation, rounded to whole units, is subtracted from all positions. RealityCapture: a
+   .csv ("internal/external camera parameters") has x to the east, y to the north and z up; its distortion is Brown's
    model. Bundler: names of photographs are in list.txt or NAME.list.txt next to the file; cameras with a focal length
    of 0 are left out. Bundler, RealityCapture and Blender state no picture size: their views have 800 x 800 pixels.
 

@@ -10,8 +10,8 @@
  *     if (fxs_compute_render(compute, &request, of_objects, memory, NULL, &why)) ...
  *
  * Functions return 0, or an FXS_ERR_* and a message in `why`, which must not be null: FXS_ERR_DEVICE if the device
- * failed or the context was lost, FXS_ERR_MEMORY if the device has too little memory or a buffer would exceed its
- * limit. After either, the next call may succeed. Not stable: may change with every version. */
+ * failed or the context was lost, FXS_ERR_MEMORY if the device has too little memory or a buffer would exceed the
+ * device's limit. After either error, the next call may succeed. Not stable: may change with every version. */
 #ifndef FXS_COMPUTE_H
 #define FXS_COMPUTE_H
 
@@ -23,8 +23,8 @@ extern "C" {
 
 typedef struct fxs_compute fxs_compute;
 
-#define FXS_COMPUTE_PARTS 64       /* most buffers for a scene's rows; every device allows 128 MiB a buffer: 8 GiB in
-                                      all */
+#define FXS_COMPUTE_PARTS 64       /* most buffers for a scene's rows; every device allows buffers of 128 MiB, so 64
+                                      hold 8 GiB */
 
 /* A packed scene on the device. All 0: not uploaded. */
 typedef struct fxs_compute_scene {
@@ -74,7 +74,7 @@ FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
 
 /* Renders the first eye of a request into a target in the caller's GL context, like fxs_gles_render: the request's own
    targets are ignored, the bytes are the same, and the GL state is preserved, with the same exceptions. No pixels are
-   read back, only 64 bytes that tell whether the frame fitted into the device's buffers; the call waits for these
+   read back, only 64 bytes that tell whether the frame fitted into the device's buffers; the call waits for these bytes
    before it draws. (fxs_compute_render does not preserve the GL state.)
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
    for `fetch`. After an error nothing was drawn, unless the device failed while drawing. The first call takes longer,

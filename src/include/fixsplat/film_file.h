@@ -18,9 +18,9 @@ extern "C" {
 typedef struct fxs_film fxs_film;
 
 /* Begins a film of `width` x `height` pixels and `rate` frames a second (each at least 1), in a file as output.h says;
-   the path "-" is standard output. The format is FXS_IMAGE_Y4M or FXS_IMAGE_RGBA, or any on standard output. Returns 0
-   and a film for fxs_film_close, or an error and a message, with *film null: FXS_ERR_ARGUMENT for another format, size
-   or rate, FXS_ERR_FILE or FXS_ERR_MEMORY. */
+   the path "-" is standard output. The format is FXS_IMAGE_Y4M or FXS_IMAGE_RGBA, or on standard output any image
+   format. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null: FXS_ERR_ARGUMENT for
+   another format, size or rate, FXS_ERR_FILE or FXS_ERR_MEMORY. */
 FXS_API int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height,
                           int rate, fxs_message *message);
 

@@ -16,8 +16,8 @@
  *     fxs_photos_free(&photos);
  *
  * Between two steps, the program may show the scene, save the fit or stop. Functions return 0, or an error and a
- * message. One thread at a time may use a fit; several threads may each have their own. Its memory comes from malloc: 4
- * floats for each of the 59 parameters of a Gaussian, and the memory of a step for one photograph.
+ * message. One thread at a time may use a fit; several threads may each have their own. A fit takes memory from malloc:
+ * 4 floats for each of the 59 parameters of a Gaussian, and buffers for the step of one photograph.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_FIT_H
@@ -55,28 +55,28 @@ typedef struct fxs_fit_point {
 } fxs_fit_point;
 
 enum fxs_fit_recipe {
-    FXS_FIT_REFERENCE = 0,         /* Kerbl et al. 2023, and its reference code of 2025, with splits along the longest
-                                      axis */
+    FXS_FIT_REFERENCE = 0,         /* the method of Kerbl et al. 2023 as in their code of 2025, but with splits along
+                                      the longest axis */
     FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024: relocation, growth to max_gaussians; small photographs
                                       first, then large ones */
     FXS_FIT_FAST = 2               /* FXS_FIT_MCMC with fewer steps and Gaussians */
 };
 
-#define FXS_FIT_SKY 20000          /* number of sky directions that suits most sets; below: the maximum */
+#define FXS_FIT_SKY 20000          /* number of sky directions that suits most sets; the maximum is FXS_FIT_SKY_MOST */
 #define FXS_FIT_SKY_MOST 1000000
 
 /* Correction of exposure differences between photographs. */
 enum fxs_fit_exposure {
     FXS_FIT_EXPOSURE_NONE = 0,     /* none: all photographs have the same exposure */
     FXS_FIT_EXPOSURE_GAIN = 1,     /* a gain and a colour balance per photograph: log2 of three factors that multiply
-                                      the picture before it is compared with the photograph. The means over the
-                                      photographs are 0; the scene contains no correction. Start value 0. If the
-                                      exposure of every photograph is known, the gain starts at log2(exposure) / 2.2, as
-                                      pixels follow about that power of the light, minus the mean over all. White in a
-                                      photograph counts as clipped: the picture may be brighter */
+                                      the picture before it is compared with the photograph. The mean of each over the
+                                      photographs is 0; the scene contains no correction. Start value 0; if the exposure
+                                      of every photograph is known, log2(exposure) / 2.2 minus its mean over all
+                                      photographs, as pixel values grow about as light^(1 / 2.2). White in a photograph
+                                      counts as clipped: the picture may be brighter */
     FXS_FIT_EXPOSURE_AFFINE = 2    /* an affine map of colours per photograph instead: 3x3 factors and three constants,
-                                      as in the 2024 code of Kerbl et al. Their means over the photographs are the
-                                      identity map */
+                                      as in the 2024 code of Kerbl et al. The mean of these maps over the photographs is
+                                      the identity map */
 };
 
 typedef struct fxs_fit_options {
@@ -99,27 +99,29 @@ typedef struct fxs_fit_options {
     fxs_clock_fn *clock;           /* null: no times are reported */
     float extent;                  /* size of the scene, which scales learning rates; 0: computed from the
                                       photographs */
-    uint32_t block, blocks;        /* for a block of a larger fit: its number and the number of blocks, up to 65535; a
-                                      saved fit can only be resumed with the same two. 0, 0: not a block */
-    uint64_t coarse;               /* for a block: fxs_fit_coarse_number of the coarse fit that it continues; a saved
-                                      fit can only be resumed with the same. 0: none */
+    uint32_t block, blocks;        /* for a block of a larger fit: the block's number and the number of blocks, up to
+                                      65535; a saved fit can only be resumed with the same two numbers. 0, 0: not a
+                                      block */
+    uint64_t coarse;               /* for a block: fxs_fit_coarse_number of the coarse fit that the block continues; a
+                                      saved fit can only be resumed with the same number. 0: none */
     uint32_t device_count;         /* NVIDIA GPUs that share the photographs of a batch evenly; 0: the processor makes
                                       the steps. The scene does not depend on it */
     int devices[8];                /* numbers of these GPUs */
     uint64_t max_memory;           /* most bytes to use on each device; 0: no limit */
     enum fxs_fit_exposure exposure;    /* for a whole fit; a block uses the exposures of its coarse fit */
     int refine_poses;              /* 1: refines the photographs' camera poses together with the scene, from step 501
-                                      on; read them with fxs_fit_pose_photos. For a whole fit; a block uses its coarse
-                                      fit's */
+                                      on; fxs_fit_pose_photos returns the refined poses. For a whole fit; a block uses
+                                      the poses of its coarse fit */
     int antialiased;               /* 1: prefilter for views at other distances or sizes than the photographs
-                                      (Mip-Splatting, Yu et al. 2024): opacities compensate for the dilation, which the
-                                      scene records, and no Gaussian is finer than 0.447 pixels (sigma) of its finest
-                                      photograph. A block uses its coarse fit's setting */
+                                      (Mip-Splatting, Yu et al. 2024): opacities compensate for the dilation, a blur
+                                      that the renderer adds to each Gaussian (the scene records this), and no sigma is
+                                      below 0.447 pixels in the photograph that shows the Gaussian largest. A block uses
+                                      its coarse fit's setting */
     uint32_t sky;                  /* number of directions, at most FXS_FIT_SKY_MOST, spread evenly around the cameras
                                       (spherical Fibonacci lattice). For each direction that photographs show and that
                                       has no points, the fit starts with a distant Gaussian in the photographs' colour.
-                                      Beyond the extent, sizes are measured as angles from the cameras. For a whole fit,
-                                      as above. 0: no sky */
+                                      Beyond the extent, sizes are measured as angles from the cameras. For a whole fit;
+                                      must be 0 for a block, which gets the sky of its coarse fit. 0: no sky */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 (one thread) for the others. */
@@ -131,18 +133,18 @@ FXS_API uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
 FXS_API size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
 
 typedef struct fxs_fit_report {
-    double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels; ignored pixels count as
-                                      0 */
+    double absolute, dissimilar;   /* means of |picture - photograph| and of 1 - SSIM over pixels and channels; ignored
+                                      pixels count as 0 */
     uint64_t entries;              /* splats in the lists of all tiles */
-    uint32_t visible;              /* Gaussians that have a splat */
+    uint32_t visible;              /* Gaussians that the picture shows: those with a splat */
     size_t gaussians;              /* Gaussians after the step */
     uint64_t nanoseconds[6];       /* project, bin, blend, loss, backward pass, update; 0 without a clock */
 } fxs_fit_report;
 
 /* Creates a fit. It copies its arguments, except the photographs' pixels and masks. If the set has more than
-   max_gaussians points, it uses that number of them, evenly spaced in their order. fxs_fit_free frees *fit, which is
-   null after an error: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a camera),
-   FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no CUDA. */
+   max_gaussians points, the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_free frees *fit,
+   which is null after an error: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a
+   camera), FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no CUDA. */
 FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                            size_t point_count, const fxs_fit_options *options, fxs_message *message);
 FXS_API void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
@@ -158,11 +160,11 @@ FXS_API uint32_t fxs_fit_steps(const fxs_fit *fit);
 /* The options in use; after fxs_fit_resume, most come from the file. */
 FXS_API const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
 
-/* Number of Gaussians that the sky started with: 0 if no photograph shows sky, and in a resumed fit. */
+/* Number of sky Gaussians that the fit started with: 0 if no photograph shows sky, and in a resumed fit. */
 FXS_API size_t fxs_fit_sky_count(const fxs_fit *fit);
 
-/* Replaces the views of these photographs, which must be the fit's with their original views, by the refined poses.
-   Does nothing without refine_poses. Errors as fxs_fit_gaussians. */
+/* Replaces the views of `photos` by the refined poses. `photos` are the photographs that the fit was created with, with
+   their original views. Does nothing without refine_poses. Errors as fxs_fit_gaussians. */
 FXS_API int fxs_fit_pose_photos(fxs_fit *fit, fxs_fit_photo *photos, fxs_message *message);
 
 /* Gives the current Gaussians, for fxs_scene_file_open_gaussians; valid until the next step. This function and the next
@@ -180,15 +182,15 @@ typedef struct fxs_fit_subject {
 } fxs_fit_subject;
 
 /* Finds the subject that the cameras look at, as a sphere. Its middle is the point nearest to the axes of all cameras
-   (least squares). Its radius is the median of the cameras' distances from their axis to the nearer edge of their
-   picture at the depth of that point. Returns 0, or an error and a message: FXS_ERR_ARGUMENT if the cameras do not look
-   at one subject (their axes are nearly parallel, or more than a quarter of them do not have the point in the middle
-   half of their width and height), or FXS_ERR_MEMORY. */
+   (least squares). Each camera gives a distance: from its axis to the nearest edge of its picture, at the depth of the
+   middle. The radius is the median of these distances. Returns 0, or an error and a message: FXS_ERR_ARGUMENT if the
+   cameras do not look at one subject (their axes are nearly parallel, or in more than a quarter of the pictures the
+   point is not in the middle half of the width and height), or FXS_ERR_MEMORY. */
 FXS_API int fxs_fit_find_subject(const fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
-/* Crops a finished fit to its subject: drops Gaussians that reach beyond the sphere by their largest sigma. Returns 0,
-   or an error and a message: as fxs_fit_find_subject; FXS_ERR_ARGUMENT if no Gaussian would be left, with the fit
-   unchanged; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
+/* Crops a finished fit to its subject: drops Gaussians whose distance from the middle plus largest sigma exceeds the
+   radius. Returns 0, or an error and a message: as fxs_fit_find_subject; FXS_ERR_ARGUMENT if no Gaussian would be left,
+   with the fit unchanged; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
 FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
 /* Stores a start view in a packed scene at `data`, for fxs_file_write: the view of the most level photograph (the
@@ -203,8 +205,8 @@ FXS_API int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
 /* Resumes a saved fit with the same photographs: further steps give the same result as without the interruption.
    `options` supplies the means of computation (cpu, run, pool, threads, clock, devices and device_count, max_memory),
    and the number of steps if its `steps` is not 0; the other options come from the file. The saved batch must be a
-   multiple of device_count. Errors: FXS_ERR_FILE if the file is not a saved fit, is damaged, or belongs to other
-   photographs (pixels, masks, cameras, their order; names do not matter) or another block; FXS_ERR_VERSION if it has
+   multiple of device_count. Errors: FXS_ERR_FILE if the file is not a saved fit, is damaged, or belongs to another
+   block or to photographs with other pixels, masks, cameras or order (names do not matter); FXS_ERR_VERSION if it has
    another version; errors of fxs_fit_create. Allocated memory is in proportion to the file. */
 FXS_API int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
                            const fxs_fit_options *options, fxs_message *message);

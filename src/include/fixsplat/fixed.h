@@ -93,7 +93,7 @@ static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 #endif
 }
 
-/* x * 2^-shift, rounded down; 0 if nothing is left; shift 0 or more. */
+/* x * 2^-shift, rounded down; shift is 0 or more, also above 31. */
 static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 {
 #if defined(__CUDA_ARCH__)         /* the device's shifts accept any number */
@@ -117,7 +117,8 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
 }
 
 /* 2^62 / m, in [2^30, 2^31); m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three
-   times. A product over 2^30 is the high half of that of twice the factors, which are below 2^31. */
+   times. A product over 2^30 is computed as the high half of the product of the doubled factors; the factors are below
+   2^31. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);

@@ -51,8 +51,8 @@ extern "C" {
 #endif
 #endif
 
-/* FXS_VERSION_NUMBER of the linked library. It suits a program that was built with the same major version and with the
-   same or a lower minor version. */
+/* FXS_VERSION_NUMBER of the linked library. The library suits programs that were built with the same major version and
+   with the same or a lower minor version. */
 FXS_API int fxs_version(void);
 
 #define FXS_NOTHING UINT32_MAX       /* no Gaussian, no depth, no place */
@@ -67,8 +67,8 @@ enum fxs_error {
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units,
                                    near plane out of range */
-    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window or a hidden part outside its
-                                   picture; two eyes with different sizes or projections */
+    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window outside the whole picture, or a
+                                   hidden part outside the picture; two eyes with different sizes or projections */
     FXS_ERR_MEMORY = -6,        /* too little working memory, or working memory not aligned to 64; or too little device
                                    memory */
     FXS_ERR_UNSUPPORTED = -7,   /* a feature that this build, machine or back end lacks */
@@ -101,22 +101,24 @@ enum fxs_profile {                 /* bytes per Gaussian of a large scene, SH de
 };
 
 typedef struct fxs_scene {
-    const unsigned char *chunks;      /* headers of chunks of 256 slots, a few slots without a Gaussian */
-    const unsigned char *rows;        /* rows of the first chunk; aligned to 64, like `chunks` */
+    const unsigned char *chunks;      /* headers of the chunks; a chunk has 256 slots, and a few slots hold no
+                                         Gaussian */
+    const unsigned char *rows;        /* the chunks' rows, from the first chunk on; aligned to 64, like `chunks` */
     const int8_t *palette;            /* null: no palette */
     enum fxs_profile profile;
     uint32_t count;                   /* Gaussians */
     uint32_t chunk_count, chunk_bytes;
     uint32_t palette_entries, palette_step_q19;
     int sh_degree;                    /* 0 to 3 */
-    int antialiased;                  /* 1: opacities compensate for the dilation */
+    int antialiased;                  /* 1: opacities compensate for the dilation, a blur that the renderer adds to each
+                                         Gaussian */
     const unsigned char *nodes;       /* chunk_count - 1 nodes of the tree over the chunks; null: no tree */
     const unsigned char *node_chunks, *node_rows;   /* chunk headers and rows of the nodes; aligned to 64 */
 
     /* For programs that keep only a part of the rows in memory; null after fxs_scene_open: all rows lie as in the file.
-       places has one number per chunk, first the leaves, then the nodes: the chunk's rows are at `rows` + places[chunk]
-       * chunk_bytes. FXS_NOTHING: the chunk is not in memory. In a scene with a tree its nearest ancestor in memory is
-       drawn instead; otherwise the chunk is skipped. */
+       `places` has one number for each chunk of the leaves, then one for each chunk of the nodes. The rows of chunk i
+       start at `rows` + places[i] * chunk_bytes. FXS_NOTHING: the chunk is not in memory. In a scene with a tree its
+       nearest ancestor in memory is drawn instead; otherwise the chunk is skipped. */
     const uint32_t *places;
 } fxs_scene;
 
@@ -137,9 +139,9 @@ FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile p
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 FXS_API int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
-/* Offsets of the parts of a packed scene, in bytes from its start. The head is everything before the rows (chunk
-   headers, palette), `rows` bytes. The head of the tree is everything before the rows of the nodes, from `tree` to
-   `node_rows`. Without a tree the last four are equal. */
+/* Offsets of the parts of a packed scene, in bytes from its start. The head is the `rows` bytes before the rows:
+   header, chunk headers, palette. The head of the tree is everything before the rows of the nodes, from `tree` to
+   `node_rows`. Without a tree, `tree` and the fields after it are equal. */
 typedef struct fxs_scene_parts {
     uint64_t palette, rows, tree, node_chunks, node_rows, bytes;
 } fxs_scene_parts;
@@ -148,8 +150,8 @@ typedef struct fxs_scene_parts {
    fxs_scene_open. */
 FXS_API int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header);
 
-/* Opens a scene from its heads alone, both aligned to 64; `tree` may be null for a scene without a tree. The caller
-   must set `places` and `rows` before rendering. Errors as fxs_scene_open. */
+/* Opens a scene from its head and the head of its tree, each aligned to 64, without the rows. `tree` may be null for a
+   scene without a tree. The caller must set `places` and `rows` before rendering. Errors as fxs_scene_open. */
 FXS_API int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree);
 
 /* ---- Objects --------------------------------------------------------------------------------------------------- */
@@ -200,9 +202,9 @@ typedef struct fxs_camera {
 
     /* For a cropped camera, whose picture is a window of a larger one: size of the larger picture (whole_width,
        whole_height), and position of the window's first pixel in it. All 0: not cropped. The window has the same pixels
-       as that part of the larger picture, except for the last bit of Gaussians larger than 65536 pixels or with a
-       centre that far out. With FXS_CUTOFF_SQUARE this needs whole_x and whole_y that are multiples of 16, as the
-       cut-off depends on tiles. */
+       as that part of the larger picture, except that Gaussians larger than 65536 pixels, or with a centre more than
+       65536 pixels outside, may differ in the last bit. With FXS_CUTOFF_SQUARE, whose cut-off depends on tiles, the
+       pixels are the same only if whole_x and whole_y are multiples of 16. */
     int32_t whole_width, whole_height;
     int32_t whole_x, whole_y;
 
@@ -226,8 +228,8 @@ enum fxs_cutoff {
    end calls it once, before each frame. */
 typedef int fxs_stop_fn(void *argument);
 
-/* Called for each chunk that a frame wants to draw, for scenes with a part of their rows in memory (fxs_scene.places).
-   `there`: 1 if the chunk's rows are in memory. It must not change `places`. */
+/* Called for each chunk that a frame wants to draw, if only a part of the scene's rows is in memory (fxs_scene.places).
+   `there`: 1 if the chunk's rows are in memory. The callback must not change `places`. */
 typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
 
 typedef struct fxs_options {
@@ -239,17 +241,19 @@ typedef struct fxs_options {
 
     /* Level of detail, for scenes with a tree (packed.h): a coarse chunk replaces all chunks below it. Budget and
        detail_q8 both 0: the leaves are drawn, as in scenes without a tree. */
-    uint32_t budget;               /* most Gaussians to draw, in whole chunks of 256; 0: no limit. The root of each tree
-                                      and objects without a tree are always drawn, even beyond the budget */
-    uint32_t detail_q8;            /* pixels: nodes with details smaller than this are not refined; 0: no limit */
+    uint32_t budget;               /* most Gaussians to draw, counted in whole chunks of 256; 0: no limit. The root of
+                                      each tree and objects without a tree are always drawn, even beyond the budget */
+    uint32_t detail_q8;            /* pixels: a node whose details are smaller than this is drawn instead of its
+                                      children; 0: no limit */
     int budget_of_window;          /* for a cropped camera: 1 applies the budget to the crop without its hidden part, 0
-                                      to the whole picture, so that the crop's pixels are the same as there */
-    fxs_want_fn *want;             /* called for each chunk to be drawn of scenes with `places`, most important first,
+                                      to the whole picture, so that the crop has the same pixels as that part of the
+                                      whole picture */
+    fxs_want_fn *want;             /* for scenes with `places`: called for each chunk to be drawn, most important first,
                                       before drawing starts, on the thread that called fxs_render; null: no callback */
     void *want_argument;
     int show_levels;               /* debug view of the levels of detail: 1 gives each Gaussian the colour of its
-                                      chunk's level at its own brightness; leaves are white. Processor only; other back
-                                      ends ignore it */
+                                      chunk's level, with the Gaussian's own brightness; leaves are white. Processor
+                                      only; other back ends ignore it */
 } fxs_options;
 
 /* An fxs_stop_fn: stops the frame once the byte at `byte` is nonzero. Another thread or a signal handler may set it. */
@@ -270,7 +274,8 @@ enum fxs_format {
 };
 
 /* A picture in the caller's memory, of the camera's size. `pixels` is the top left pixel, `stride` the bytes from row
-   to row, at least a row's size (negative: bottom up). Both are multiples of the size of the pixel's numbers. */
+   to row, at least a row's size (negative: bottom up). If the pixels are uint16_t, uint32_t or fxs_id, the address and
+   the stride are multiples of 2, 4 and 4 bytes. */
 typedef struct fxs_image {
     void *pixels;                  /* null: not wanted */
     ptrdiff_t stride;
@@ -279,9 +284,9 @@ typedef struct fxs_image {
 /* A pixel of an id target, 8 bytes. Both fields are FXS_NOTHING if no Gaussian contributes. */
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* slot in the packed scene: the Gaussian's number in scenes without holes
-                                      (packed.h). A slot without a Gaussian appears only for damaged scenes whose holes
-                                      are not transparent. 256 chunk_count and above: a coarse Gaussian of the tree */
+    uint32_t gaussian;             /* slot in the packed scene; without empty slots in between (holes, packed.h), the
+                                      Gaussian's number. An empty slot appears only if a damaged scene has codes there.
+                                      256 * chunk_count and above: a coarse Gaussian of the tree */
 } fxs_id;
 
 /* Outputs of a frame: colour and auxiliary outputs (coverage, depths, ids), any subset, in one pass. Unused outputs
@@ -304,7 +309,8 @@ typedef struct fxs_targets {
     int depth_bits;                /* 1 to 28; 0: 16. For both depth targets and the occluder */
 
     /* Inputs: pictures that the caller has drawn. */
-    fxs_image occluder;            /* uint32_t: depths; a Gaussian behind them adds nothing to the pixel */
+    fxs_image occluder;            /* uint32_t: the depth of a surface at each pixel; a Gaussian behind the surface adds
+                                      nothing to the pixel */
     fxs_image backdrop;            /* RGBA8, alpha ignored: replaces the background. Not allowed for formats with
                                       coverage. May be the colour target if its format is RGBA8 */
 } fxs_targets;
@@ -357,8 +363,8 @@ typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
 
     /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat (without its colour),
-       bounds, index in the scene (ascending) and depth key. Returns their number, at most 256, or FXS_ERR_SCENE if the
-       chunk's header is out of range: the scene changed after it was opened. */
+       bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
+       FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
     int32_t (*project)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, struct fxs_splat *splats,
                        struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
@@ -371,7 +377,7 @@ typedef struct fxs_kernels {
                 uint32_t count, struct fxs_box *boxes);
 
     /* Finds the tile columns of a splat on tile rows `row` to row + rows - 1, all within its bounding box. May write up
-       to 15 spans more. */
+       to 15 spans beyond these rows. */
     void (*spans)(const struct fxs_view *view, const struct fxs_splat *splat, const struct fxs_bounds *bounds,
                   int32_t row, int32_t rows, struct fxs_span *spans);
 
@@ -386,7 +392,7 @@ typedef struct fxs_kernels {
     void (*sort)(uint64_t *keys, uint64_t *spare, uint32_t count);
 
     /* Extracts the list of one tile from the `count` keys of its macro tile: the slots whose masks contain `tile` (0 to
-       3). `entries` has room for `count`. Returns their number. */
+       3). `entries` has room for `count`. Returns the length of the list. */
     uint32_t (*list)(const uint64_t *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
     /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
@@ -421,11 +427,12 @@ typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 72 bytes each; 456 per object */
     size_t tiles;                  /* tiles of 16x16 pixels: 17 bytes each, plus 1 per thread */
     size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
-    size_t keys;                   /* room to sort the lists, the same size; with draw_unlisted plus 8 KiB a thread */
+    size_t keys;                   /* room to sort the lists, as large as `entries`; with draw_unlisted plus 8 KiB a
+                                      thread */
     size_t total;                  /* sum of the four */
     size_t least;                  /* minimum; below it fxs_render returns FXS_ERR_MEMORY */
-    size_t rows;                   /* memory of this view's fullest tile row: with less, tile rows are drawn in slices.
-                                      0 if all splats fitted */
+    size_t rows;                   /* memory that this view's fullest tile row needs: with less, tile rows are drawn in
+                                      slices. 0 if all splats fitted */
 } fxs_frame_memory;
 
 /* Working memory of a frame of the given size. With `total` the frame is rendered in one pass, for every camera,
@@ -435,24 +442,26 @@ typedef struct fxs_frame_memory {
      Bands   An extra pass projects every Gaussian and counts the splats on each tile row. Then the frame is rendered in
              bands, each with as many tile rows as fit: 88 bytes for each Gaussian that touches the band.
      Slices  A tile row that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones. The
-             time grows with the square of their number. Slices support colour and coverage only; a back end needs
-             `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
+             time grows with the square of the number of slices. Slices support colour and coverage only; a back end
+             needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
    *memory may be null. Returns total; 0 if an argument is out of range or the memory exceeds a size_t. */
 FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                int32_t height, fxs_frame_memory *memory);
 
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
-    uint32_t drawn;                /* slots of the projected chunks: all, or with a budget at most the budget (a chunk
-                                      per tree and objects without a tree are always drawn) */
+    uint32_t drawn;                /* slots of the projected chunks. With a budget at most the budget, except that a
+                                      chunk of each tree and all objects without a tree are always drawn */
     uint32_t missing;              /* wanted chunks that were not in memory; 0: the picture is complete */
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */
     uint32_t bands;                /* bands of tile rows; 1 if all splats fitted */
     uint32_t slices;               /* slices of tile rows that did not fit; 0 if all did */
     uint32_t runs;                 /* runs of tiles: one per band or slice if all its lists fitted */
-    fxs_frame_memory memory;       /* of the last band; `least` is exact for this view, or 0 if no plan was needed */
-    uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage; blend and resolve split theirs by work */
+    fxs_frame_memory memory;       /* memory of the last band; `least` is exact for this view, or 0 if the whole frame
+                                      fitted */
+    uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage. Blend and resolve run together; their wall time is
+                                           divided in proportion to the threads' time in each */
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
@@ -466,7 +475,7 @@ typedef struct fxs_request {
     fxs_targets targets[2];
 } fxs_request;
 
-/* One eye, options and targets of fxs_options_init and fxs_targets_init, a camera that is all 0. */
+/* Sets one eye, the values of fxs_options_init and fxs_targets_init, and cameras that are all 0. */
 FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count);
 
 /* Renders a request. All objects are sorted together by depth; ties go by object, then by Gaussian. A single object
@@ -479,21 +488,21 @@ FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, u
    - A tile row of this view does not fit and cannot be drawn in slices, because of depths, ids, an occluder or the back
      end. stats has the exact size.
    stats->memory.least is 0 if `memory` is misaligned or no size_t is enough.
-   Targets: at least one is required; a back end gets them passed on and may run without any. Only pixels are written,
-   not the bytes between rows. *stats may be null.
+   Targets: at least one is required, except with config.draw, which gets the targets passed on. The bytes between the
+   end of a row and the next row are not written. *stats may be null.
 
-   Stereo: each eye is byte for byte the mono frame of its camera, in the time and the memory of mono frames. Both
-   pictures have one size and projection; field of view and principal point may differ, as in a headset. Targets that
-   are written must not overlap others. *stats has sums over both eyes, except for `gaussians`, `drawn` (right eye) and
-   `memory`.
+   Stereo: each eye is byte for byte the mono frame of its camera. The eyes are rendered one after the other in the same
+   memory. Both cameras must have the same size and projection; their fields of view and principal points may differ, as
+   in a headset. A target that is written must not overlap another target or input. *stats has sums over both eyes,
+   except for `gaussians`, `drawn` (right eye) and `memory`.
 
    Errors that leave the targets untouched: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also if the
-   camera is more than 2^28 of an object's units from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY.
+   camera is more than 2^28 of an object's units from that object's origin), FXS_ERR_TARGET, FXS_ERR_MEMORY.
    Errors that may leave a part of the pixels written: FXS_ERR_SCENE, FXS_ERR_STOPPED, and a back end's errors. */
 FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                        fxs_stats *stats);
 
-/* Working memory of a request: as fxs_frame_bytes for one eye or two, except that with a budget it is in proportion to
+/* Working memory of a request: as fxs_frame_bytes, with one eye or two. With a budget, the memory is in proportion to
    the budget, not to the scenes. *memory may be null. */
 FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
 
@@ -518,8 +527,8 @@ typedef struct fxs_pick_result {
     uint32_t id;                   /* the object's id */
     int64_t depth_q32;             /* depth of the Gaussian's centre along the camera's z axis; saturates at 2^28
                                       units */
-    int64_t position_q32[3];       /* world position on the pixel's ray at that depth; offsets across the axis saturate
-                                      at +-2^28 */
+    int64_t position_q32[3];       /* world position on the pixel's ray at that depth; its offsets from the camera's
+                                      axis saturate at +-2^28 */
 } fxs_pick_result;
 
 /* Finds the Gaussian that fxs_render shows at pixel (x, y) of the first eye, as in its id target. Reads only the

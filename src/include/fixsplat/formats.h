@@ -18,10 +18,13 @@ typedef struct fxs_scene_format {
                               writing */
     const char *about;     /* a short description */
     int is_read;           /* 1: files of this format can be opened, if the libraries that it needs are built in */
-    int is_written;        /* 1: and can be written; fxs_file_write writes .fxs, fxs_scene_writer_open the others */
+    int is_written;        /* 1: files of this format can be written; fxs_file_write writes .fxs, fxs_scene_writer_open
+                              the others */
     int sh_degree;         /* highest SH degree that is written */
-    int antialiased;       /* 1: a file records whether opacities were fitted with compensation for the dilation */
-    const char *loses;     /* precision or data lost by writing, in a few words; null: none beyond floats */
+    int antialiased;       /* 1: a file records whether opacities were fitted with compensation for the renderer's
+                              dilation */
+    const char *loses;     /* precision or data lost by writing, in a few words; null: nothing beyond the precision of
+                              floats */
     int far;               /* 1: positions beyond the precision of floats are kept: fxs_scene_write_options.origin */
 } fxs_scene_format;
 

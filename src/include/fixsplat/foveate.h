@@ -1,11 +1,12 @@
 /* Foveated rendering: combines the whole picture at a quarter of its resolution, a window at half, and a smaller window
- * around the gaze at full resolution. The pixels of each are exactly the back end's, so every back end gives the
- * same bytes; pixels at full resolution are the same as without foveation.
+ * around the gaze at full resolution. Each of these three pictures (rings) has the same pixels with every back end, so
+ * the result has too. Pixels at full resolution are the same as without foveation.
  *
- * A window is a square around the gaze, twice its radius wide, in whole tiles of 16x16 of its own pixels; near an edge
- * of the picture it is moved inside. Pixels at half and quarter resolution are centred on 2x2 and 4x4 pixels of the
- * picture and enlarged bilinearly, in integers. In a band inside its edges, a window fades into the coarser picture,
- * except at the edges of the whole picture. A coarser ring omits Gaussians that a finer one hides completely.
+ * A window is a square around the gaze, 2 * radius pixels wide, rounded to whole tiles of 16x16 of the window's pixels.
+ * Near an edge of the picture it is moved inside. Pixels at half and quarter resolution are centred on 2x2 and 4x4
+ * pixels of the picture and enlarged bilinearly, in integers. In a band along the inside of its edges, a window fades
+ * into the coarser picture, except at the edges of the whole picture. A coarser ring omits Gaussians that a finer ring
+ * covers completely.
  *
  * Not stable: may change with every version. */
 #ifndef FXS_FOVEATE_H
@@ -29,7 +30,7 @@ typedef struct fxs_foveation {
    to a quarter of the first radius. At 1280x720, this renders a quarter of the pixels. */
 FXS_API void fxs_foveation_init(fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
-/* One of the combined pictures. */
+/* One of the three combined pictures, at full, half or quarter resolution. */
 typedef struct fxs_ring {
     int32_t rate;                  /* width of its pixels in pixels of the whole picture: 1, 2 or 4 */
     int32_t x[2], y[2];            /* its first pixel for each eye, in pixels of the whole picture */
@@ -38,7 +39,7 @@ typedef struct fxs_ring {
 } fxs_ring;
 
 typedef struct fxs_foveated {
-    uint32_t count;                /* rings; fewer than FXS_RINGS if a window covers the picture */
+    uint32_t count;                /* number of rings; fewer than FXS_RINGS if a window covers the picture */
     fxs_ring rings[FXS_RINGS];
     fxs_stats stats;               /* sums of the rings' counts and times; memory of the largest ring */
     uint64_t device_nanoseconds;   /* time of the back end's device; 0 without a clock */

@@ -31,8 +31,8 @@ FXS_API int fxs_file_seal(void *data, size_t bytes);
 FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
 
 /* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
-   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (packed.h). Returns how
-   many it wrote; fewer only if the scene is damaged. */
+   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (packed.h). Returns the
+   number of entries written, fewer than scene->count only if the scene is damaged. */
 FXS_API uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
 
 #ifdef __cplusplus

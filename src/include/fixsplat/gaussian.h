@@ -42,15 +42,16 @@ typedef struct fxs_scene_file_info {
     const char *format;   /* a name of formats.h, or "gaussians" for the program's Gaussians; static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
-    int stored_sh_degree; /* the same, or 4 if the file has degree 4, which is not read */
-    int antialiased;      /* 1: opacities were fitted with compensation for the dilation */
+    int stored_sh_degree; /* sh_degree, or 4 if the file has degree 4, which is not read */
+    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation */
     int levels;           /* levels of detail that can be opened; 1 except for .lcc, .rad and streamed SOG. A leaf of a
                              streamed SOG without the level is read at its nearest level */
     fxs_grid colour;      /* grid of 0.5 + 0.28209479177387814 dc */
     fxs_grid sh;          /* grid of the coefficients above degree 0 */
     int linear_light;     /* 1: a glTF has colours in linear light, which are converted to sRGB for each Gaussian; the
                              picture differs from linear light where different colours blend */
-    int log_scales;       /* 1: a glTF stores scales as logarithms, as in a draft, and is read this way */
+    int log_scales;       /* 1: a glTF stores scales as logarithms, as in a draft of the extension; they are read as
+                             such */
     int clamped_opacity;  /* 1: a glTF has opacities above 1, which are read as 1 */
     char unused[FXS_UNUSED_TEXT];   /* properties of a .ply that affect other programs' pictures, but are not read */
     fxs_start start;      /* from an .fxs: the up direction and the start view, which fxs_pack keeps */
@@ -76,12 +77,13 @@ typedef struct fxs_gaussian_source {
     int antialiased;      /* as in fxs_scene_file_info */
     /* Writes 1 to `capacity` Gaussians, starting with number `first`, to `out`, which is zeroed before; SH above
        sh_degree are set to 0. Returns the number written, or a negative FXS_ERR_*. In the first call of each pass
-       `first` is 0, then the number after the last Gaussian of the previous call; it is always less than `count`. Every
-       pass must give the same Gaussians: fxs_pack makes three passes or more, a filter one more. Calls come one at a
-       time, but in fxs_pack from any thread of its pool. */
+       `first` is 0, in the others the number after the last Gaussian of the previous call; `first` is always less than
+       `count`. Every pass must give the same Gaussians: fxs_pack makes three passes or more, a filter one or two more.
+       Calls come one at a time, but in fxs_pack from any thread of its pool. */
     long (*read)(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity);
     void *argument;       /* first argument of read; must stay valid until the handle is closed */
-    double origin[3];     /* of the positions, as in fxs_scene_file_info: within 2^26 units, 0 for positions near 0 */
+    double origin[3];     /* origin of the positions, as in fxs_scene_file_info: within 2^26 units, 0 for positions near
+                             0 */
 } fxs_gaussian_source;
 
 /* Opens the program's Gaussians as a stream that can be filtered, packed and written like a file; *gaussians is copied.

@@ -18,7 +18,7 @@ typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
 typedef int fxs_gl_use_fn(void *argument);
 
 /* Target of fxs_gles_render and fxs_compute_draw: a framebuffer of the caller with one colour buffer of 8 bits,
-   normalised, linear, not multisampled; attached to a texture, or 0 for the context's own. */
+   normalised, linear, not multisampled; its colour buffer is a texture, or it is framebuffer 0 of the context. */
 typedef struct fxs_gles_target {
     uint32_t framebuffer;          /* the framebuffer's GL name */
     int32_t x, y;                  /* the picture's lower left corner */
@@ -32,11 +32,12 @@ typedef struct fxs_gles_target {
     /* Inputs that the caller has drawn: names of textures of the picture's size, lowest row first as in the
        framebuffer, or 0. Their filter must be GL_NEAREST. */
     uint32_t occluder;             /* GL_R32UI, like the occluder of fxs_targets: the same bytes everywhere */
-    int depth_bits;                /* of the occluder, or of the depths that depth_buffer is converted to; 0: 16 */
+    int depth_bits;                /* fraction bits of the occluder's depths, or of the depths that depth_buffer is
+                                      converted to; 0: 16 */
     uint32_t depth_buffer;         /* instead of occluder: GL_DEPTH_COMPONENT of a perspective. It is converted to
-                                      depths in floats, so their last bits depend on the device */
+                                      depths in floats, so the last bits of these depths depend on the device */
     float plane_0, plane_1;        /* distances of the depth buffer's values 0 and 1, world units. Either may be the far
-                                      one, which hides nothing and may be infinite */
+                                      plane, which hides nothing and may be infinite */
     uint32_t backdrop;             /* GL_RGBA8: replaces the background; must not be the framebuffer's own texture */
 
     /* 1: the same draw writes median depths (in units of depth_bits) and ids, with the bytes of fxs_targets, to two

@@ -30,20 +30,21 @@ FXS_API size_t fxs_gles_bytes(void);
 FXS_API int fxs_gles_init(fxs_gles *gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                           char message[FXS_GLES_MESSAGE]);
 
-/* Deletes the GL objects. Do not call it after the context was lost or destroyed: the objects went with it. */
+/* Deletes the GL objects. Do not call it after the context was lost or destroyed, which deletes the objects too. */
 FXS_API void fxs_gles_free(fxs_gles *gles);
 
 /* GL_RENDERER of the context. */
 FXS_API const char *fxs_gles_renderer(const fxs_gles *gles);
 
 /* For fxs_config.draw, with the fxs_gles as draw_argument. Needs a context of its own: GL state is not preserved.
-   Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY if the device has too little. After either, free the back end and create
-   it again, in a new context if the old one was lost. */
+   Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY if the device has too little memory. After either error, free the back end
+   and create it again, in a new context if the old one was lost. */
 FXS_API fxs_draw_fn fxs_gles_draw;
 
 /* Gives the same bytes as fxs_gles_draw without tile lists, in a context with framebuffer fetch: blends splats one by
-   one, near to far, on an integer framebuffer. Needs fxs_config.draw_unlisted. It depends on device and scene which of
-   the two is faster. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason that fxs_gles_no_fetch gives. */
+   one, near to far, on an integer framebuffer. Needs fxs_config.draw_unlisted. Which of the two functions is faster
+   depends on the device and the scene. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason that
+   fxs_gles_no_fetch gives. */
 FXS_API fxs_draw_fn fxs_gles_draw_fetch;
 
 /* Null if fxs_gles_draw_fetch is supported; else the reason, one line. */
@@ -60,8 +61,8 @@ FXS_API uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
    coverage, scissor, viewport, colour mask, bindings, and pixel unpacking. Depth and stencil buffers are neither read
    nor written. Transform feedback must not be active. An active occlusion query counts this draw too.
    Further errors: FXS_ERR_TARGET (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop
-   with RGBA8_COVERAGE, `over` without it, depths_and_ids in framebuffer 0), FXS_ERR_UNSUPPORTED (another format, a
-   picture larger than the device's textures, `fetch` without support (fxs_gles_no_fetch), depths_and_ids
+   with RGBA8_COVERAGE, `over` without RGBA8_COVERAGE, depths_and_ids in framebuffer 0), FXS_ERR_UNSUPPORTED (another
+   format, a picture larger than the device's textures, `fetch` without support (fxs_gles_no_fetch), depths_and_ids
    with `fetch`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (device memory). */
 FXS_API int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
                             const fxs_gles_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-/* FXS_IMAGE_RAW: the plain bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (film_file.h). */
+/* FXS_IMAGE_RAW: only the RGBA bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (film_file.h). */
 enum fxs_image_format {
     FXS_IMAGE_UNKNOWN, FXS_IMAGE_PNG, FXS_IMAGE_PPM, FXS_IMAGE_RAW, FXS_IMAGE_JPG, FXS_IMAGE_WEBP, FXS_IMAGE_Y4M,
     FXS_IMAGE_RGBA
@@ -46,8 +46,8 @@ FXS_API int fxs_image_encode(enum fxs_image_format format, int quality, const ui
                              fxs_encoded *encoded, fxs_message *message);
 FXS_API void fxs_encoded_free(fxs_encoded *encoded);
 
-/* Writes the bytes to a temporary file next to `path` and renames it (output.h), so a failure leaves an existing file
-   unchanged. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
+/* Writes the bytes to a temporary file next to `path` and renames it (output.h), so an existing file is unchanged after
+   an error. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
 FXS_API int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
 
 /* Encodes a picture with quality 0 in the format of the name's ending, except .y4m and .rgba, and writes it. Returns 0,
@@ -58,14 +58,15 @@ FXS_API int fxs_image_file_write(const char *path, const uint8_t *rgba, int widt
 FXS_API int fxs_image_file_known(const char *path);
 
 /* Reads a .png (by libpng), .jpg (by libjpeg-turbo), .webp (by libwebp), .heic or other HEIF with HEVC (by libheif) or
-   .ppm, of at most 2^26 pixels. The content determines the format. Of more than 8 bits the upper 8 are used; grey and
-   palettes become RGBA. EXIF rotation is ignored, as in COLMAP, whose cameras refer to the stored pixels; HEIF rotation
-   and cropping outside of EXIF are applied. Gamma and colour profiles are ignored.
+   .ppm, of at most 2^26 pixels. The content determines the format. Of numbers with more than 8 bits the upper 8 are
+   used; grey and palette pictures become RGBA. EXIF rotation is ignored, as in COLMAP, whose cameras refer to the
+   stored pixels; HEIF rotation and cropping outside of EXIF are applied. Gamma and colour profiles are ignored.
 
    The pixels are the same on every machine. .png and .ppm store them exactly. The standard of .jpg leaves the last bit
    open; it is decoded in integers by a transform that libjpeg-turbo implements identically in C and for every
-   instruction set. HEVC is exact; its Y, Cb and Cr become red, green and blue in integers, by the matrix of BT.601, 709
-   or 2020 and the levels that the file states (others are refused), without interpolating the chroma of 2 x 2 pixels.
+   instruction set. HEVC is exact; its Y, Cb and Cr become red, green and blue in integers, by the matrix (BT.601, 709
+   or 2020) and the range that the file states (other matrices are refused), without interpolating the chroma of 2 x 2
+   pixels.
 
    Truncated pictures are refused, and pictures that libpng or libjpeg-turbo find damaged, even if they would go on.
    Exceptions: pixels beyond the palette of a .png are black; damage inside the pixels of a .webp or HEIF is not

@@ -13,8 +13,8 @@
 extern "C" {
 #endif
 
-/* Called from time to time with the finished part of the work, 0 to 1. A nonzero return stops the work, which then ends
-   with FXS_ERR_STOPPED. */
+/* Called from time to time with the finished share of the work, 0 to 1. A nonzero return stops the work; the function
+   at work then returns FXS_ERR_STOPPED. */
 typedef int fxs_progress_fn(void *argument, double done);
 
 /* Default limits. A scene may have one Gaussian for each byte of its files (including files that a .gltf or .sog refers
@@ -25,8 +25,8 @@ typedef int fxs_progress_fn(void *argument, double done);
 #define FXS_GAUSSIANS_CEILING 67108864u
 #define FXS_IMPORT_BYTES 96u
 
-/* The directions of x, y and z in an .spz: as the file says (right, up, back if it says nothing); right, up, back; or
-   right, down, front, as in a .ply. */
+/* The directions of x, y and z in an .spz. FXS_AXES_OF_FILE: as the file states (right, up, back if it states nothing);
+   FXS_AXES_RUB: right, up, back; FXS_AXES_RDF: right, down, front, as in a .ply. */
 enum fxs_axes { FXS_AXES_OF_FILE, FXS_AXES_RUB, FXS_AXES_RDF };
 
 /* All fields 0: finest level, axes as the file says, malloc and free, no progress, the limits above. */

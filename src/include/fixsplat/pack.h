@@ -18,7 +18,8 @@
 extern "C" {
 #endif
 
-/* Gaussians that cannot be drawn and are dropped: their number by reason, and the weights of dropped and kept ones. */
+/* Gaussians that cannot be drawn and are dropped: their number by reason, and the weights of the dropped and of the
+   kept Gaussians. */
 typedef struct fxs_pack_dropped {
     uint64_t not_finite;      /* a value is NaN or infinite; only ln(sigma) may be minus infinity */
     uint64_t rotation;        /* the quaternion is zero */
@@ -32,8 +33,8 @@ typedef struct fxs_pack_error {
     double scale;             /* ln(sigma) */
     double rotation;          /* degrees */
     double opacity;           /* 0..1 */
-    double dc, sh;            /* coefficients; sh with a palette is only known to half a 127th of a Gaussian's
-                                 largest */
+    double dc, sh;            /* coefficients; with an SH palette, `sh` is only exact to 1/254 of the Gaussian's largest
+                                 coefficient */
 } fxs_pack_error;
 
 typedef struct fxs_pack_report {
@@ -48,7 +49,7 @@ typedef struct fxs_pack_report {
 typedef struct fxs_packed_scene {
     void *data;               /* aligned to 64, for fxs_scene_open */
     size_t bytes;
-    void *allocation;         /* the block that fxs_packed_scene_free releases */
+    void *allocation;         /* the memory block that fxs_packed_scene_free releases */
     const fxs_allocator *allocator;
 } fxs_packed_scene;
 
@@ -63,8 +64,8 @@ typedef struct fxs_pack_options {
     const fxs_allocator *allocator;   /* for all memory except the file reader's; null: malloc. Must outlive the
                                          scene */
     int tree;                 /* 1: adds a tree of levels of detail over the chunks, if the scene has two chunks or
-                                 more. The packed scene becomes about twice as large. Building it takes 2 MB more for
-                                 each thread, 6 MB, and 120 bytes a chunk */
+                                 more. The packed scene becomes about twice as large. Building the tree takes 6 MB, 2 MB
+                                 a thread and 120 bytes a chunk more */
 } fxs_pack_options;
 
 /* Bytes of a file's packed scene, without a tree, if no Gaussian is dropped and the chunks are full. Known before the
@@ -72,16 +73,16 @@ typedef struct fxs_pack_options {
    many Gaussians. */
 FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
-/* Packs an open scene file. It reads the file from its start three times; with an SH palette, once more for each 2^24
-   Gaussians beyond the first. `info` was filled in when the file was opened, or updated by a filter. `options` may be
-   null. One job reads the file, on any thread of the pool, while the others compute. Memory: 20 bytes a Gaussian before
-   the packed scene is allocated; in addition to the packed scene, 5 bytes a Gaussian and 3 MB. With an SH palette 64
-   bytes more a Gaussian and 6 MB, but for at most 2^24 Gaussians: 1.1 GB.
+/* Packs an open scene file. It reads the file from its start three times; with an SH palette, once more for each
+   further 2^24 Gaussians beyond the first 2^24. `info` was filled in when the file was opened, or updated by a filter.
+   `options` may be null. One job reads the file, on any thread of the pool, while other jobs compute. Memory: 20 bytes
+   a Gaussian before the packed scene is allocated; then 5 bytes a Gaussian and 3 MB besides the packed scene. An SH
+   palette takes 64 bytes a Gaussian more, for at most 2^24 Gaussians (1.1 GB), and 6 MB.
 
-   Every finite Gaussian is packed in a form that can be drawn. An axis thinner than e^-9 of the Gaussian's largest is
-   widened to that, which no camera can distinguish, and ln(sigma) is clamped to +-20. A centre beyond +-2^27 units is
-   moved to that distance, towards the origin, and the axes shrink in proportion: from near the origin it looks the
-   same.
+   Every finite Gaussian is packed in a form that can be drawn. An axis thinner than e^-9 of the Gaussian's largest axis
+   is widened to e^-9 of it; no camera shows the difference. ln(sigma) is clamped to +-20. A centre beyond +-2^27 units
+   is moved to that distance, towards the origin, and the axes shrink in proportion, so that the Gaussian looks the same
+   from near the origin.
 
    Returns 0 and a scene that fxs_packed_scene_free frees, or an error and a message, with a scene that is all 0.
    Errors: as fxs_scene_file_read; FXS_ERR_FILE if the file has no drawable Gaussian, more than FXS_MAX_COUNT, or
@@ -91,7 +92,7 @@ FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_
                      fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
 /* The weight of a Gaussian: opacity times area, where the area is the product of its two largest sigmas, each clamped
-   to e^-20..e^20; NaN and infinity are e^-20. */
+   to e^-20..e^20; NaN and infinity count as e^-20. */
 FXS_API double fxs_weight(const fxs_gaussian *gaussian);
 
 /* Returns 1 if fxs_pack keeps a Gaussian, with SH up to the given degree. Otherwise returns 0, counts the reason in

@@ -5,14 +5,14 @@
  *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
  *   int8_t palette[stages][entries][48]    SH, 0 to 6 stages: red, green, blue of 16 (the last of them 0); then zeros
  *                                          up to a multiple of 64
- *   rows[chunk_count]                      chunk_bytes each, as below; in version 5, nothing behind the last
+ *   rows[chunk_count]                      chunk_bytes each, as below; in version 5 the end of the scene
  *
  * and in version 6 a tree over these chunks, its leaves (chunk_count is 2 or more):
  *
  *   fxs_tree_header                        64 bytes
  *   fxs_node[chunk_count - 1]              16 bytes each; the root first; then zeros up to a multiple of 64
  *   fxs_chunk[chunk_count - 1]             each node's chunk of coarse Gaussians, which stand for all leaves below it
- *   rows[chunk_count - 1]                  and its rows
+ *   rows[chunk_count - 1]                  the rows of each node's chunk
  *
  * A chunk's rows are one of:
  *
@@ -64,7 +64,7 @@ extern "C" {
 typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t magic, version;
     uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, holes included */
-    uint32_t chunk_bytes;            /* of a chunk's rows */
+    uint32_t chunk_bytes;            /* bytes of the rows of a chunk */
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP with its bits */
     uint32_t checksum;               /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
@@ -115,9 +115,11 @@ typedef struct fxs_tree_header {     /* 64 bytes */
 typedef struct fxs_node {            /* 16 bytes */
     uint32_t children[2];            /* numbers of chunks */
     int16_t gain_q8;                 /* log2 of the squared error that drawing the children removes, colours^2 units^2 */
-    int16_t size_q8;                 /* log2 of the sigma of the differences, units */
+    int16_t size_q8;                 /* log2 of the sigma of the differences between the node's chunk and its children,
+                                        units */
     int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of its Gaussians, units^2 */
-    uint16_t swell_q8;               /* log2 of the opacity sum of the leaves below (each 1/255.5 or more) over its own */
+    uint16_t swell_q8;               /* log2 of the sum of opacities of the leaves below (each 1/255.5 or more) over the
+                                        sum of the node's own */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)
@@ -128,8 +130,8 @@ typedef struct fxs_node {            /* 16 bytes */
 #define FXS_BIG_ENDIAN 0
 #endif
 
-/* Turns the bytes of `count` numbers of `size` bytes, from `offset` on, between the order of a packed scene and that of
-   this processor. */
+/* Converts `count` numbers of `size` bytes, from `offset` on, between little-endian and this processor's byte order, in
+   either direction. */
 static inline void fxs_little_endian(void *start, size_t offset, size_t count, size_t size)
 {
     unsigned char *bytes = (unsigned char *)start + offset;
@@ -159,13 +161,13 @@ static inline uint64_t fxs_little_64(uint64_t x)
     return x;
 }
 
-/* Every field is turned: of a header 8 words, 12 of 64 bits, 6 words, 3 of 64 bits, 4 words; of a chunk's 3 of 64 bits,
-   11 words, 6 halves; its last 48 fields are bytes. */
+/* Checks that the functions below convert every field. A scene header has 8 fields of 32 bits, 12 of 64, 6 of 32, 3 of
+   64 and 4 of 32; a chunk header 3 of 64 bits, 11 of 32, 6 of 16, and 48 bytes. */
 typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 6 + 8 * 3 + 4 * 4 &&
                                      sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 &&
                                      sizeof(fxs_tree_header) == 64 && sizeof(fxs_node) == 16 ? 1 : -1];
 
-/* A header that was copied from a packed scene, to be read; or one that was filled in, to be copied there. */
+/* Converts a copy of a header, after it was read from a packed scene or before it is written there. */
 static inline void fxs_packed_header_turn(fxs_packed_header *header)
 {
     fxs_little_endian(header, 0, 8, 4);
@@ -198,7 +200,7 @@ static inline int fxs_within(int64_t x, int64_t limit)
     return x >= -limit && x <= limit;
 }
 
-/* 1 where all is in the ranges that docs/format.md has for a chunk. */
+/* 1 if every field is in its range of docs/format.md for a chunk, else 0. */
 static inline int fxs_chunk_valid(const fxs_chunk *chunk)
 {
     int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
@@ -215,7 +217,8 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
     return valid;
 }
 
-/* 1 where node i of a scene with so many leaves is as it should be. */
+/* 1 if node i is valid in a scene of `leaves` leaves: its children are two different leaves or later nodes, and its
+   swell is in range. */
 static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t i)
 {
     int valid = node->swell_q8 <= FXS_SWELL_MOST_Q8;
@@ -225,13 +228,13 @@ static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t
     return valid && node->children[0] != node->children[1];
 }
 
-/* The number of a scene's chunks with those of its tree. */
+/* The number of chunks of a scene, including the chunks of its tree. */
 static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
 {
     return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
 }
 
-/* Chunks of so many slots. */
+/* The number of chunks that hold `slots` slots. */
 static inline uint32_t fxs_chunks_of(uint64_t slots)
 {
     return (uint32_t)((slots + FXS_CHUNK - 1) / FXS_CHUNK);
@@ -240,13 +243,14 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 /* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-#define FXS_ROW_POSITION 0u                              /* offsets in the rows of default and compact, in bytes */
+#define FXS_ROW_POSITION 0u                              /* byte offsets of the rows in a chunk, profiles default and
+                                                            compact */
 #define FXS_ROW_ROTATION (6u * FXS_CHUNK)
 #define FXS_ROW_SCALE (10u * FXS_CHUNK)
 #define FXS_ROW_COLOUR (14u * FXS_CHUNK)
 #define FXS_ROW_SH (18u * FXS_CHUNK)
 
-#define FXS_SMALL_A 0u                                   /* and of small */
+#define FXS_SMALL_A 0u                                   /* the same for profile small */
 #define FXS_SMALL_B (4u * FXS_CHUNK)
 #define FXS_SMALL_C (8u * FXS_CHUNK)
 #define FXS_SMALL_D (12u * FXS_CHUNK)
@@ -256,21 +260,21 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 #define FXS_AXIS_BITS_LEAST(profile) ((profile) == FXS_PROFILE_SMALL ? 8 : 11)
 #define FXS_AXIS_BITS_MOST(profile) ((profile) == FXS_PROFILE_SMALL ? 10 : 14)
 
-/* The scale code of axis i, 0 to 1023, from the word of scales; of the third an even number. */
+/* The scale code of axis i, 0 to 1023, from a word of scale codes; the third axis has even codes only. */
 static inline uint32_t fxs_scale_code(uint32_t word, int i)
 {
     return i < 2 ? word >> 10 * i & 1023 : word >> 19 & 1022;
 }
 
-/* How far log2(sigma) lies below the chunk's scale, of a scale code; below 2^22. */
+/* The fall of a scale code: the chunk's scale minus log2(sigma). Below 2^22. */
 static inline int32_t fxs_fall_q16(uint32_t code, uint32_t scale_step_q24)
 {
     return (int32_t)((code * code * scale_step_q24 + 128) >> 8);
 }
 
-/* A rotation word has 32 bits, in small 23: X and Y, which say where the first axis points, with n bits each, and the
-   roll of the second axis about it. n grows by 5/16 of the octaves by which the first axis differs in length from the
-   nearer of the others. This gives n from the falls of the three scales. */
+/* A rotation word has 32 bits (23 in profile small): X and Y, the direction of the first axis, with n bits each, then
+   the roll of the second axis about the first. n grows by 5/16 for each octave by which the first axis differs in
+   length from the other axis that is nearer in length. Returns n, from the falls of the three scale codes. */
 static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall_q16[3])
 {
     const int32_t most = FXS_AXIS_BITS_MOST(profile);
@@ -280,8 +284,8 @@ static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall
     return bits < most ? bits : most;
 }
 
-/* Stages of the palette: the sum of one entry of each, its sign changed or not, and of the chunk's mean is a Gaussian's
-   SH, but for the residual of compact. */
+/* Number of stages of the palette. A Gaussian's SH are the chunk's mean, plus one entry of each stage, added or
+   subtracted; in profile compact plus a residual. */
 static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
 {
     return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0
@@ -294,10 +298,10 @@ static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
 #define FXS_PALETTE_ENTRIES 128u                         /* of a stage, at most */
 #define FXS_PALETTE_STRIDE 48u                           /* bytes an entry */
 #define FXS_PALETTE_NEGATIVE 128u                        /* in an index: the entry's sign changes */
-#define FXS_GAIN_BYTE 3u                                 /* in an SH record of compact */
-#define FXS_RESIDUAL_BIT 32u                             /* where its codes begin */
+#define FXS_GAIN_BYTE 3u                                 /* offset of the gain in an SH record of profile compact */
+#define FXS_RESIDUAL_BIT 32u                             /* first bit of the residual codes in this record */
 
-/* Bytes of SH a Gaussian in the rows. */
+/* Bytes that the SH of a Gaussian take in the rows. */
 static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
 {
     const uint8_t compact[4] = {0, 8, 13, 21};

@@ -1,6 +1,6 @@
-/* Streams a packed scene with levels of detail (packed.h, version 4): a pool in memory holds a part of its rows.
- * Headers, palette and tree are read when it is opened, rows as frames want them. The bytes come from a file, a server
- * or callbacks.
+/* Streams a packed scene with levels of detail (packed.h, version 6): a pool in memory holds a part of the scene's
+ * rows. Headers, palette and tree are read when the scene is opened, rows when frames want them. The bytes come from a
+ * file, a server or callbacks.
  *
  *     fxs_pager_open_file("city.fxs", NULL, &pager, &message);
  *     fxs_object_init(&object, fxs_pager_scene(pager));
@@ -8,13 +8,13 @@
  *     for each frame: fxs_render(...); fxs_pager_turn(pager, &state, &message);
  *
  * A reader thread loads the chunks that frames wanted, most important first, and verifies each chunk's checksum. Frames
- * never wait for it: a missing chunk is drawn by its nearest coarser chunk in the pool. Loaded chunks are used from the
- * next turn on; a full pool evicts the least recently drawn chunks. The coarsest chunks stay. If the camera stands
- * still and the pool has room for the view, fxs_stats.missing falls to 0, and the frame then has the same bytes as a
- * frame of the whole scene.
+ * never wait for the reader thread: in place of a missing chunk, its nearest ancestor in the pool is drawn, which is
+ * coarser. Loaded chunks are used from the next turn on; a full pool evicts the least recently drawn chunks. The
+ * coarsest chunks stay. If the camera stands still and the pool has room for the view, fxs_stats.missing falls to 0,
+ * and the frame then has the same bytes as a frame of the whole scene.
  *
  * Only one thread at a time may render the pager's scene and call fxs_pager_want and fxs_pager_turn. Back ends that
- * copy scenes to a device cannot draw it.
+ * copy scenes to a device cannot draw the pager's scene.
  *
  * Functions return 0, or an FXS_ERR_* and a message. New in version 1.0. */
 #ifndef FXS_PAGER_H
@@ -32,7 +32,7 @@ extern "C" {
 /* The source of the bytes. The pager calls `read` and `close`, one call at a time. The first calls of `read` come on
    the thread that opens the pager, later ones on the pager's thread. */
 typedef struct fxs_pager_source {
-    uint64_t size;                 /* of the whole scene, bytes */
+    uint64_t size;                 /* size of the whole scene, bytes */
     /* Copies the `size` bytes at `offset`, which lie within the scene, to `out`; may block. Returns 0, or an FXS_ERR_*
        and a message. */
     int (*read)(void *argument, uint64_t offset, void *out, size_t size, fxs_message *message);
@@ -41,8 +41,8 @@ typedef struct fxs_pager_source {
     void (*cancel)(void *argument);
     void (*close)(void *argument); /* called once, after the last read; may be null */
     void *argument;                /* first argument of the functions */
-    size_t gap;                    /* largest gap between two wanted chunks, in bytes, that is read along to save a
-                                      request: about 262144 for a server, 0 for a file */
+    size_t gap;                    /* largest gap between two wanted chunks, in bytes, that is read too, so that one
+                                      request gets both chunks: about 262144 for a server, 0 for a file */
 } fxs_pager_source;
 
 /* All 0: the defaults. */
@@ -110,7 +110,7 @@ typedef struct fxs_pager_state {
 FXS_API int fxs_pager_turn(fxs_pager *pager, fxs_pager_state *state, fxs_message *message);
 
 /* Waits until nothing more can be read before the next turn, or the source fails repeatedly, for at most `nanoseconds`.
-   Returns 1 if so, 0 at the timeout. */
+   Returns 1, or 0 at the timeout. */
 FXS_API int fxs_pager_wait(fxs_pager *pager, uint64_t nanoseconds);
 
 /* Closes the source and frees the pager; null is allowed. */

@@ -1,9 +1,9 @@
-/* The contribution of one Gaussian to one pixel. Compiled as C99, CUDA C and GLSL ES 3.00, so: one integer type of 32
- * bits, no division, no pointers, every intermediate under 2^31. FXS_FN precedes its functions: `static inline` by
- * default (in GLSL empty).
+/* The contribution of one Gaussian to one pixel. This file is compiled as C99, CUDA C and GLSL ES 3.00, so it has one
+ * integer type of 32 bits, no division, no pointers, and intermediates below 2^31. FXS_FN precedes each function:
+ * `static inline` by default (in GLSL empty).
  *
- * A splat comes in whitened coordinates (u, v): distance^2 = u^2 + v^2, v constant on a row. Its opacity is folded in
- * as offset = -2 ln(opacity), so that level = distance^2 + offset = -2 ln(alpha). One limit on the level, min(9 +
+ * A splat has whitened coordinates (u, v): distance^2 = u^2 + v^2, with v constant on a row of pixels. Its opacity is
+ * added as offset = -2 ln(opacity), so that level = distance^2 + offset = -2 ln(alpha). One limit on the level, min(9 +
  * offset, 2 ln 255), combines the Mahalanobis cut-off and the 1/255 cut-off. */
 #ifndef FXS_PIXEL_H
 #define FXS_PIXEL_H
@@ -30,7 +30,7 @@ FXS_FN int fxs_min(int a, int b)
     return a < b ? a : b;
 }
 
-/* u or v, clamped to +-4 (the cut-off is at most 3.34). */
+/* u or v, clamped to +-4 (nothing is drawn beyond 3.34). */
 FXS_FN int fxs_coordinate_q13(int coordinate_q24)
 {
     int c = coordinate_q24 >> 11;
@@ -49,7 +49,7 @@ FXS_FN int fxs_level_q11(int u_q13, int row_level_q11)
     return fxs_min(fxs_mul_q15(u_q13, u_q13) + row_level_q11, FXS_LEVEL_MAX_Q11);
 }
 
-/* The largest level that still counts. cut = 9, or 16 for the 1/255 cut-off alone. */
+/* The largest level at which a Gaussian contributes. cut = 9, or 16 if only the 1/255 cut-off applies. */
 FXS_FN int fxs_limit_q11(int offset_q11, int cut_q11)
 {
     return fxs_min(offset_q11 + cut_q11, FXS_FAINT_Q11);

@@ -14,8 +14,8 @@ extern "C" {
 
 typedef struct fxs_pool fxs_pool;
 
-/* Starts threads - 1 threads; the caller of fxs_pool_run is the last. `threads` is 1 to 64. Returns null if the threads
-   cannot be started. */
+/* Starts threads - 1 threads; the caller of fxs_pool_run works as one more. `threads` is 1 to 64. Returns null if the
+   threads cannot be started. */
 FXS_API fxs_pool *fxs_pool_create(uint32_t threads);
 
 /* Runs job(argument, i) for i in 0..jobs-1 and returns when all jobs are done. Several threads may call it at once, and

@@ -1,5 +1,5 @@
-/* Refines the levels of detail of a packed scene: fits coarse Gaussians to pictures of the fine ones, and measures in
- * these pictures, with occlusion, the gain of opening each node.
+/* Refines the levels of detail of a packed scene: fits coarse Gaussians to pictures of the fine ones, and measures for
+ * each node how much its children improve these pictures, occlusion included.
  *
  * The result is a function of the scene, the views and the number of steps, the same with any number of threads and on
  * every processor. docs/convert.md has measurements.
@@ -27,7 +27,7 @@ extern "C" {
 typedef struct fxs_refine_options {
     const fxs_context *context;        /* renders; its run, pool and threads also make the steps. Not null */
     uint32_t steps;                    /* per level, at most FXS_REFINE_STEPS_MOST. 0: leaves the Gaussians unchanged
-                                          and only measures the gain of opening the nodes */
+                                          and only measures the gain of drawing each node's children */
     /* Cameras that show the scene as viewers will see it; null: none. Only perspective views are used, at most
        FXS_REFINE_VIEWS (without steps FXS_REFINE_MEASURED), evenly spaced. */
     const fxs_file_view *views;

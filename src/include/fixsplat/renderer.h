@@ -55,15 +55,15 @@ typedef struct fxs_open_options {
 } fxs_open_options;
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
-   mapping; a damaged chunk is drawn safely with its damage, unless check_all refuses it. If other programs may truncate
-   the file, call fxs_map_guard (map.h) once before. Files of other formats are packed. `options` may be null; for an
-   .fxs only max_gaussians, check_all, the allocator and the pager apply. With a pager, the path may be an http(s)
-   address. fxs_close frees *opened, which is null after an error.
+   mapping; a damaged chunk is drawn as it is, which is safe, unless check_all refuses the file. If other programs may
+   truncate the file, call fxs_map_guard (map.h) once before fxs_open. Files of other formats are packed. `options` may
+   be null; for an .fxs only max_gaussians, check_all, the allocator and the pager apply. With a pager, the path may be
+   an http(s) address. fxs_close frees *opened, which is null after an error.
    Errors: as fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
 FXS_API int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 
-/* fxs_open for a file of `bytes` bytes in memory. An .fxs file must stay there unchanged until fxs_close, except that
-   data not aligned to 64 are copied. Messages begin with `name`. */
+/* fxs_open for a file of `bytes` bytes in memory. An .fxs file aligned to 64 must stay in memory unchanged until
+   fxs_close; one that is not aligned is copied. Messages begin with `name`. */
 FXS_API int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_open_options *options,
                             fxs_opened **opened, fxs_message *message);
 
@@ -84,7 +84,7 @@ FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, const doub
                            double fov, int32_t width, int32_t height, fxs_file_view *view, double up[3],
                            fxs_message *message);
 
-/* fxs_first_view with a known up direction: `up` has any length; all 0: it is found. */
+/* fxs_first_view with a known up direction: `up` has any length; all 0: the up direction is found. */
 FXS_API int fxs_first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
                                    const double up[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
                                    fxs_message *message);
@@ -95,7 +95,7 @@ FXS_API int fxs_first_view_upright(const fxs_object *objects, uint32_t count, co
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                               fxs_message *message);
 
-/* Frees the scene; null is allowed. Call fxs_renderer_forget on its renderers first. */
+/* Frees the scene; null is allowed. First call fxs_renderer_forget for each renderer that has rendered the scene. */
 FXS_API void fxs_close(fxs_opened *opened);
 
 /* ---- Renderers --------------------------------------------------------------------------------------------------- */
@@ -108,8 +108,8 @@ typedef struct fxs_renderer fxs_renderer;
 FXS_API int fxs_renderer_create(const char *backend, const fxs_backend_options *options, fxs_renderer **renderer,
                                 fxs_message *message);
 
-/* Renders a request into its targets, which are in host memory, and returns when they are written. `stats` may be null.
-   Errors as fxs_render. */
+/* Renders a request into its targets, which are in host memory, and returns when the targets are written. `stats` may
+   be null. Errors as fxs_render. */
 FXS_API int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *request, fxs_stats *stats,
                                 fxs_message *message);
 

@@ -18,11 +18,12 @@ extern "C" {
    number. A scene of at most `target` Gaussians is unchanged.
 
    The two Gaussians of a pair are weighted by opacity times area. The merged position and covariance are the mean and
-   the covariance of both together; dc and SH are their means. The merged opacity keeps the sum of opacity times area,
-   but is at most 0.99 or the larger opacity of both. Each round pairs every Gaussian with the neighbour of least loss,
-   among the nearest 16 in its chunk of 256 (fxs_order). Then it merges the quarter of the pairs with the least loss,
-   skipping a pair that shares a Gaussian with an earlier one. The loss is Runnalls' bound (2007, "Kullback-Leibler
-   approach to Gaussian mixture reduction") and the difference of the colours. The result is the same on every machine.
+   the covariance of the pair as one distribution; dc and SH are weighted means. The merged opacity keeps the sum of
+   opacity times area, but is at most 0.99, or the larger opacity of the two if that is higher. Each round pairs every
+   Gaussian with the neighbour of least loss, among the nearest 16 in its chunk of 256 (fxs_order). Then it merges the
+   quarter of the pairs with the least loss, skipping a pair that shares a Gaussian with an earlier pair. The loss is
+   Runnalls' bound (2007, "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of the colours.
+   The result is the same on every machine.
 
    Memory: 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` is called with
    `argument`, and may be null. Returns 0, or an error and a message; the caller must then close the file. Errors: as

@@ -38,10 +38,10 @@ extern "C" {
    - A tileset: 1200 bytes and the name of each content, and the memory of 33 contents.
    cJSON, libzip, libwebp and zstd allocate their own memory with malloc; cJSON's also counts towards max_memory.
 
-   Decompressed data are kept until the file is closed, for later passes; an .spz that several nodes of a glTF share is
-   kept once. If the .spz of a glTF or the files of a streamed SOG exceed max_memory together, those that fit are kept
-   and the others are decompressed again in each pass. A tileset keeps 32 contents open and reopens the others in each
-   pass.
+   Decompressed data are kept until the file is closed, for later passes over the file; an .spz that several nodes of a
+   glTF share is kept once. If the .spz of a glTF or the files of a streamed SOG exceed max_memory together, the files
+   that fit are kept and the others are decompressed again in each pass. A tileset keeps 32 contents open and reopens
+   the others in each pass.
 
    `path` must name a regular file or a folder as above. Files that it refers to must lie in the folder of the opened
    file or below it: a path that leaves that folder, by ".." or a symbolic link, is refused. A \ in a file name

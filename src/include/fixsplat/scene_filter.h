@@ -32,7 +32,8 @@ typedef struct fxs_scene_filter {
     double opacity;           /* least opacity to keep, 0 to 1 */
     int sh_degree;            /* highest SH degree to keep, 0 to 3 */
     int drawable;             /* 1: drops the Gaussians that fxs_pack would drop */
-    int floaters;             /* strength 1 to 5: drops floaters among the others, see below; 0: keeps them */
+    int floaters;             /* strength 1 to 5: drops floaters, which are found among the Gaussians that the other
+                                 filters keep, see below; 0: keeps floaters */
     /* For each kind with shapes: keeps centres in at least one shape of that kind. Owned by the caller; must stay valid
        until the file is closed. */
     const fxs_filter_shape *shapes;
@@ -55,8 +56,9 @@ FXS_API void fxs_scene_filter_default(fxs_scene_filter *filter);
 
    A Gaussian is a floater if fewer than FXS_FLOATER_NEIGHBOURS other centres lie in the cube of 27 cells around it. The
    grid of cells goes through the origin. The width of a cell is the least power of two that is at least 4 times the
-   Gaussian's largest sigma, but at least the width for the median Gaussian. So a large background Gaussian may have its
-   neighbours farther away than a small one, and fine detail needs no closer neighbours than the rest. The strengths:
+   Gaussian's largest sigma, but at least the width for the Gaussian of median size. So the neighbours of a large
+   background Gaussian may be farther away than the neighbours of a small one, and fine detail needs no closer
+   neighbours than the median Gaussian. The strengths:
    - 1: as described.
    - 2: for a Gaussian with an opacity below 0.9, the width is at most twice the width for the median Gaussian.
    - 3: for such a Gaussian, the width is the median Gaussian's.

@@ -19,19 +19,20 @@ typedef struct fxs_scene_writer fxs_scene_writer;
 typedef struct fxs_scene_write_options {
     uint64_t count;              /* exact number of Gaussians that will be written */
     int sh_degree;               /* 0 to 3 */
-    int antialiased;             /* 1: opacities were fitted with compensation for the dilation */
+    int antialiased;             /* 1: opacities were fitted with compensation for the renderer's dilation */
     float low[3], high[3];       /* bounds of the centres, for the header of a .glb; unused by other formats */
     int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
     const char *format;          /* a name of formats.h, such as "ply"; null: by the path's ending */
     int spz_fine;                /* 1: an .spz gets SH in 8 bits instead of 5 and 4, and positions in all 24 bits */
-    double origin[3];            /* of the stream (fxs_scene_file_info): added to each position, and to the bounds */
+    double origin[3];            /* origin of the stream (fxs_scene_file_info), added to each position and to the
+                                    bounds */
 } fxs_scene_write_options;
 
 /* Numbers of Gaussians in an .spz with a value that was clamped by at least a step of the format. Axes too thin to be
    seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of 1/128. */
 typedef struct fxs_spz_clamped {
     uint32_t position, scale, dc, sh;
-    double reach;                /* scene units: a position beyond it on any axis is moved there, towards the origin */
+    double reach;                /* scene units: a coordinate beyond +-reach is moved to +-reach */
 } fxs_spz_clamped;
 
 /* Losses in the written file. */
@@ -55,7 +56,7 @@ typedef struct fxs_scene_write_report {
    - .ply, .splat, .glb, .csv: holds no Gaussians.
    - .spz: 44 bytes a Gaussian and 1 byte for each SH coefficient.
    - .compressed.ply, .sog: 56 bytes a Gaussian and 2 bytes for each SH coefficient; while closing up to twice that.
-   - .rad, lod-meta.json: the same; while closing up to four times as much.
+   - .rad, lod-meta.json: as .sog; while closing up to four times as much.
    Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED if fixsplat was built without a
    library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,

@@ -21,12 +21,12 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* A flag in a list's entries, used only with FXS_CUTOFF_SQUARE. The square lists a splat in tiles that its ellipse does
-   not touch. The splat adds nothing there, but its u and v, which are right modulo 2^32 only near the ellipse, could
-   wrap to values that do. The flag marks such an entry as cut off; its u and v are ignored. */
+/* A flag in a list's entries, used only with FXS_CUTOFF_SQUARE. The square lists a splat also in tiles that its ellipse
+   does not touch. The splat must add nothing there, but its u and v, which are right only near the ellipse, could wrap
+   modulo 2^32 to small values. The flag marks such an entry as cut off; its u and v are ignored. */
 #define FXS_ENTRY_CUT_OFF 0x80000000u
-/* u and v at the tile's corner that the C version of blend substitutes for such an entry. Over the tile each changes by
-   at most 40.3, so they stay beyond +-4, where nothing is drawn, and within +-128, the range of Q24. */
+/* u and v at the tile's corner that the C version of blend substitutes for such an entry. Over the tile, u and v change
+   by at most 40.3 each, so they stay above 4, where nothing is drawn, and below 128, the range of Q24. */
 #define FXS_CUT_OFF_Q24 (70 << 24)
 
 /* A camera prepared for the stages, in the world or in the space of an object. */
@@ -43,8 +43,10 @@ typedef struct fxs_view {
                                                       +-64 */
     int32_t hidden_low_q23[2], hidden_high_q23[2]; /* x/z and y/z 4 pixels inside the edges of the hidden part */
     int32_t hidden[2], hidden_end[2];              /* pixels of the hidden part, x and y: first, and end (exclusive) */
-    int32_t veil_exponent;         /* a Gaussian with its centre out of range is visible from this size exponent on */
-    int32_t jacobian_exponent;     /* 2^that >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
+    int32_t veil_exponent;         /* smallest size exponent with which a Gaussian with its centre out of range is
+                                      visible */
+    int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian
+                                      times z / f */
     int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
     int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
     int32_t cut_q11;               /* for fxs_limit_q11 */
@@ -67,7 +69,8 @@ typedef struct fxs_splat {
     uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
 } fxs_splat;
 
-/* The same Gaussian, as the bin stage reads it: x = cx + shear v + breadth sqrt(r^2 - v^2) bounds the ellipse at v. */
+/* A projected Gaussian, as the bin stage reads it: x = cx + shear v + breadth sqrt(r^2 - v^2) bounds the ellipse at
+   v. */
 typedef struct fxs_bounds {
     int32_t cx_q14, cy_q14;        /* centre, pixels; 0 is the centre of the first pixel */
     uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
@@ -77,7 +80,7 @@ typedef struct fxs_bounds {
 } fxs_bounds;
 
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
-#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil, a Gaussian that is listed in every tile */
+#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil: a Gaussian that is listed in every tile */
 
 /* Tile columns or rows, first to last; empty if first > last. */
 typedef struct fxs_span {
@@ -96,9 +99,9 @@ static inline uint32_t fxs_macros(int32_t tiles)
     return (uint32_t)(tiles + FXS_MACRO - 1) / FXS_MACRO;
 }
 
-/* The tiles that a splat is listed in, if they fit in 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3 are the mask
-   of the macro tile in row r and column c. The bits from 36 on are the number, in the picture, of the macro tile in row
-   0 and column 0. */
+/* The tiles that a splat is listed in, if these tiles lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3
+   are the mask of the macro tile in row r and column c. The bits from 36 on are the number, in the picture, of the
+   macro tile in row 0 and column 0. */
 typedef struct fxs_box {
     uint64_t bits;
 } fxs_box;
@@ -134,7 +137,8 @@ enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END
 typedef struct fxs_trace {
     unsigned which;
     int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depths_q15, at most 32767 */
-    int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last entry that met T >= 1/2 and contributed */
+    int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last contributing entry for which the transmittance before it was
+                                               1/2 or more */
     int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight so far, over all parts */
     int16_t largest[FXS_TILE_PIXELS];       /* ID: first entry with that weight */
     int16_t end[FXS_TILE_PIXELS];           /* END, input: entries from this one on do not contribute to the pixel */
@@ -166,7 +170,7 @@ typedef struct fxs_tile_run {
     uint32_t object_count;
 } fxs_tile_run;
 
-/* Bytes of a pixel. */
+/* Bytes of a pixel in a format. */
 static inline int fxs_pixel_bytes(enum fxs_format format)
 {
     return format == FXS_FORMAT_RGB565 || format == FXS_FORMAT_RGB565_SWAPPED ? 2
@@ -208,9 +212,9 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
-/* The mean depth of a pixel comes from sums with FXS_DEPTH_GUARD bits below a unit of the target. A Gaussian at depth
-   2^octave (1 + code) with weight w adds w + fxs_mul_q15(w, code), times 2^shift. The sums are integers, so their order
-   does not matter. */
+/* The mean depth of a pixel comes from sums with FXS_DEPTH_GUARD fraction bits, in units of the target. A Gaussian at
+   depth 2^octave (1 + code) with weight w adds w + fxs_mul_q15(w, code), times 2^shift. The sums are integers, so their
+   order does not matter. */
 #define FXS_DEPTH_GUARD 8
 
 /* The code of a depth key: its position within the octave, 0 to 1. */
@@ -219,15 +223,16 @@ static inline int fxs_depth_code_q15(uint32_t key)
     return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
 }
 
-/* Sum of the Gaussians in the octave of `key`, in units of the target. Depths beyond the target's range count as the
-   least depth beyond; depths below 2^-FXS_DEPTH_GUARD units as 0. */
+/* Converts the sum over the Gaussians in the octave of `key` to units of the target. Depths beyond the target's range
+   count as the end of the range; depths below 2^-FXS_DEPTH_GUARD units count as 0. */
 static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
 {
     const int shift = fxs_min((int)(key >> 26) - 32 + bits, 32) + FXS_DEPTH_GUARD;
     return shift < 0 ? 0 : (uint64_t)sum_q15 << shift;
 }
 
-/* sum of weight * depth / sum of weight, rounded */
+/* The mean depth of a pixel, rounded. `sum` is its sum of weight * depth (fxs_depth_sum); the sum of weights is 1 -
+   transmittance. */
 static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
 {
     const uint64_t weight = (uint64_t)(FXS_CLEAR_Q15 - transmittance_q15) << FXS_DEPTH_GUARD;
@@ -259,7 +264,7 @@ FXS_API void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_s
 FXS_API void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                            int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
-/* `resolve` in any format. */
+/* kernels->resolve, extended to every format. */
 FXS_API void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
                                 const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                                 ptrdiff_t stride);

@@ -75,27 +75,28 @@ FXS_API void fxs_world_free(fxs_world *world);
 FXS_API int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement,
                              fxs_crop *crops, fxs_message *message);
 
-/* The rows of scale * rotation, each followed by a component of the translation. fxs_object_place must accept the
-   placement. */
+/* The matrix of a placement: three rows of scale * rotation, each followed by a component of the translation.
+   fxs_object_place must accept the placement. */
 FXS_API void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
 
 /* Transforms a file's start data (up direction, start view) like an object of that file. A start view is dropped if its
    camera would be out of range. */
 FXS_API void fxs_placement_start(const fxs_placement *placement, fxs_start *start);
 
-/* Finds the world's box around the part of the file's box that the crops keep. Returns 1, or 0 if they keep nothing. */
+/* Crops the box low..high of a file by the placement's crops, and finds the bounding box of the rest in the world.
+   Returns 1, or 0 if nothing is left. */
 FXS_API int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3],
                               double world_low[3], double world_high[3]);
 
-/* Applies a placement to all objects of a world, and to its up direction, as if they were one object. */
+/* Applies a placement to all objects and the up direction of a world, as if the objects were one. */
 FXS_API void fxs_world_place(fxs_world *world, const fxs_placement *whole);
 
 /* Merges the open files of a world into one stream. `files` and `infos` are in the order of world->files. The stream
    gives the Gaussians of each visible object in turn, with the object's crops, opacity and tint applied and SH rotated.
-   It owns the files from then on, also after an error. All files must be anti-aliased, or none. If an object has crops,
-   the files are read once to count the remaining Gaussians. info->start gets the world's up direction, or else the up
-   direction of the first object with a known one, and the start view of the first object that has one. fxs_object_place
-   must accept the placements. Returns 0, or an FXS_ERR_* and a message. */
+   The function takes over the files, also after an error. All files must be anti-aliased, or none. If an object has
+   crops, the files are read once to count the remaining Gaussians. info->start gets the world's up direction, or else
+   the up direction of the first object with a known one, and the start view of the first object that has one.
+   fxs_object_place must accept the placements. Returns 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
                             fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message);
 
