@@ -18,7 +18,8 @@ static inline double larger_of(double x, double y)
 
 /* ---- Opacities ------------------------------------------------------------------------------------------------- */
 
-/* 4^(1 - law) - 1/255 for laws 1 and up, and 254 divided by its square root; law 0 has even steps */
+/* for each law: 4^(1 - law) - 1/255, and 254 divided by the square root of this; law 0, with even steps, uses no
+   scale */
 static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 255.0, 0.25 - 1 / 255.0,
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
@@ -148,7 +149,7 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     note_three(loss, FXS_LOSS_DC, errors + 3);
 }
 
-/* Extends a scale code of axis i from `bits` to 10 bits, or 9 for i = 2. */
+/* Extends a scale code of axis i from `bits` to 10 bits; for axis 2, to 9 bits and a 0 behind them. */
 static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
 {
     return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
@@ -324,7 +325,7 @@ static inline void fill_by_degree(double numbers[BANDS], const double of[3])
         numbers[i] = of[2];
 }
 
-/* Adds the absolute errors of 48 coefficients to `loss`. Changes the array. */
+/* Records the absolute errors of 48 coefficients in `loss`. Changes the array. */
 static inline void note_bands(fxs_loss *loss, double errors[BANDS])
 {
     double most[BANDS / 2];
