@@ -1,7 +1,7 @@
-/* Weights a sample of Gaussians by opacity and size, and takes quantiles of the weight along each axis. The box lies
- * between the quantiles EDGE and 1 - EDGE, the core between CORE and 1 - CORE. If the box is not much larger than the
- * core, the scene is an object with an outline, and the box gets a margin. Otherwise the scene is surroundings, and the
- * box covers at least the middle 90 % of the centres. */
+/* Weights a sample of Gaussians by opacity and size, and takes quantiles of the weight along each axis. On each axis,
+ * the box lies between the quantiles EDGE and 1 - EDGE, and the core between CORE and 1 - CORE. If the box is not much
+ * larger than the core, the scene is an object with an outline, and the box gets a margin. Otherwise the scene is
+ * surroundings, and the box covers at least the middle 90 % of the centres. */
 #include "framing.h"
 
 #include <math.h>

@@ -26,10 +26,10 @@ enum {
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
-#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* cap of a merged opacity, unless either is more opaque */
+#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* cap of a merged opacity, unless an input is more opaque */
 #define OVERLAP 0.3f                   /* share of a pair's mutual occlusion that is taken off the merged mass */
 #define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; that of a colour is 1 */
-#define THINNEST 1e-3f                 /* share of the trace, added to variances in errors */
+#define THINNEST 1e-3f                 /* share of a covariance's trace that errors add to variances */
 #define LEAST 1e-30f
 #define PI 3.14159265f
 

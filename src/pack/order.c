@@ -27,7 +27,7 @@ enum {
 
 #define AMONG_ITS_LIKE (1u << 31)     /* flag in an index: the Gaussian is to be ordered separately */
 #define LEAST_WIDTH 1e-30f           /* narrower runs are not cut by a histogram */
-#define NARROW 0.25f                 /* axes below this share of the widest are not cut */
+#define NARROW 0.25f                 /* axes narrower than this share of a run's widest are not cut */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
 
 typedef struct stretch {

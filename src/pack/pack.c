@@ -34,7 +34,7 @@
 #define AHEAD 8                      /* prefetch distance, Gaussians */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 #define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
-#define FOG 0.1                      /* share of the weight; captured scenes without fog: at most 0.03 */
+#define FOG 0.1                      /* share of faint weight in fog; in captured scenes without fog at most 0.03 */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address)
