@@ -1,6 +1,6 @@
 /* The stages of pack_stage.h for instruction set ISA. The includer defines two functions. find_dots computes the dot
    products of a vector with GROUP vectors. find_leasts finds the `wanted` smallest of 8, 16 or 48 costs; equal costs
-   are taken in order. It may change the costs. */
+   are taken in order, and place 0 if all others are taken. It may change the costs. */
 #include "pack_stage.h"
 
 #include <math.h>
