@@ -43,8 +43,8 @@ void fxs_tree_count_within(const fxs_tree *tree, uint32_t first, uint32_t end, u
 /* Properties of a node besides its chunk. Little-endian where they are written to a file. */
 typedef struct fxs_node_sums {
     double error, size;                /* as in fxs_merge_error */
-    double opacity, own, area;         /* sums of opacities: of the leaves below, of the node's Gaussians, of those
-                                          times area */
+    double opacity, own, area;         /* sums of opacities: of the leaves below, of the node's Gaussians, of the
+                                          latter times area */
 } fxs_node_sums;
 
 static inline void fxs_node_sums_turn(fxs_node_sums *sums)

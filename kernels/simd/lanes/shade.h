@@ -72,7 +72,7 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
 
 /* Neighbours to shade together. */
 typedef struct neighbours {
-    uint32_t start, end;           /* range of their visible Gaussians in the chunk's list of visible ones */
+    uint32_t start, end;           /* where the visible ones are in the chunk's list of visible Gaussians */
     uint32_t first, wanted;        /* first neighbour; mask of visible neighbours */
     vi d_q15[PARTS][3];            /* directions from the camera, if several groups find them together */
 } neighbours;
