@@ -18,7 +18,7 @@ const NOTHING: u32 = 0xffffffffu;
 const BOX_COLUMNS: i32 = 6;
 const BOX_ROWS: i32 = 7;
 
-// Indices in the array of counts: first the capacities that the frame needed, later the numbers per tile.
+// Indices in the array of counts: first what the frame needed of each kind, then the lengths per tile.
 const VISIBLE_CHUNKS: u32 = 0u;
 const LARGES: u32 = 1u;
 const PAGES: u32 = 2u;
@@ -43,7 +43,7 @@ struct Frame {
     seen: u32,                     // in the counts: a bit per place, set if visible
     ranks: u32,                    // number of visible places before each word of `seen`
     visible: u32,                  // visible places
-    records: u32,                  // records of visible places
+    records: u32,                  // record of each place; written only if visible
     depths: u32,                   // depth keys by slot
     boxes: u32,                    // two words per slot; reused by later stages after the lists are filled
     larges: u32,
