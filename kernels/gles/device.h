@@ -27,9 +27,9 @@ enum {
 };
 /* Textures, by unit. */
 enum {
-    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* tiles: places of lists, their splats, their masks */
+    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* tiles: lists, splats of lists, masks of splats */
     FXS_GLES_CHUNKS,               /* tiles: input for the masks */
-    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's, or copies; BUFFER: GL depths */
+    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's textures, or copies; BUFFER: GL depths */
     FXS_GLES_CARRIED,              /* T and sums up to now */
     FXS_GLES_IDS, FXS_GLES_TRACES, /* tiles: ids of records; depths, weights and ids up to now */
     FXS_GLES_UNITS,                /* equals FXS_GL_UNITS */

@@ -31,7 +31,7 @@ typedef struct batch {
     amount used, room;
     int32_t first, end;            /* tiles, by number in the window */
     int32_t ordered;               /* number of tiles to draw; their order starts in the first list of the first row */
-    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* start of each row of tiles, from the row of `first` on */
+    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* start of each tile row, from that of tile `first` on */
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)

@@ -56,7 +56,7 @@ typedef struct kept {
    32-bit word, so that one broadcast fills a vector. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at the patch's first pixel */
-    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the right half of a patch minus u of its left half */
+    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the half that pattern_q24 lacks, minus u of its half */
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
     vu pattern_q24[GROUP];         /* by place: u in half of a patch (with LANES 4, its left half), minus u at the
                                       first pixel */
