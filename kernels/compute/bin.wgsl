@@ -77,7 +77,7 @@ fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
     return Span(clamp(first, 0, tiles), clamp(last, -1, tiles - 1));
 }
 
-// Tile rows that may list a splat.
+// Tile rows with tiles that may list a splat.
 fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
 {
     if (frame.cutoff == 1) {
@@ -86,7 +86,7 @@ fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
     return Span((*s).rows.x >> frame.tile_bits, (*s).rows.y >> frame.tile_bits);
 }
 
-// Tiles of one such row that list it.
+// Tiles of one of these rows that list the splat.
 fn span_of(s: ptr<function, Splat>, b: ptr<function, Bounds>, r_q12: i32, row: i32) -> Span
 {
     if (frame.cutoff == 1) {

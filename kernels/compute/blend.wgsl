@@ -1,7 +1,7 @@
 // Needs pixel records order pixels
 // blend and resolve.
 
-// Blends the marked splats of a round, two at a time to hide latency.
+// Blends the splats of a round that touch an open pixel, two at a time to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)
 {
     var bits = atomicLoad(&touching[round % 2u]);
@@ -67,7 +67,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// Pixels of empty lists; a workgroup has 8x8 pixels. Also writes what trace_tiles writes without splats.
+// Writes the pixels of tiles with empty lists, 8x8 pixels per workgroup, and empty depths and ids for them.
 @compute @workgroup_size(64)
 fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

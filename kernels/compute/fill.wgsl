@@ -49,7 +49,7 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
-    // As in patch_of: one workgroup per 8x8 pixels, or eight if the list is in the longest class.
+    // As in patch_of: blend has one workgroup per 8x8 pixels, or eight if the list is in the longest class.
     let patches = 2u * (frame.tile_bits - 3u);
     let empty = atomicLoad(&counts[CLASS_COUNTS]);
     let longest = atomicLoad(&counts[CLASS_COUNTS + CLASSES - 1u]);

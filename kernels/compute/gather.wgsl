@@ -1,5 +1,5 @@
 // Needs numbers records sums
-// Gathers the visible places without gaps, and counts them per span. One workgroup.
+// Gathers the visible places (chunks) without gaps, and counts them per span. One workgroup.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;  // indirect dispatches, four words each

@@ -7,13 +7,13 @@
 
 var<workgroup> first_page: u32;
 
-// 0: empty lists; last class: 4096 entries and more
+// Class of a list of this length. 0: empty lists; last class: 4096 entries and more
 fn class_of(length: u32) -> u32
 {
     return select(min(34u - countLeadingZeros(length), CLASSES - 1u), 0u, length == 0u);
 }
 
-// Adds the blocks of a list to the work of sort.
+// Adds the blocks of a tile's list to the blocks that sort has to sort.
 fn put_blocks(tile: u32, length: u32)
 {
     let blocks = select(0u, (length - 1u) / BLOCK + 1u, length > 1u);

@@ -26,7 +26,7 @@ fn step_shift_of(at: u32) -> u32
     return scene[at + 18u] >> 16u;
 }
 
-// Range of the codes from the origin. Below 2^60 if step_shift is at most 12.
+// Distance from a chunk's origin that its position codes reach on axis i. Below 2^60 if step_shift is at most 12.
 fn reach_of(at: u32, i: u32) -> wide
 {
     return shift_left(mul_wide(scene[at + 6u + i], 65535u), step_shift_of(at));
@@ -214,7 +214,7 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
     }
 }
 
-// True if the chunk at a place may be visible; then also writes its record.
+// True if the chunk at a place may be visible; then also writes the chunk's record.
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
@@ -237,7 +237,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Sets the bits of the visible places. Spans may share a word.
+// Sets the bits of the visible places. Two spans may have bits in the same word.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

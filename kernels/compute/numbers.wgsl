@@ -23,7 +23,7 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Not 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of such a word when it is shifted next.
+// Not written as 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of such a word when it is shifted next.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -43,7 +43,8 @@ fn less(a: wide, b: wide) -> bool
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
 }
 
-// By halves of 16 bits. tools/scripts/compute_shaders.mjs replaces the body with umulExtended.
+// Multiplies in halves of 16 bits. In the GLSL version, tools/scripts/compute_shaders.mjs replaces the body with
+// umulExtended.
 fn mul_wide(a: u32, b: u32) -> wide
 {
     let al = a & 0xffffu;

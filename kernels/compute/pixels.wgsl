@@ -1,6 +1,6 @@
 // Shared by blend and trace. A workgroup of 32 threads has 8x8 pixels, two per thread. It takes 32 splats of the list
 // per round: each thread tests one splat against the rows, then all threads blend the splats that can touch an open
-// pixel. For a list of the longest class a workgroup has only one row of the pixels, for load balance.
+// pixel. For a list of the longest class, a workgroup has only one row of the 8x8 pixels, for load balance.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -11,9 +11,9 @@
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
 
-// Splats of a round, relative to the patch. shapes: u and v at the patch's first pixel, ux, uy. shades: vy, offset and
-// red, green and blue, limit. Levels of rows are not kept: with less workgroup memory, a GPU runs more workgroups at a
-// time.
+// Splats of a round, relative to the workgroup's patch of pixels. shapes: u and v at the patch's first pixel, ux, uy.
+// shades: vy, offset and red, green and blue, limit. Levels of rows are computed again instead of stored: with less
+// workgroup memory, a GPU runs more workgroups at a time.
 var<workgroup> shapes: array<vec4<u32>, 32>;
 var<workgroup> shades: array<vec4<u32>, 32>;
 var<workgroup> touching: array<atomic<u32>, 2>;    // this round and the next: splats that can touch a pixel
@@ -83,7 +83,7 @@ fn open_of(row: u32) -> u32
     return (atomicLoad(&open_pixels[row / 4u]) >> (8u * (row % 4u))) & 0xffu;
 }
 
-// A splat of the round on a row.
+// A splat of the round on a row of pixels.
 struct Taken {
     u: u32,
     ux: u32,
@@ -164,7 +164,7 @@ struct Patch {
 
 fn corner_of(tile: u32, number: u32) -> vec2<u32>
 {
-    let halves = frame.tile_bits - 3u;             // bits in a number for the patch's place in the tile, per axis
+    let halves = frame.tile_bits - 3u;             // bits of `number` for the patch's place in its tile, per axis
     let across = u32(frame.tiles.x);
     return (vec2<u32>(tile % across, tile / across) << vec2<u32>(frame.tile_bits)) +
            vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;

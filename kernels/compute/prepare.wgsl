@@ -25,7 +25,7 @@ fn scale_depth(key: u32) -> u32
     return (u32(exponent) << 26u) | (((product << u32(zeros)) >> 5u) & 0x3ffffffu);
 }
 
-// The crop boxes of fxs_object_change.
+// False if the object's crop boxes remove a Gaussian, as in fxs_object_change.
 fn is_kept(position: vec3<u32>) -> bool
 {
     var centre: array<wide, 3>;
@@ -59,7 +59,7 @@ fn count_tiles(row: i32, s: Span)
     }
 }
 
-// Records LARGE_ROWS tile rows of a splat that is too large for a box, for fill_large.
+// Records LARGE_ROWS tile rows of a splat with tiles that do not fit in a box (see list_splat), for fill_large.
 fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
 {
     let place = atomicAdd(&counts[LARGES], 1u);
@@ -76,8 +76,8 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
-// Counts the tiles of a splat. Returns its box: bit 6 r + c of 42 for the tile in row r and column c, then the first
-// tile's number in the bits above. Returns 0 if the splat is large or no tile lists it.
+// Counts the tiles of a splat. Returns its box: a mask of 42 bits, with bit 6 r + c for the tile in row r and column c;
+// in the bits above, the number of the first tile. Returns 0 if the splat is large or no tile lists it.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;

@@ -9,7 +9,7 @@ struct Projected {
     out_of_range: bool,
 }
 
-// In units of 4^exponent pixels^2.
+// The covariance of a splat in units of 4^exponent pixels^2.
 struct Covariance {
     a_q30: u32,
     c_q30: u32,
@@ -106,7 +106,7 @@ fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
     return true;
 }
 
-// A row of J W, over f/z 2^jacobian_exponent, Q15.
+// A row of J W, divided by f/z 2^jacobian_exponent, Q15.
 fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
 {
     let slope = clamp(slope_q23, object.slope_low_q23[i], object.slope_high_q23[i]);
@@ -296,7 +296,7 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     return true;
 }
 
-// The square of Kerbl et al. 2023. False if it misses the picture.
+// The square cut-off of Kerbl et al. 2023. False if the square misses the picture.
 fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
 {
     let e = (*s).exponent;
@@ -373,7 +373,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
     let x_q26 = from_middle_q26(centre, 0u, e);
     let y_q26 = from_middle_q26(centre, 1u, e);
     let u_q44 = add_wide(mul_signed(x_q26, ux_q18), mul_signed(y_q26, uy_q18));
-    let u_q24 = shift_up(u_q44, 20u);                  // this and the next: negated
+    let u_q24 = shift_up(u_q44, 20u);                  // u_q24 and v_q24 are negated
     let v_q24 = shift_up(mul_signed(y_q26, vy_q18), 20u);
     let ux = low_of(round_shift(wide_of(ux_q18), shift));
     let uy = low_of(round_shift(wide_of(uy_q18), shift));

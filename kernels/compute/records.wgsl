@@ -1,4 +1,4 @@
-// Data that the stages hand to each other. The host fills in Frame and Object (records.h has the same structs). A
+// Data that one stage passes to the next. The host fills in Frame and Object (records.h has the same structs). A
 // frame's memory is one array of words; Frame has the offsets in it.
 
 const CHUNK: u32 = 256u;           // Gaussians
@@ -9,7 +9,7 @@ const LARGE: u32 = 8u;             // words of a large splat's record, which cov
 const LARGE_ROWS: i32 = 8;
 const SPAN: u32 = 8u;              // words of a span: see spans_at
 const PAGE: u32 = 4096u;           // entries; rows of tiles start at multiples of it
-const MERGES: u32 = 19u;           // of two runs each: a list has at most 2^28 entries
+const MERGES: u32 = 19u;           // rounds of merging two runs; enough for 2^28 entries, the longest list
 const BLOCK: u32 = 512u;           // entries that a workgroup sorts
 const CLASSES: u32 = 16u;          // classes of tiles, by the magnitude of their list's length; class 0: empty lists
 const CUT_OFF: u32 = 0x80000000u;  // as FXS_ENTRY_CUT_OFF
@@ -18,7 +18,7 @@ const NOTHING: u32 = 0xffffffffu;
 const BOX_COLUMNS: i32 = 6;
 const BOX_ROWS: i32 = 7;
 
-// Indices in the counts: what the frame needed, then the numbers per tile.
+// Indices in the array of counts: first what the frame needed of each kind, then the lengths per tile.
 const VISIBLE_CHUNKS: u32 = 0u;
 const LARGES: u32 = 1u;
 const PAGES: u32 = 2u;
@@ -34,17 +34,17 @@ const TILES: u32 = 64u;            // lengths of the tiles' lists
 struct Frame {
     size: vec2<i32>,
     tiles: vec2<i32>,
-    places: u32,                   // chunks that may be drawn
+    places: u32,                   // number of chunks that may be drawn, here called places
     spans: u32,
     chunk_room: u32,               // capacity, in chunks, for splats
     large_room: u32,
     page_room: u32,
-    drawn: u32,                    // offset of chunk and share per place; 0: all are drawn
+    drawn: u32,                    // offset of the array with chunk and share of each place; 0: all chunks are drawn
     seen: u32,                     // in the counts: a bit per place, set if visible
-    ranks: u32,                    // number of visible places before each word of these bits
+    ranks: u32,                    // number of visible places before each word of `seen`
     visible: u32,                  // visible places
-    records: u32,                  // records of places
-    depths: u32,                   // by slot
+    records: u32,                  // record of each place; written only if visible
+    depths: u32,                   // depth keys by slot
     boxes: u32,                    // two words per slot; reused by later stages after the lists are filled
     larges: u32,
     spans_at: u32,                 // per span: first place, end; the same counted in visible places; id and first chunk
@@ -54,7 +54,7 @@ struct Frame {
     blocks: u32,                   // per block of a list: tile and block number; blocks of short lists first, of long
                                    // lists last
     block_room: u32,
-    spare: u32,                    // scratch space for as many entries, to sort lists
+    spare: u32,                    // scratch space for sorting, as large as all lists
     tile_bits: u32,                // log2 of a tile's side in pixels: 4, or 3 (see plan.c)
     cleared: u32,                  // words of the counts to clear at the start
     cutoff: i32,                   // 1: square
@@ -64,14 +64,14 @@ struct Frame {
     depth_bits: i32,
     colour: u32,                   // offsets of the picture's planes, one word per pixel; NOTHING: no such plane
     coverage: u32,
-    mean_depth: u32,               // this, median_depth and id: as in fxs_targets
+    mean_depth: u32,               // mean_depth, median_depth and id: as in fxs_targets
     median_depth: u32,
     id: u32,                       // two words per pixel
     occluder: u32,
     backdrop: u32,
 }
 
-// An object as the camera sees it, and a range of its chunks with rows in one buffer.
+// An object as the camera sees it, and a span: a range of its chunks with all rows in one buffer.
 struct Object {
     position_q32: array<vec4<u32>, 3>,
     eye_q32: array<vec4<u32>, 3>,

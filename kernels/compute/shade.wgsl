@@ -1,4 +1,4 @@
-// shade, as in src/core/shade.c, one thread per Gaussian; and its codes, as in src/core/codes.h.
+// shade, as in src/core/shade.c, one thread per Gaussian; and the Gaussian's codes, as in src/core/codes.h.
 
 const COMPACT: u32 = 1u;
 const SMALL: u32 = 2u;
@@ -153,7 +153,7 @@ fn dot_of(b: vec4<i32>, word: u32) -> i32
     return b.x * bytes.x + b.y * bytes.y + b.z * bytes.z + b.w * bytes.w;
 }
 
-// 16 numbers of 8 bits: a channel of the chunk's mean, or of a palette entry.
+// Sum of basis * number for 16 numbers of 8 bits: a channel of the chunk's mean, or of a palette entry.
 fn dot_16(b: Basis, a: u32, c: u32, d: u32, e: u32) -> i32
 {
     return dot_of(b.a, a) + dot_of(b.b, c) + dot_of(b.c, d) + dot_of(b.d, e);

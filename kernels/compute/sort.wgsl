@@ -1,14 +1,14 @@
 // Needs records sums order
 // sort: sorts each tile's list, near to far. A block of a list is sorted in workgroup memory. The depths of 16 of its
-// keys, sorted, bound 16 ranges. Each range has 16 bins of equal width. Keys go to the bins, and each key counts the
-// smaller ones in its bin. The memory is kept small, because a GPU then runs more workgroups at a time. Then runs of a
-// list, at first blocks, are merged two at a time: a workgroup finds the part of both runs that makes up its keys, and
-// merges these.
+// keys, sorted, bound 16 ranges. Each range has 16 bins of equal width. Each key goes to a bin, and its place there is
+// the number of smaller keys in the bin. With little workgroup memory, a GPU runs more workgroups at a time. Then
+// sorted runs of a list, at first its blocks, are merged two at a time: each workgroup finds the parts of the two runs
+// that its keys of the result come from, and merges these parts.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<u32>;
-@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths, and scratch space for as many entries
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths, and scratch space for the entries
 
 const SAMPLES: u32 = 16u;
 const RANGE: u32 = 16u;            // bins per range
@@ -18,7 +18,7 @@ var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth, bin after b
 var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; last: end of all bins
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
-var<workgroup> bounds: array<vec2<u32>, 16>;     // of ranges: smallest depth, log2 of the width of a bin
+var<workgroup> bounds: array<vec2<u32>, 16>;     // per range: smallest depth, log2 of the width of a bin
 
 fn key_of(entry: u32) -> vec2<u32>
 {
@@ -43,13 +43,13 @@ fn put_entry(in_spare: bool, at: u32, entry: u32)
     }
 }
 
-// By depth, then slot.
+// True if key a comes before key b: by depth, then slot.
 fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
 {
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
-// How often a block was sorted or merged is stored above its number in the list, in this unit.
+// The word with a block's number in its list also counts, in this unit, how often the block was sorted or merged.
 const DONE: u32 = 0x100000u;
 
 struct Block {
@@ -100,7 +100,7 @@ fn place_bins(thread: u32, some: u32)
     workgroupBarrier();
 }
 
-// Bounds the ranges by the depths of sample keys. Eight threads rank each sample.
+// Sets the bounds of the ranges from the depths of sample keys. Eight threads rank each sample.
 fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     let sample = thread % SAMPLES;
@@ -128,7 +128,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
     workgroupBarrier();
 }
 
-// The range is the last that starts at or below the depth, or the first range.
+// Bin of a depth. Its range is the last that starts at or below the depth, or the first range.
 fn bin_of(depth: u32) -> u32
 {
     var range = 0u;
@@ -191,8 +191,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// For two runs of `a` and `b` keys, at `first` and `second`: how many of the d smallest keys come from the first run.
-// 64 threads test 64 places at a time. Half of the threads solve one d, half another.
+// For two sorted runs, `a` keys at `first` and `b` keys at `second`: how many of the d smallest keys come from the
+// first run. 64 threads test 64 places at a time. The two halves of the workgroup have different values of d.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
@@ -215,7 +215,7 @@ fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d
     return low;
 }
 
-// Number of keys below `key` among `count` keys of a round from `first` on.
+// Number of keys below `key` among `count` sorted keys in workgroup memory, from `first` on.
 fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 {
     var below = 0u;

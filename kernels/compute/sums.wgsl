@@ -1,4 +1,5 @@
-// Prefix sums over the threads of a workgroup. Groups of 16 first, because a barrier takes longer than a few reads.
+// Prefix sums over the threads of a workgroup. Sums groups of 16 threads first, because a barrier takes longer than a
+// few reads.
 
 const GROUP: u32 = 16u;
 
@@ -11,7 +12,7 @@ fn plus(a: u32, b: u32, cut: bool) -> u32
     return select(a + b, 0xffffffffu, cut && a + b < a);
 }
 
-// Sum over the threads before this one. Two calls need a barrier in between.
+// Sum of `own` over the threads before this one. Two calls need a barrier in between.
 fn sum_before(thread: u32, own: u32, cut: bool) -> u32
 {
     sums[thread] = own;
@@ -34,7 +35,7 @@ fn sum_before(thread: u32, own: u32, cut: bool) -> u32
     return sum;
 }
 
-// Sum over all threads; call after sum_before.
+// Sum of `own` over all threads; call after sum_before.
 fn sum_of_all(cut: bool) -> u32
 {
     var sum = 0u;

@@ -6,14 +6,14 @@ var<workgroup> own: array<vec2<u32>, 32>;  // entries of a round and their depth
 const HALF_Q15: i32 = 16384;
 
 struct Traced {
-    limit: u32,                    // key; farther splats are hidden
-    weight: i32,                   // the largest weight
-    largest: u32,                  // its slot
+    limit: u32,                    // depth key; farther splats are hidden
+    weight: i32,                   // largest weight of a splat
+    largest: u32,                  // slot of the splat with this weight
     median: u32,                   // key
-    sum: wide,                     // sum of depths
+    sum: wide,                     // sum of weight * depth
 }
 
-// fxs_depth_key; the next three are also in stage.h
+// fxs_depth_key; the next three functions are also in stage.h
 fn key_of(depth: u32) -> u32
 {
     let zeros = zeros_of(depth | 1u);
@@ -49,8 +49,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// (sum + weight / 2) / weight, both with 8 bits below a unit. Long division in digits of 16 bits, because the weight
-// has 15.
+// The mean depth: sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in digits of 16 bits, because
+// the weight has 15 bits.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);

@@ -1,4 +1,4 @@
-/* The picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
+/* Draws the picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
  * shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and writes the next state. A
  * second draw over the whole picture resolves the states. */
 #include <fixsplat/fixed.h>
@@ -8,21 +8,21 @@
 
 #define TEXELS 3u                  /* per record */
 #define RECORD (TEXELS * 16)       /* bytes */
-#define PARTS 64u                  /* jobs that count, then fill */
+#define PARTS 64u                  /* jobs that count the records, then write them */
 #define AHEAD 16                   /* prefetch distance, in splats */
-#define GUARD 3                    /* viewport side in windows: within it triangles need no clipping */
-/* From this radius in pixels on, a splat is drawn as a rectangle: a quarter fewer pixels than the triangle, one edge
-   more. */
+#define GUARD 3                    /* side of the viewport in windows; triangles within the viewport need no clipping */
+/* From this radius in pixels on, a splat is drawn as a rectangle. It has a quarter fewer pixels than the triangle, but
+   one edge more. */
 #define LARGE 12
 
-enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; + 1: second half */
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; + 1: the second triangle of the shape */
 
 /* Splats first to end - 1 of the run. Each makes 0, 1 or 2 records. */
 typedef struct batch {
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t first, end;
-    uint32_t counts[PARTS];        /* records per part; then their start */
+    uint32_t counts[PARTS];        /* records per part; later the start of each part */
     uint32_t *records;
 } batch;
 
@@ -36,7 +36,7 @@ static uint32_t part_start(const batch *b, uint32_t part)
 /* Shape of a splat in a window; it takes `count` records. */
 typedef struct drawn {
     uint32_t count, shape;
-    fxs_span columns, rows;        /* tiles that it may touch; square cut-off: tiles of the square */
+    fxs_span columns, rows;        /* tiles that the splat may touch; with the square cut-off, tiles of the square */
 } drawn;
 
 static int overlaps(int64_t first_q8, int64_t last_q8, int32_t start, int32_t length)
@@ -49,7 +49,7 @@ static int is_veil(const fxs_bounds *b)
     return b->half_width_q8 == FXS_EVERYWHERE_Q8;
 }
 
-/* Finds columns as the rows of the transposed picture. */
+/* Finds the columns that a splat may touch, as rows of the transposed picture. */
 static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
     fxs_view turned = *view;
@@ -128,8 +128,8 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-/* Takes splats from b->first on that make at most `capacity` records, and sets the start of each part. Returns the
-   number of records. */
+/* Takes as many splats from b->first on as make at most `capacity` records, and sets the start of each part. Returns
+   the number of records. */
 static uint32_t take_splats(batch *b, uint32_t capacity)
 {
     uint32_t parts = 0, count = 0;

@@ -1,15 +1,15 @@
 // A corner of a triangle; one record per triangle. A splat is one triangle around its ellipse. A large splat is two
-// triangles, the tightest rectangle. A veil is two triangles, the whole window. A record has three texels: u0, ux, uy,
-// v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth key.
+// triangles that form the tightest rectangle around its ellipse. A veil is two triangles that cover the whole window. A
+// record has three texels: u0, ux, uy, v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth key.
 uniform highp usampler2D records;
 uniform ivec4 size;                  // width and height of the window; cut-off (Q11); log2 of the width of `records`
 uniform ivec4 place;                 // first pixel of the window; side of the viewport in windows
-flat out ivec4 line;                 // at the window's first pixel: u, ux, uy, v (Q24)
+flat out ivec4 line;                 // u, ux, uy, v (Q24), at the window's first pixel
 flat out ivec4 look;                 // vy; offset (Q11) and r; g and b (Q13); limit (Q11)
 #ifdef LIMITED
 flat out ivec3 limits;               // first and last column of tiles; rows; depth key
 #endif
-const int TRIANGLE = 0, VEIL = 4;    // shapes; 2 is a rectangle; odd: the second half
+const int TRIANGLE = 0, VEIL = 4;    // shapes; 2 is a rectangle; odd: second triangle of a shape
 
 ivec4 texel(int i)
 {
@@ -26,7 +26,7 @@ void main()
 #ifdef LIMITED
     limits = ivec3(b.w, c.z >> 4, c.w);
 #endif
-    number += shape & 1;             // first half: corners 0, 1, 2; second half: 1, 2, 3
+    number += shape & 1;             // first triangle: corners 0, 1, 2; second triangle: 1, 2, 3
     vec2 corner = vec2(float(number & 1), float(number >> 1)) * 2.0 - 1.0, pixel;
     if (shape >= VEIL) {
         pixel = (corner * 0.5 + 0.5) * vec2(size.xy);

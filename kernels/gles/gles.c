@@ -9,7 +9,7 @@
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
 
-/* Writes a text and its subject to `message`. */
+/* Writes `text` and `what`, its subject, to `message`. */
 static int say(char *message, const char *text, const char *what)
 {
     const char *parts[] = {text, what};
@@ -85,7 +85,7 @@ static int check_limits(fxs_gles *g, char *message)
 static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
 static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
 
-/* Mesa on a CPU uses 16-bit products for factors known to fit. A GPU would only spend a mask on this. */
+/* Mesa on a CPU uses 16-bit products for factors known to fit. On a GPU this would only cost a mask operation. */
 static const char *factor_of(const fxs_gles *g)
 {
     return strncmp(g->renderer, "llvmpipe", 8) ? "#define FACTOR(x) (x)\n" : "#define FACTOR(x) ((x) & 32767)\n";
@@ -371,8 +371,8 @@ static void copy_row(unsigned char *to, const unsigned char *from, int32_t count
     }
 }
 
-/* Copies the pixels of the run's tiles. The first row of tiles may start within the picture; pixels right of the last
-   tile are drawn again by the next run. */
+/* Copies the pixels of the run's tiles. The first row of tiles may start right of the picture's left edge. Pixels right
+   of the run's last tile are overwritten by the next run. */
 static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
                        int32_t height, int wide)
 {
@@ -408,7 +408,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int32_t x, int32_t y, in
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_TARGET]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
-    /* every device can read integers as words, most also as bytes */
+    /* every device can read integer pixels as words, most devices also as bytes */
     const int wide = has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE;
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
     bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);

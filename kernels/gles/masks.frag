@@ -1,18 +1,19 @@
-// Finds the blocks of 4x4 pixels that each splat of a tile's list may touch. A chunk is up to 32 records of a list. It
-// has four texels, one per quarter of the tile, with a word per block of the quarter and a bit per record.
+// Finds the blocks of 4x4 pixels that each splat of a tile's list may touch. A chunk is up to 32 records of a list. Its
+// masks are four texels, one per quarter of the tile. A texel has a word per block of the quarter, and a word a bit per
+// record.
 uniform highp usampler2D chunks;     // first record and, from bit 24 on, count - 1; column and row of the tile
 uniform ivec4 source;                // log2 of the width of `records`, `chunks` and this target; cut-off
 out uvec4 result;
 
-// Smallest magnitude of whitened coordinates in blocks where they range from least to most. No splat reaches beyond
-// 4.
+// Smallest magnitudes of u or v in blocks where it ranges from least to most. 32768 stands for 4; no splat reaches
+// beyond.
 ivec4 nearest(ivec4 least, ivec4 most)
 {
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// u and v are linear; ux and vy are not negative. Modulo 2^32, which is enough, because in a touched block all are
-// within +-128.
+// For each block of a quarter, whether a splat may touch it. u and v are linear; ux and vy are not negative. Computes
+// modulo 2^32, which is enough, because u and v are within +-128 in a touched block.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {
     ivec2 uv = whitened(r, pixel);

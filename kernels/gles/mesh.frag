@@ -1,7 +1,8 @@
 // Occluder at a pixel, as a depth key.
 uniform highp usampler2D occluder;   // depths, as in fxs_targets
 uniform highp sampler2D depth_buffer;        // used instead of `occluder`
-// Texel of pixel (0, 0) in these two and in `backdrop`; step per row; depth_bits plus flags for the textures in use.
+// Texel of pixel (0, 0) in occluder, depth_buffer and backdrop; step per row; depth_bits plus flags for the textures in
+// use.
 uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
 uniform vec2 planes;                 // 1 / distance at depth 0 and at depth 1 in depth_buffer

@@ -1,4 +1,4 @@
-/* Shared by both paths: windows of a picture, the caller's pictures as textures, draws to a surface. */
+/* Shared by tiles.c and fetch.c: windows of a picture, the caller's pictures as textures, draws to a surface. */
 #include <fixsplat/fixed.h>
 #include "device.h"
 
@@ -14,7 +14,7 @@ int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)
     return g->target ? g->target->occluder || g->target->depth_buffer : run->targets->occluder.pixels != 0;
 }
 
-/* The caller's textures are oriented as its framebuffer; uploaded ones match the window. */
+/* The caller's textures have the orientation of the caller's framebuffer; uploaded textures match the window. */
 void fxs_gles_set_mesh(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w, const fxs_gles_program *p)
 {
     enum { OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024 };

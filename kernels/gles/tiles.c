@@ -1,4 +1,4 @@
-/* The picture with lists. As many tiles' lists as fit in the textures are uploaded and drawn, then the next ones.
+/* Draws the picture with lists. As many tiles' lists as fit in the textures are uploaded and drawn, then the next ones.
  * A list that is too long for one draw is drawn in parts, and a texture keeps the tile's state in between. A splat has
  * one record per list, which saves an indirection per fetch and a pass over the lists. A first draw finds the blocks of
  * 4x4 pixels that each splat may touch, so that a pixel skips the other splats. Tiles are drawn in order of their
@@ -14,10 +14,10 @@
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
-#define CHUNK_SHIFT 24             /* bit of the count - 1 in a chunk, above its first record */
+#define CHUNK_SHIFT 24             /* first bit of count - 1 in a chunk's word; the bits below are its first record */
 #define AHEAD 16                   /* prefetch distance, in entries */
 
-/* Number of records and of chunks, in use or in all. */
+/* Number of records and of chunks: those in use, or the capacity. */
 typedef struct amount {
     uint32_t records, chunks;
 } amount;
@@ -31,7 +31,7 @@ typedef struct batch {
     amount used, room;
     int32_t first, end;            /* tiles, by number in the window */
     int32_t ordered;               /* number of tiles to draw; their order starts in the first list of the first row */
-    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* start of each row of tiles, from the row of `first` on */
+    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* start of each tile row, from that of tile `first` on */
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -64,7 +64,7 @@ static uint32_t chunks_of(uint32_t records)
     return (records + CHUNK_RECORDS - 1) / CHUNK_RECORDS;
 }
 
-/* Rows that `texels` texels take; at most as many as the width. */
+/* Number of texture rows that `texels` texels take; at most the texture's width. */
 static int32_t rows_of(const fxs_gles *g, uint64_t texels)
 {
     const uint64_t wanted = (texels + (1u << g->shift) - 1) >> g->shift, most = UINT64_C(1) << g->shift;
@@ -118,7 +118,8 @@ static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window
     return fxs_gles_make_masks(g, chunks);
 }
 
-/* A ring of buffers, so that no upload waits for the device. (New storage per batch takes 20 ms for 50 MB.) */
+/* Maps the next of a ring of buffers, so that no upload waits for the device. (New storage for each batch would take 20
+   ms for 50 MB.) */
 static int begin_batch(batch *b, int32_t first)
 {
     fxs_gles *g = b->gles;
@@ -138,7 +139,7 @@ static int begin_batch(batch *b, int32_t first)
     return 0;
 }
 
-/* Uploads the batch; chunks in whole rows. */
+/* Uploads the batch. The chunks are uploaded in whole texture rows. */
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
@@ -170,7 +171,7 @@ static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
     memcpy(record, words, sizeof words);
 }
 
-/* An entry that is cut off becomes a record too faint for any pixel. */
+/* An entry that is cut off becomes a record too faint to change a pixel. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
@@ -215,7 +216,7 @@ static void put_list(const batch *b, int32_t tile, amount at, list l)
         put_ids(b, at.records, l);
 }
 
-/* A list that ends before it starts marks a tile that is not drawn. */
+/* Marks a tile as not drawn, by a list that ends before it starts. */
 static void put_none(const batch *b, int32_t tile)
 {
     static const uint32_t words[ORDER] = {1};
@@ -228,7 +229,7 @@ static void add(amount *to, uint32_t records)
     to->chunks += chunks_of(records);
 }
 
-/* Number in the picture of a window's tile; it may be outside the run. */
+/* The number in the picture of a tile of the window. The tile may be outside the run. */
 static uint32_t tile_of(const batch *b, int32_t tile)
 {
     const fxs_gles_window *w = b->window;
@@ -241,7 +242,7 @@ static int in_run(const batch *b, uint32_t tile)
     return tile >= b->run->first_tile && tile <= b->run->last_tile;
 }
 
-/* Fills row `job` of the batch's rows of tiles. */
+/* Writes the lists of row `job` of the batch's rows of tiles. */
 static void put_row(void *argument, uint32_t job)
 {
     const batch *b = argument;
@@ -317,8 +318,8 @@ static void draw_masks(const batch *b)
     g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Draws tiles as points if possible. A tile's state, and any tiles without points, are one triangle. The viewport
-   extends one tile beyond all sides, because points are clipped by their centre. */
+/* Draws tiles as points if possible. The state of a tile, and tiles where points are not possible, are drawn as one
+   triangle. For points, the viewport extends one tile beyond all sides, because points are clipped by their centre. */
 static void draw(const batch *b, const fxs_gles_surface *s, int carried)
 {
     const fxs_gles *g = b->gles;
@@ -338,7 +339,7 @@ static void draw(const batch *b, const fxs_gles_surface *s, int carried)
     g->gl.DrawArrays(GL_POINTS, b->first / columns * columns, b->ordered);
 }
 
-/* Reads from the state textures that are not drawn to. */
+/* Binds for reading the state textures that are not drawn to. */
 static void take_turn(const fxs_gles *g, int turn)
 {
     g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
@@ -384,7 +385,7 @@ static int draw_parts(batch *b)
     return error;
 }
 
-/* Sets the end of the batch: as many tiles as fit, from the first on. */
+/* Sets the end of the batch so that it has as many tiles as fit. */
 static void take_tiles(batch *b)
 {
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;

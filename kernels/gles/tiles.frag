@@ -2,7 +2,7 @@
 // also depth and id.
 uniform highp usampler2D lists;      // per tile: first record, end, first chunk; (1, 0): not drawn now
 uniform highp usampler2D masks;      // per chunk; see masks.frag
-uniform highp isampler2D carried;    // T, r, g, b: of a tile after part of its list; FETCHED: of all pixels
+uniform highp isampler2D carried;    // T, r, g, b of a tile's pixels after part of its list; FETCHED: of all pixels
 uniform ivec4 place;                 // pixel of fragment (0, 0); step per row; 1: continue from `carried`
 // First tile of `lists` (FETCHED: first pixel of `carried`); log2 of the width of `records`; cut-off.
 uniform ivec4 source;
@@ -11,10 +11,10 @@ uniform highp sampler2D backdrop;
 
 #if defined TRACED
 uniform highp usampler2D ids;        // per record: object, Gaussian
-uniform highp usampler2D traces;     // with `carried`: depth key of the median, largest weight, its id
+uniform highp usampler2D traces;     // with `carried`: depth key of the median, largest weight, id of its splat
 const int HALF_Q15 = 16384;          // FXS_HALF_Q15
-// Records of this draw: the last that got weight while T >= 1/2; the largest weight up to now, and the first record
-// with it. -1: none.
+// In this draw: the last record that got weight while T >= 1/2; the largest weight up to now; the first record with
+// this weight. -1: none.
 int median, weight_q15, largest;
 #if defined STATE
 layout(location = 1) out uvec4 trace_result;
@@ -93,7 +93,7 @@ uvec4 resolve(ivec4 state, ivec3 under)
 }
 
 #if defined TRACED
-// Depth key of the median, largest weight, its id.
+// `before`, updated by this draw: depth key of the median, largest weight, id of its splat.
 uvec4 trace_of(uvec4 before)
 {
     int shift = source.z;
@@ -163,7 +163,7 @@ void main()
 #elif defined INTEGER
     result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    // gives the same byte, whether rounded down or to nearest
+    // + 0.25 gives the same byte whether GL rounds down or to nearest
     result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }

@@ -1,4 +1,4 @@
-// Tiles as points of a tile's size, in the order in `lists`; or one triangle over the whole viewport.
+// Draws tiles as points of a tile's size, in the order given in `lists`; or one triangle over the whole viewport.
 uniform highp usampler2D lists;      // fourth word of entry i: the i-th tile to draw
 uniform ivec4 place;                 // z: step per row
 uniform ivec4 size;                  // size of the viewport, one tile beyond the picture on all sides; columns, or 0:

@@ -1,5 +1,5 @@
-// The products of pixel.h with factors 0 to 32767. FACTOR tells compilers this range, because some multiply 16 bits
-// faster.
+// The products of pixel.h with factors 0 to 32767. FACTOR tells compilers this range, because some can multiply 16-bit
+// numbers faster.
 FXS_FN int fxs_product_q15(int a, int b)
 {
     return (FACTOR(a) * FACTOR(b) + 16384) >> 15;
@@ -18,7 +18,7 @@ FXS_FN int fxs_exp_q15(int level_q11)
     return min(FACTOR(p), FXS_ALPHA_MAX_Q15);
 }
 
-// Magnitude of u or v, not saturated. No splat reaches beyond 4, which is 32768; fxs_coordinate_q13 saturates there.
+// Magnitude of u or v, not saturated. fxs_coordinate_q13 saturates at 4, which is 32768; no splat reaches beyond.
 FXS_FN int fxs_distance_q13(int coordinate_q24)
 {
     return abs(coordinate_q24 >> 11);

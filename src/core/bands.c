@@ -11,8 +11,8 @@
 #include "targets.h"
 #include "times.h"
 
-#define JOBS 8u                    /* most blocks of a plan per thread; with one thread, one block in all */
-#define KEYS 2u                    /* list keys per slot: the usual need */
+#define JOBS 8u                    /* largest number of blocks per thread in a plan (1 block with 1 thread) */
+#define KEYS 2u                    /* list keys per slot; enough for most frames */
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and space to sort it */
 #define SLICE_LEAST 128u           /* minimum splats of a slice */
@@ -41,8 +41,8 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* Divides the work into jobs and cuts off the arrays that live for the whole frame. In a band, each block needs slots
-   for one chunk beyond the splats that it keeps, so a frame in bands has fewer and larger blocks. */
+/* Divides the work into jobs and takes the arrays that live for the whole frame from the memory. In a band, each block
+   needs slots for one more chunk than the splats that it keeps, so a frame in bands has fewer and larger blocks. */
 static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
@@ -77,8 +77,8 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->fixed_bytes = m.used;
 }
 
-/* Cuts off the arrays of a band with `slots` slots. The lists take the rest of the memory, up to KEYS keys per slot
-   plus 16 per tile. Returns the bytes of the whole frame, which can exceed a size_t. */
+/* Takes the arrays of a band with `slots` slots from the memory. The lists get the rest, up to KEYS keys per slot plus
+   16 per tile. Returns the bytes of the whole frame, which can exceed a size_t. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -112,8 +112,8 @@ static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_sl
              to_multiple_of_16(slots) * (SLOT_BYTES + keys_a_slot * LIST_BYTES);
 }
 
-/* Minimum memory for a whole frame, and for a plan; each for the current layout. One key per slot is enough for any
-   macro tile, because no list is longer than the number of slots. */
+/* Minimum memory of a frame in mode FXS_FRAME_WHOLE, and of a plan, with the current layout. One key per slot is enough
+   for any macro tile, because no list is longer than the number of slots. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
     return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
@@ -129,13 +129,13 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* Minimum memory for slices: one macro tile, a chunk and SLICE_LEAST splats. */
+/* Minimum memory of a frame in slices: one macro tile, a chunk and SLICE_LEAST splats. */
 static uint64_t bytes_for_slices(const fxs_frame *f)
 {
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* Macro tile columns of a slice. A quarter of the memory above the minimum holds their pixels. */
+/* Number of macro tile columns in a slice. Their pixels get a quarter of the memory above the minimum. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
@@ -277,7 +277,7 @@ int fxs_bands_init(fxs_frame *f)
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
 
-/* Fills the memory with slots for a slice of a tile row, after the pixels of its columns. */
+/* Lays out the memory for a slice of a tile row: the pixels of the slice's columns, then slots up to the end. */
 static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);

@@ -11,7 +11,8 @@ uint64_t fxs_bands_measure(fxs_frame *f);
    FXS_FRAME_PLAN. Returns 0, or FXS_ERR_MEMORY if the memory is below the minimum for any view. */
 int fxs_bands_init(fxs_frame *f);
 
-/* True if the frame can be drawn in slices. Slices keep only colours, so depths, ids and occluders rule them out. */
+/* True if the frame can be drawn in slices. Slices keep only colours, so a frame with depths, ids or an occluder
+   cannot. */
 int fxs_bands_can_slice(const fxs_frame *f);
 
 /* Projects the Gaussians to count the splats of each tile row. Returns 0, FXS_ERR_SCENE, FXS_ERR_STOPPED, or
@@ -21,8 +22,8 @@ int fxs_bands_plan(fxs_frame *f);
 /* Advances to the next band: as many tile rows as fit in the memory, from end_row on. Returns 0 after the last band. */
 int fxs_band_next(fxs_frame *f);
 
-/* Plan: counts splats by tile row. They belong to the chunk at this place in the list of drawn chunks, and start at
-   `slot`. */
+/* Plan: counts, by tile row, the `count` splats from `slot` on. `place` is their chunk's place in the list of drawn
+   chunks. */
 void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t slot, uint32_t count);
 
 int fxs_band_has_chunk(const fxs_frame *f, uint32_t place);

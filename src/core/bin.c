@@ -1,7 +1,7 @@
 /* bin: finds the tiles that a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +-
- * breadth sqrt(r^2 - v^2), v between the row's first and last pixel row; the widest points are at v = +- r shear /
- * sqrt(A). A margin of 1/8 pixel and 1/256 of the size covers rounding, so a list never misses a pixel that passes the
- * test in pixel.h. */
+ * breadth sqrt(r^2 - v^2), v between the row's first and last pixel row; the ellipse's leftmost and rightmost points
+ * are at v = +- r shear / sqrt(A), A being the variance of x. A margin of 1/8 pixel and 1/256 of the ellipse's size
+ * covers rounding, so a list never misses a pixel that passes the test in pixel.h. */
 #include <fixsplat/fixed.h>
 #include "lister.h"
 #include "memory.h"
@@ -22,7 +22,7 @@ typedef struct ellipse {
     int32_t r_q12;                 /* set by add_radius */
 } ellipse;
 
-/* Tile columns of the pixels between two points. */
+/* Tile columns of the pixels between two x coordinates. */
 static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right_q8)
 {
     int32_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
@@ -38,7 +38,7 @@ static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fx
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
 
-/* Sets r, which only ellipse_span needs. A separate step, because many splats need no ellipse_span. */
+/* Sets r_q12, which only ellipse_span needs. This is a separate step, because many splats do not need ellipse_span. */
 static void add_radius(ellipse *e, const fxs_view *view)
 {
     int32_t offset_q11 = e->splat->offset_q11, limit_q11 = fxs_limit_q11(offset_q11, view->cut_q11);
@@ -55,7 +55,7 @@ static int32_t cut_to(int32_t r, int64_t v)
     return v < -r ? -r : v > r ? r : (int32_t)v;
 }
 
-/* Half the width at v, around x = cx + shear v. */
+/* Half the width of the ellipse at v; its middle there is x = cx + shear v. */
 static int32_t half_width_q8(const ellipse *e, int32_t v_q12)
 {
     uint32_t square_q24 = (uint32_t)(e->r_q12 * e->r_q12 - v_q12 * v_q12);
@@ -67,8 +67,8 @@ static int32_t larger(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* Tile columns of a tile row that the ellipse touches. A veil touches all: its centre is not in `bounds`, so v is
-   unknown, and its margin of 2^-8 of the reach is 16384 pixels. */
+/* Tile columns of a tile row that the ellipse touches. For a veil, all columns: `bounds` does not have its centre, so v
+   is unknown, but the margin of 2^-8 of its half width is 16384 pixels. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
@@ -80,7 +80,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
     int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* a widest point lies on this tile row if v sqrt(A) = +- r shear for a v between top and bottom */
+    /* the rightmost or leftmost point lies on this tile row if v sqrt(A) = +- r shear for a v between top and bottom */
     int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
@@ -94,7 +94,8 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Tile rows or columns of the square: floor((c - radius) / 16) to floor((c + radius + 15) / 16), end exclusive. */
+/* Tile rows or columns of the square cut-off: floor((c - radius) / 16) to floor((c + radius + 15) / 16), end
+   exclusive. */
 static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
@@ -129,7 +130,7 @@ static uint64_t spread_row(uint32_t tiles, int32_t row)
     return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
 }
 
-/* Mask of a span's tiles, bit 0 for column `from`; at most 31 tiles. */
+/* Mask of a span's tiles, with bit 0 for column `from`. The span has at most 31 tiles. */
 static uint32_t tiles_of(span s, int32_t from)
 {
     return s.first > s.last ? 0 : (2u << (s.last - from)) - (1u << (s.first - from));
@@ -148,7 +149,7 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
         return FXS_LARGE;
     if (e->rows.first == e->rows.last && e->columns.last - e->columns.first < FXS_NARROW &&
         e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
-        /* Narrow and within one tile row: it touches every column of its box, or nearly so. */
+        /* A narrow splat within one tile row touches nearly every column of its bounding box. */
         mask = spread_row(tiles_of(e->columns, column), e->rows.first - row);
     } else {
         add_radius(e, view);
@@ -177,8 +178,8 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
 
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
-/* Lists splats in macro tiles. With `keys`, writes keys. Without, counts keys, and takes notes while they fit. The
-   counters are copied to locals so that they stay in registers. */
+/* Adds splats to the lists of macro tiles. If `keys` is not null, writes keys. Otherwise counts keys, and takes notes
+   while they fit. The counters are copied to locals so that they stay in registers. */
 static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
     const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
@@ -223,7 +224,7 @@ static uint32_t pair_of(span s, int32_t c)
     return (uint32_t)(s.first <= left && left <= s.last) | (uint32_t)(s.first <= right && right <= s.last) << 1;
 }
 
-/* Lists a splat that is too large for a box (FXS_LARGE). */
+/* Lists a splat whose tiles do not fit in an fxs_box (FXS_LARGE). */
 static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
     const fxs_view *view = l->view;

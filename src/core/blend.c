@@ -54,7 +54,7 @@ static int is_hidden(const blending *b, int i)
     return b->trace && b->trace->which & FXS_TRACE_END && b->number >= b->trace->end[i];
 }
 
-/* Blends one splat over one row. Returns how many pixels it closed. */
+/* Blends one splat over one row of pixels. Returns how many of them it closed. */
 static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile *p)
 {
     fxs_tile *tile = b->tile;

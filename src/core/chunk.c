@@ -36,7 +36,8 @@ static uint32_t octaves_below_q16(uint32_t x_q30)
     return below_q16 > 0 ? (uint32_t)below_q16 : 0;
 }
 
-/* opacity = e^(-offset / 2) = 2^(-offset / (2 ln 2)); 1 / (2 ln 2) = 46.166 / 64; at most 22697 * 24 in Q16. */
+/* opacity = e^(-offset / 2) = 2^(-offset / (2 ln 2)); 1 / (2 ln 2) = 46.166 / 64; the exponent is at most 22697 * 24 in
+   Q16. */
 FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8)
 {
     if (share_q8 == 256)
@@ -86,8 +87,8 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
 }
 
 /* Upper bound, in units of cv, of how far the chunk's Gaussians reach across the view. On the picture, half a width is
-   at most 3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation and times z / f, this
-   is 3.34 sigma |J|. */
+   at most 3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation, and multiplied by z /
+   f, half a width is 3.34 sigma |J|. */
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
     int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
@@ -115,7 +116,7 @@ static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, i
     return sum;
 }
 
-/* True if the whole chunk lies in the hidden part, inside all four edges. */
+/* True if the whole chunk lies in the picture's hidden part, inside all four of its edges. */
 static int is_hidden(const fxs_chunk_view *cv, const fxs_view *view, int64_t reach)
 {
     int hidden = 1;
@@ -134,7 +135,7 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
-    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* its tiles reach further; for measurements only */
+    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* the square's tiles reach further; for measurements only */
         return 1;
     int64_t reach = reach_across(cv, view);
     for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */

@@ -76,7 +76,7 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
 /* Reads a chunk's header, then fxs_chunk_view_of; sets cv->chunk too. May also return FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
 
-/* fxs_shade_c with the chunk's header already read, and its rows. */
+/* Like fxs_shade_c, but takes the chunk's header, already read, and the chunk's rows. */
 void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
                     const uint32_t *indices, uint32_t count, fxs_splat *splats);
 

@@ -5,7 +5,7 @@
 #include "chunk.h"
 #include "memory.h"
 
-/* Laid out as in the rows of the default profile. Shorter rotation codes fill the upper bits. */
+/* Codes laid out as in the rows of the default profile. A shorter rotation code fills the upper bits of its word. */
 typedef struct fxs_codes {
     uint16_t position[3];
     uint32_t rotation, scale, colour;
@@ -86,7 +86,7 @@ static inline uint64_t fxs_residual(const unsigned char *record, int degree, int
     return fxs_little_64(word) >> (bit - 8 * first);
 }
 
-/* Palette entry of a signed index; ignores the sign. int8_t[3][16]. */
+/* The palette entry, an int8_t[3][16], that a signed index refers to; ignores the sign. */
 static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t stage, uint32_t index)
 {
     index &= FXS_PALETTE_NEGATIVE - 1;

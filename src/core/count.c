@@ -1,4 +1,4 @@
-/* fxs_count_pairs: renders a frame with a version of blend that counts pairs of splat and pixel, and writes no
+/* fxs_count_pairs: renders a frame with a version of blend that counts pairs of a splat and a pixel. Writes no
  * target. */
 #include "frame.h"
 

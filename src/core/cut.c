@@ -1,13 +1,13 @@
 /* The cut through the trees of a frame's objects: decides which chunks are drawn. A coarse chunk replaces all chunks
  * below it in the tree. The search starts with the root of each tree. Each step opens the node with the largest gain:
- * error removed per Gaussian added. The search ends at the first node that exceeds the budget. So the cut depends only
- * on scenes, camera and options, and a larger budget draws every part as finely or finer. A smaller node after it is
- * not tried, because levels would flip when the camera moves a little.
+ * error removed per Gaussian added. The search ends at the first node that exceeds the budget. A smaller node is not
+ * tried instead, because levels would flip when the camera moves a little. So the cut depends only on scenes, camera
+ * and options, and a larger budget draws every part as finely or finer.
  *
  * To avoid popping, the nodes that were opened last fade: they are drawn together with their children, and optical
  * depth passes from node to children. A share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is reserved
- * for fading nodes. The search spends the rest without regard to fading: otherwise the number of fading nodes would
- * decide how many nodes are opened, and this in turn how many fade. */
+ * for fading nodes. The search spends the rest of the budget without regard to fading: otherwise the number of fading
+ * nodes would limit how many nodes are opened, and the number of opened nodes would limit how many fade. */
 #include "cut.h"
 
 #include <fixsplat/fixed.h>
@@ -23,7 +23,7 @@ typedef struct visit {
     uint32_t chunk, object;        /* chunk: number in the object's scene */
     uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
     fxs_sight sight;               /* key and room are at most the parent's */
-    uint32_t share_q8;             /* of this chunk and all below it, while the parent fades into it */
+    uint32_t share_q8;             /* share of this chunk and all below it, while the parent fades into it */
     uint8_t opened;
     uint8_t short_of;              /* a child that has to be drawn is not loaded */
     uint8_t needed;                /* has to be drawn */
@@ -37,11 +37,11 @@ typedef struct search {
     uint32_t *heap;                /* openable visits, largest key first */
     uint32_t *opened;              /* visits in the order they were opened */
     uint32_t visit_count, heap_count, opened_count;
-    uint32_t drawn, most_drawn;    /* chunks, without the ones that fade by the budget */
+    uint32_t drawn, most_drawn;    /* counts of chunks, without nodes that fade by the budget */
     uint32_t visit_room;
     fxs_fading fading;
     uint32_t viewed;               /* object of the last visited chunk; FXS_NOTHING before the first */
-    fxs_view view;                 /* that object's */
+    fxs_view view;                 /* view in that object's space */
     int full, error;
 } search;
 
@@ -174,8 +174,8 @@ static int open_next(search *s)
     return 0;
 }
 
-/* Sets how many of the last opened nodes fade. If budget is left over, all nodes are open, and fewer or none fade, so
-   that nothing pops there either. */
+/* Sets how many of the last opened nodes fade. Budget left over when all nodes are open reduces this number, down to 0,
+   so that fading also ends gradually. */
 static void find_fade(search *s, uint32_t room)
 {
     const uint32_t left = s->drawn < s->most_drawn ? s->most_drawn - s->drawn : 0, opened = s->opened_count;
@@ -243,7 +243,7 @@ static void find_shares(search *s)
     }
 }
 
-/* Share of the chunk itself, without its children. */
+/* Share of the optical depth that is drawn with the chunk itself, not with its children. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
@@ -287,8 +287,8 @@ static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
-/* Adds all loaded chunks of objects without a tree. Merges from the back, because the chunks of trees fill the
-   front. */
+/* Adds all loaded chunks of objects without a tree. Merges from the back of the array, because the chunks of trees fill
+   its front. */
 static void add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;

@@ -1,4 +1,4 @@
-/* blend and resolve of a band's tiles. */
+/* Draws a band's tiles with the kernels sort, blend and resolve. */
 #ifndef FXS_DRAW_H
 #define FXS_DRAW_H
 

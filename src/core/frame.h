@@ -20,7 +20,8 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
-/* Stopwatch of a macro tile: start of the current lap, and the sums per lap. times is null if it is not timed. */
+/* Stopwatch of a macro tile: start of the current lap, and the sums per lap. `times` is null if the macro tile is not
+   timed. */
 typedef struct fxs_laps {
     uint64_t start, *times;
 } fxs_laps;
@@ -29,7 +30,7 @@ typedef struct fxs_laps {
 struct fxs_frame;
 typedef void fxs_tile_fn(struct fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps);
 
-/* Counts of a block's splats with the first (started) or last (ended) tile row above a given row. */
+/* For a tile row: how many of a block's splats start above it (started), and how many end above it (ended). */
 typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
@@ -142,7 +143,7 @@ static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_
     fxs_run(&f->context->config, job, (void *)f, jobs);
 }
 
-/* Called by each job. Asks the caller's stop until it has returned true once. */
+/* Called by each job. Calls options.stop until it has returned true once. */
 static inline int fxs_frame_stopped(fxs_frame *f)
 {
     const fxs_options *o = f->options;

@@ -5,8 +5,8 @@
 #include "lists.h"
 #include "memory.h"
 
-/* Layout of fxs_frame.next for one part, after its counters per macro tile: number of notes, slot where the notes end,
-   offset of the notes in `spare`, their capacity. */
+/* Layout of fxs_frame.next for one part, after its counters per macro tile: number of notes, slot where they end,
+   offset of the notes in `spare`, capacity in notes. */
 enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)

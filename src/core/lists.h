@@ -6,7 +6,7 @@
 
 #define FXS_NEXT_MORE 4u           /* numbers per part in fxs_frame.next, after the macro tiles' counters */
 
-/* The lister of the job for this part of the blocks. */
+/* The lister for one part of the blocks, which is one job. */
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part);
 
 /* Sets first_macro and last_macro to the macro tiles of the band, and counts the keys of their lists. */
@@ -20,7 +20,8 @@ int fxs_lists_rows_fit(const fxs_frame *f);
    rows, or part of one row. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end);
 
-/* A macro tile's list unsorted; sorts it and returns it; scratch space for as many keys. */
+/* For a macro tile, fxs_list_of returns the unsorted list. fxs_list_sort sorts the list and returns it. fxs_list_room
+   returns scratch space for as many keys as the list has. */
 const fxs_key *fxs_list_of(const fxs_frame *f, uint32_t macro);
 const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro);
 uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro);

@@ -1,5 +1,6 @@
 /* An object is rendered with the camera transformed to the object's space. So the stages take a view and a scene, and
- * need no notion of objects. This file applies the rest splat by splat: depths in world units, crop boxes and tint. */
+ * need no notion of objects. This file also changes each splat for its object: converts depths to world units, applies
+ * crop boxes and tint. */
 #include "object.h"
 
 #include "codes.h"
@@ -93,7 +94,7 @@ FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count,
 
 /* ---- Changes by an object ---------------------------------------------------------------------------------------- */
 
-/* Multiplies a depth key by the scale. Saturates at both ends of the range of keys. */
+/* Multiplies the depth of a key by the scale. Saturates at both ends of the range of keys. */
 static uint32_t scale_depth(uint32_t key, fxs_scale scale)
 {
     const uint32_t product = fxs_mulhi((1u << 26 | (key & 0x3ffffff)) << 5, scale.mantissa);

@@ -1,4 +1,5 @@
-/* An object of a frame: the camera in the object's space, and its changes to projected Gaussians. */
+/* An object of a frame: the camera in the object's space, and the changes that the object makes to projected
+ * Gaussians. */
 #ifndef FXS_OBJECT_H
 #define FXS_OBJECT_H
 
@@ -15,7 +16,7 @@ typedef struct fxs_object_view {
     fxs_scale scale;               /* factor from its depths to world depths */
     int32_t tint_q13[3];
     const fxs_crop *crops;         /* owned by the caller */
-    uint32_t crop_count, keep_count;   /* keep_count: boxes that keep their inside */
+    uint32_t crop_count, keep_count;   /* keep_count: boxes that are not `outside` */
 } fxs_object_view;
 
 /* Checks an object, except its position. Returns 0, FXS_ERR_ARGUMENT or FXS_ERR_OBJECT. */

@@ -1,4 +1,4 @@
-/* fxs_pick: renders a frame that blends only the tile of the picked pixel, and reads the result there. */
+/* fxs_pick: renders a frame that blends only the tile of the picked pixel, and reads the result at that pixel. */
 #include "memory.h"
 #include "trace.h"
 

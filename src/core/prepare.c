@@ -64,7 +64,7 @@ void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count)
     f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
 }
 
-/* Prefetches a chunk's rows from byte `from` to before `end`, or to their end. */
+/* Prefetches a chunk's rows from byte `from` to before byte `end`, at most to the end of the rows. */
 static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
 {
     const fxs_object_view *object = &f->views[number];
@@ -75,7 +75,7 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
 }
 
 /* project, shade and bin for up to FXS_BLOCK chunks; the splats of FXS_BLOCK chunks fit in the cache. Splats in the
-   band go to slots from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
+   band go to slots from `slot` on, before end_slot. Returns the number of these splats or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
@@ -109,7 +109,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     return (int32_t)(starts[end - first] - slot);
 }
 
-/* Plan: counts the splats of a block by tile row, reusing the slots of one chunk. Returns their number or
+/* Plan: counts the splats of a block by tile row, reusing the slots of one chunk. Returns the number of splats or
    FXS_ERR_SCENE. */
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {

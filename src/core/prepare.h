@@ -7,11 +7,11 @@
 #define FXS_BLOCK 16u              /* chunks that go through project, shade and bin together */
 #define FXS_BLOCK_FAILED UINT32_MAX   /* scene damaged or changed */
 
-/* project, shade and bin for splats of one chunk of an object, from `slot` on; bin takes any slots. fxs_prepare_project
-   takes the chunk's place in the list of drawn chunks; fxs_prepare_shade takes its number among all objects' chunks.
-   fxs_prepare_project drops splats outside the band. It returns the number of splats left, or FXS_ERR_SCENE; also if
-   fewer than 256 slots are left before end_slot, because then the scene has changed since the plan. fxs_prepare_shade
-   returns 0 or FXS_ERR_SCENE. */
+/* Stages project and shade for one chunk of an object, with its splats from `slot` on, and bin for any slots. `place`
+   is the chunk's place in the list of drawn chunks; `chunk` is its number among all objects' chunks.
+   fxs_prepare_project drops splats outside the band and returns the number of splats left, or FXS_ERR_SCENE. It also
+   returns FXS_ERR_SCENE if fewer than 256 slots are free before end_slot, because then the scene has changed since the
+   plan. fxs_prepare_shade returns 0 or FXS_ERR_SCENE. */
 int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t place, uint32_t slot, uint32_t end_slot);
 int fxs_prepare_shade(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t count);
 void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count);

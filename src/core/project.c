@@ -1,6 +1,6 @@
 /* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in
- * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point
- * relative to its own size, 2^E pixels. */
+ * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is stored in fixed point, in
+ * units of 2^E pixels, with E from the Gaussian's size. */
 #include "codes.h"
 #include <fixsplat/fixed.h>
 
@@ -53,7 +53,7 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     return 1;
 }
 
-/* Rows of the 2x3 matrix J W, over f/z 2^jacobian_exponent: row_i - slope_i * forward_i, Q15. */
+/* Rows of the 2x3 matrix J W, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i, Q15. */
 static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected *centre)
 {
     for (int i = 0; i < 2; i++) {
@@ -70,12 +70,12 @@ typedef struct axes {
     int32_t cos_q15, sin_q15;      /* of the roll: second axis = cos side[0] + sin side[1] */
 } axes;
 
-/* A rotation word holds X and Y, n bits each, and the roll U. Each is read as a two's complement 16-bit number over
-   2^15 that starts at its first bit; the low bits come from the next number and act as a fraction. (X, Y) is the axis
-   in Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s,
-   1 - X^2 - Y^2). The rotation from +z to the axis takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2,
-   -Y s). The roll is about pi/2 U: cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2));
-   cos^2 + sin^2 is off 1 by at most 0.00013. Returns 0 if (X, Y) is longer than 1. */
+/* A rotation word holds X and Y, n bits each, and the roll U. Each is read as a two's complement 16-bit number, divided
+   by 2^15, that starts at the number's first bit; its low bits are the next number's bits and act as a fraction. (X, Y)
+   is the axis in Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), the axis is
+   (X s, Y s, 1 - X^2 - Y^2). The rotation from +z to the axis takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X
+   Y, 1 - Y^2, -Y s). The roll is about pi/2 U: cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 -
+   0.06305 U^2)); cos^2 + sin^2 is off 1 by at most 0.00013. Returns 0 if (X, Y) is longer than 1. */
 static int read_axes(axes *out, uint32_t word, int32_t bits)
 {
     const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
@@ -113,7 +113,7 @@ static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, cons
 /* True if the Gaussian's size cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
 static int off_picture(const fxs_view *view, const projected *centre, int exponent)
 {
-    /* below 2^32 - 2^30, because exponent <= 16; the picture's sides are too */
+    /* radius and picture sides are below 2^32 - 2^30, because exponent <= 16 */
     const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
     const int32_t x_q14 = centre->position_q14[0], y_q14 = centre->position_q14[1];
     return (uint32_t)(x_q14 < 0 ? -x_q14 : 0) > radius_q14 || (uint32_t)(y_q14 < 0 ? -y_q14 : 0) > radius_q14 ||
@@ -225,8 +225,8 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint
     return 1;
 }
 
-/* The square of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)).
-   Returns 0 if the square misses the picture. */
+/* The square cut-off of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 -
+   det)). Returns 0 if the square misses the picture. */
 static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s)
 {
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
@@ -245,8 +245,8 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
 
 /* ---- Veils: Gaussians too large for a bounding box, or too far off the axis. Listed in every tile. --------------- */
 
-/* Dilation of a veil: no sigma below 1/120 of the picture's diagonal, so that u and v stay within +-128 on the
-   picture. */
+/* Dilation of a veil: raises every sigma to at least 1/120 of the picture's diagonal, so that u and v stay within +-128
+   on the picture. */
 static uint32_t veil_dilation_q30(const fxs_view *view, int exponent)
 {
     const uint64_t x = (uint64_t)view->tiles_x * FXS_TILE, y = (uint64_t)view->tiles_y * FXS_TILE;
@@ -267,7 +267,8 @@ static int64_t shift_and_cut(int64_t x, int shift)
                      : cut_to_16_q26(x >> (shift < 62 ? shift : 62));
 }
 
-/* Vector from the middle of the tiles to the centre, in units of 2^exponent pixels, Q26, cut to +-16. */
+/* Vector from the middle of the picture's tiles to the Gaussian's centre, in units of 2^exponent pixels, Q26, cut to
+   +-16. */
 static int64_t from_middle_q26(const projected *centre, int i, int64_t f_q12, int64_t c_q12, int32_t tiles,
                                int exponent)
 {
@@ -282,7 +283,8 @@ static int64_t magnitude_of(int64_t x)
     return x < 0 ? -x : x;
 }
 
-/* whiten for a veil, relative to the middle of the tiles. Returns 0 if no pixel is within r of the centre. */
+/* Like `whiten`, for a veil, relative to the middle of the picture's tiles. Returns 0 if no pixel is within r of the
+   centre. */
 static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s,
                 const projected *centre, uint32_t r_q12)
 {

@@ -42,8 +42,8 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of a macro tile's tiles that are in the run. Writes nothing beyond their ends, where other jobs
-   write. */
+/* Makes the lists of those tiles of a macro tile that are in the run. Writes nothing beyond the ends of these lists,
+   because other jobs write there. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -78,7 +78,8 @@ static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blende
     return error;
 }
 
-/* Draws tiles first to last, as many at a time as have space for their lists in `spare`; one always has. */
+/* Draws tiles first to last, as many at a time as `spare` has space for their lists. It always has space for one
+   list. */
 static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
 {
     int error = 0;

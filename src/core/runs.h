@@ -8,11 +8,12 @@
    back end's error, like the functions below. */
 int fxs_runs_draw(fxs_frame *f);
 
-/* True if the back end needs no lists; draws the band with such a back end. */
+/* fxs_runs_unlisted: true if the back end needs no lists. The second function draws the band with such a back end. */
 int fxs_runs_unlisted(const fxs_frame *f);
 int fxs_runs_draw_unlisted(fxs_frame *f);
 
-/* After fxs_lists_count: true if the back end needs the band tile row by tile row; draws it in this way. */
+/* After fxs_lists_count: fxs_runs_by_rows is true if the back end needs the band tile row by tile row. The second
+   function draws it in this way. */
 int fxs_runs_by_rows(const fxs_frame *f);
 int fxs_runs_draw_rows(fxs_frame *f);
 

@@ -61,7 +61,7 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-/* Lays out the memory, for any cut, and places the objects. */
+/* Lays out the memory with the capacity for the largest possible cut, and places the objects. */
 static int place_objects(fxs_frame *f)
 {
     uint32_t first_chunk = 0;
@@ -116,7 +116,8 @@ int fxs_frame_check(fxs_frame *f)
     return error || f->mode == FXS_FRAME_WHOLE || fxs_bands_can_slice(f) ? error : fxs_frame_begin(f);
 }
 
-/* Bytes of a frame of this size for a request, whose cameras are not read. Returns 0 if an argument is out of range. */
+/* Bytes that a frame of this size needs for a request; the request's cameras are not read. Returns 0 if an argument is
+   out of range. */
 static size_t measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
                       fxs_frame_memory *memory)
 {

@@ -54,8 +54,8 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
     b[14] = -2 * fxs_mul_q15(fxs_mul_q15(Q15(590044), x), (xx - 3 * yy) / 2);
 }
 
-/* Adds SH degree d, Q16: step * sum basis * code. `sh` points to the first code; the three channels' codes follow each
-   other. */
+/* Adds the colour of SH degree d, Q16: step * sum basis * code. `sh` points to the first code of red; the codes of
+   green and blue follow. */
 static inline void add_band(int32_t sum_q16[3], const int8_t *sh, const int32_t b_q15[15], int d, int step_q19)
 {
     int32_t band_q15[3] = {0, 0, 0};
@@ -115,7 +115,7 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
     basis(b_q15, d_q15, view->sh_degree);
 }
 
-/* Adds SH degrees 1 and up. */
+/* Adds the colours of SH degrees 1 and up. */
 static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                         const unsigned char *rows, uint32_t g, const uint16_t position[3])
 {

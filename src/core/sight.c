@@ -4,16 +4,16 @@
  *
  *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
  *
- * gain and sigma are the node's (packed.h), d is the distance to its box, f the focal length in pixels. The first two
- * terms are squared error times pixels. The third term accounts for blur by the pixels: the error of a merge has zero
- * sum and zero mean, so little of it remains when it is smaller than a pixel. */
+ * gain and sigma are the node's (packed.h), d is the distance from the camera to the node's box, f the focal length in
+ * pixels. The first two terms are squared error times pixels. The third term accounts for blur by the pixels: a merge
+ * keeps mass and mean, so little of its error remains when the merged Gaussian is smaller than a pixel. */
 #include "sight.h"
 
 #include <fixsplat/fixed.h>
 #include "memory.h"
 
-#define BLUR 4                     /* the error falls with this power of the size */
-#define BLURRED_Q8 (-256)          /* below this size: log2 of half a pixel */
+#define BLUR 4                     /* below a size of BLURRED_Q8, the error falls with this power of the size */
+#define BLURRED_Q8 (-256)          /* log2 of half a pixel */
 #define UNLIMITED_Q8 (1 << 24)
 #define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
 
@@ -52,9 +52,9 @@ static uint64_t exp2_q16(int32_t x_q8)
     return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
 }
 
-/* The dilation adds 0.3 pixels^2 to the area of every Gaussian. So from afar small Gaussians cover more, and the few
-   coarse ones that replace them cover less. A node's mass grows to compensate: (area + 0.15 swell) / (area + 0.15), in
-   log2. Half the dilation is used, because small Gaussians hide parts of each other. 0 for an antialiased scene, where
+/* The dilation adds 0.3 pixels^2 to the area of every Gaussian. So from afar many small Gaussians cover more than the
+   few coarse ones that replace them. A node's mass grows to compensate: (area + 0.15 swell) / (area + 0.15), in log2.
+   Half the dilation is used, because small Gaussians hide parts of each other. 0 for an antialiased scene, where
    opacity already compensates for the dilation. */
 static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {

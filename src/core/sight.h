@@ -7,8 +7,8 @@
 #include "cut.h"
 
 #define FXS_SWELL_SEEN_Q8 1024     /* largest growth of a distant node's mass (log2, Q8) */
-#define FXS_SWELL_OF_SIGMA 4       /* share of that growth in the sigmas, inverse */
-#define FXS_FADE_MOST_Q8 128       /* widest range of keys that fade; also of sizes above the wanted detail */
+#define FXS_SWELL_OF_SIGMA 4       /* each sigma grows by that growth divided by this */
+#define FXS_FADE_MOST_Q8 128       /* widest range of keys, or of sizes above the wanted detail, that fades */
 
 typedef struct fxs_sight {
     int32_t key_q8;                /* gain of opening the node; 0 for a leaf */
@@ -22,8 +22,8 @@ typedef struct fxs_fading {
     int32_t last_key_q8, width_q8;
 } fxs_fading;
 
-/* Sees a chunk. The view is in the object's space. Visibility ignores growth, so a node is visible whenever a
-   descendant is; the error is below a pixel. Returns 1, 0 if the chunk is out of view, or FXS_ERR_SCENE. */
+/* Finds how a camera sees a chunk. The view is in the object's space. Visibility ignores growth, so a node is visible
+   whenever a descendant is; the error is below a pixel. Returns 1, 0 if the chunk is out of view, or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t detail_q8);
 
 /* Limits a chunk's key and room to its parent's. */
@@ -54,7 +54,7 @@ static inline uint32_t fxs_faded_q8(const fxs_sight *sight, fxs_fading fading)
 }
 
 /* Entry for a drawn chunk. The growth of a node's mass goes half to its optical depth and half to its area, so a
-   quarter to each sigma. If it is opaque, more optical depth changes little. */
+   quarter to each sigma. The depth of an opaque node changes little in the picture. */
 FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swell_q8);
 
 #endif

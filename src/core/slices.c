@@ -16,7 +16,7 @@
    unique. */
 typedef struct slice {
     fxs_key first, last;
-    uint32_t count, room;          /* splats kept, and their maximum, which leaves slots to project one more chunk */
+    uint32_t count, room;          /* splats kept; capacity, without the slots to project one more chunk */
     uint64_t taken;                /* splats in all slices up to now */
     int more;                      /* splats remain beyond `last` */
 } slice;
@@ -101,7 +101,7 @@ static int finish(fxs_frame *f, uint32_t count)
 }
 
 /* Advances to the next slice of the columns: f->count splats, ready to be listed. Returns 0, FXS_ERR_STOPPED or
-   FXS_ERR_SCENE. FXS_ERR_SCENE also stops a scene that changes meanwhile and yields splats without end. */
+   FXS_ERR_SCENE. If the scene changes meanwhile and yields splats without end, it returns FXS_ERR_SCENE too. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -130,7 +130,7 @@ static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps
     fxs_lap(f, laps, FXS_BLENDED);
 }
 
-/* Writes the blended tiles of the columns, or passes them to the back end. Returns 0 or its error. */
+/* Writes the blended tiles of the columns, or passes them to the back end. Returns 0 or the back end's error. */
 static int hand_over(fxs_frame *f)
 {
     const uint32_t above = fxs_tiles_above(f, f->first_row);

@@ -1,6 +1,6 @@
 /* sort: radix sort by depth, then slot, least significant digit first. One job sorts a macro tile's list. Several jobs
- * sort all splats of a band for a back end without lists: each has a part of the keys, and the parts take the places of
- * a digit in order, so the result does not depend on the number of jobs. */
+ * sort all splats of a band for a back end without lists: each has a part of the keys. Keys with the same digit are
+ * placed in the order of the parts, so the result does not depend on the number of jobs. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "sort.h"
@@ -48,7 +48,8 @@ static void move_keys(const fxs_key *keys, uint32_t count, digit d, uint32_t *ne
         to[next[bucket_of(d, keys[i])]++] = keys[i];
 }
 
-/* ---- All by several jobs ----------------------------------------------------------------------------------------- */
+/* ---- All splats, by several jobs
+   ----------------------------------------------------------------------------------------- */
 
 static void count_part(void *argument, uint32_t part)
 {

@@ -1,8 +1,9 @@
-/* Renders two eyes, one after the other in the same memory. Each is byte for byte a frame of its own. */
+/* Renders two eyes, one after another in the same memory. Each picture is byte for byte that of a mono frame. */
 #include "stereo.h"
 #include "targets.h"
 
-/* Takes a step of each eye; after FXS_ERR_MEMORY of the first one too, so that stats.memory.least is for both. */
+/* Calls `step` for each eye. Continues with the second eye after FXS_ERR_MEMORY from the first, so that
+   stats.memory.least is the maximum of the two eyes. */
 static int each_eye(fxs_frame *f, const fxs_request *request, int (*step)(fxs_frame *f))
 {
     size_t least = 0;

@@ -26,7 +26,7 @@ static void parts_of(part parts[IMAGES], const fxs_targets *t)
     memcpy(parts, all, sizeof all);
 }
 
-/* Address range: first byte to end of the last. */
+/* Address range of an image: first byte to the end of the last. */
 typedef struct extent {
     uintptr_t low, high;
 } extent;

@@ -19,7 +19,7 @@ int fxs_targets_traced(const fxs_targets *targets);
 /* Writes the pixels of a tile at (x, y) to the colour and coverage targets of f. */
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y);
 
-/* fxs_resolve_c over an RGBA8 picture. */
+/* Like fxs_resolve_c, with an RGBA8 picture as the background. */
 void fxs_resolve_over(enum fxs_format format, const fxs_tile *tile, int32_t columns, int32_t rows,
                       const unsigned char *backdrop, ptrdiff_t backdrop_stride, unsigned char *pixels,
                       ptrdiff_t stride);

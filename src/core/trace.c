@@ -1,6 +1,6 @@
-/* trace: blend with auxiliary outputs (depths and ids) or an occluder. The kernel `trace` blends a tile's list in parts
- * and keeps 16-bit numbers per pixel. All depths of a part lie in one octave, so 15-bit codes hold them. Between parts,
- * the numbers are added to sums of depths or converted to slots. */
+/* trace: blend with auxiliary outputs (depths and ids) or an occluder. The kernel `trace` blends a tile's list in
+ * parts. All depths of a part lie in one octave, so 15 bits are enough for a depth, and the outputs of a part are
+ * 16-bit numbers per pixel. After each part, these are added to sums of depths or converted to slots. */
 #include "draw.h"
 #include "memory.h"
 #include "targets.h"
@@ -15,7 +15,7 @@ typedef struct tracer {
     const fxs_targets *targets;
     int bits;                      /* fraction bits of depths in the targets and the occluder */
     const uint32_t *list;          /* a stretch of the tile's list */
-    uint32_t count;                /* its length */
+    uint32_t count;                /* length of `list` */
     uint32_t first, end;           /* a part of the stretch */
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];   /* T before the part */

@@ -113,8 +113,9 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
-/* Smallest exponent for which 3.5 (2^exponent + 1) pixels reach the picture from a centre with slope 64, and from 65536
-   pixels off the first pixel. At least 7, and at least 1/16 of the picture. */
+/* A Gaussian with its centre out of range is dropped below this size exponent: the smallest for which a radius of 3.5
+   (2^exponent + 1) pixels reaches the picture from a centre with slope 64, or 65536 pixels off the first pixel. At
+   least 7, and 2^exponent is at least 1/16 of the picture. */
 static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
@@ -164,7 +165,8 @@ static void jacobian_rows(fxs_view *view)
         }
 }
 
-/* Size and principal point of the whole picture that the camera is a window of; without a window, its own. */
+/* Size and principal point of the whole picture that the camera is a window of. For a camera without a window, these
+   are the camera's. */
 static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[2])
 {
     const int window = is_window(camera);
@@ -174,8 +176,8 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
     c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
 }
 
-/* Derives all values that depend on focal lengths, position and rotation. For a window only the edges are its own, to
-   cull Gaussians outside it; the rest comes from the whole picture. */
+/* Derives all values that depend on focal lengths, position and rotation. For a window, only the edges, which cull
+   Gaussians outside it, come from the window; all else comes from the whole picture. */
 static void derive(fxs_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
@@ -207,7 +209,8 @@ FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
     }
 }
 
-/* Twice a picture's width or height; or 1/16 of its reach from the principal point, if that is larger. */
+/* Twice a picture's width or height; or 1/16 of the largest distance of its edges from the principal point, if that is
+   larger. */
 static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 {
     const int64_t after_q12 = (size << 12) - c_q12, reach_q12 = after_q12 > c_q12 ? after_q12 : c_q12;

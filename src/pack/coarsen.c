@@ -1,5 +1,5 @@
-/* Merging of a set of Gaussians: fills a merger, runs the fastest stage coarsen, and converts the results back to
- * Gaussians. The stage itself is in coarsen_stages.h; this file also instantiates it for C. */
+/* Merges a set of Gaussians: fills a merger, runs the fastest version of the stage coarsen, and converts the results
+ * back to Gaussians. The stage itself is in coarsen_stages.h; this file also instantiates it for C. */
 #include "coarsen.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ size_t fxs_merger_bytes(void)
 
 /* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
-/* The covariance R S S R^T. */
+/* Sets the covariance R S S R^T, the area and the opacity. */
 void fxs_coarse_set(fxs_coarse *c, const fxs_gaussian *g)
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};

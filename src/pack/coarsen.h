@@ -19,17 +19,17 @@ typedef struct fxs_coarse {
     float opacity;                     /* 0 to 1 */
 } fxs_coarse;
 
-/* Effective opacity: a Gaussian is drawn out to alpha = FXS_FAINTEST. Its integral up to there equals that of an
-   unbounded Gaussian of opacity - FXS_FAINTEST. */
+/* Effective opacity: a Gaussian is drawn out to alpha = FXS_FAINTEST. The integral of its alpha up to this limit equals
+   that of an unbounded Gaussian of opacity - FXS_FAINTEST. */
 static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 {
     return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;
 }
 
-/* Fills in `coarse` from a Gaussian of a file or of a packed scene. */
+/* Fills in `coarse` from a Gaussian. */
 void fxs_coarse_set(fxs_coarse *coarse, const fxs_gaussian *gaussian);
 
-/* Errors of all merges of a set. */
+/* Sums over all merges of a set. */
 typedef struct fxs_merge_error {
     double error;                      /* sum of the squared errors, colours^2 units^2 */
     double size;                       /* sum of squared error * squared size of the merged Gaussian, units^2 */
@@ -54,7 +54,8 @@ void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t cou
    were added, and returns their number. */
 uint32_t fxs_merge_end(fxs_merger *merger, uint32_t most, fxs_coarse *out, fxs_merge_error *error);
 
-/* Writes for each added Gaussian, in order, the index in `out` of the Gaussian it was merged into. */
+/* After fxs_merge_end: writes, for each added Gaussian in order, the index in `out` of the Gaussian it was merged
+   into. */
 void fxs_merge_into(const fxs_merger *merger, uint16_t *into);
 
 /* Sets rotation and scales from a covariance. */

@@ -1,7 +1,7 @@
-/* A merge replaces two Gaussians by one with the same moments, weighted by opacity times area. Each step merges the
-   pair with the smallest error; the result becomes a candidate again. The error of a pair is the integral over a
-   projection plane of the squared difference between the fields before and after, with colours multiplied by
-   opacity, averaged over the three planes of the axes. It has a closed form: for Gaussians of peak 1 with
+/* A merge replaces two Gaussians by one with the same mean and covariance, weighted by opacity times area. Each step
+   merges the pair with the smallest error; the merged Gaussian can be merged again. The error of a pair is the squared
+   difference between the pictures before and after the merge, with colours multiplied by opacity, integrated over a
+   projection plane and averaged over the three coordinate planes. It has a closed form: for Gaussians of peak 1 with
    covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2). Colours are
    relative to the mean of the neighbours, because the background of a Gaussian usually has a similar colour.
 
@@ -44,7 +44,7 @@ static inline float minor(float u, float v, float uv)
 
 /* ---- Merging two ------------------------------------------------------------------------------------------------- */
 
-/* Roots of the determinants in each plane. */
+/* Square roots of the determinants of the Gaussians' covariances in each plane. */
 static inline void find_roots(group *of, int count)
 {
     for (int p = 0; p < PLANES; p++)
@@ -72,8 +72,8 @@ static inline void find_products(lanes product, const group *a, const group *b, 
     }
 }
 
-/* Mass of the pair, minus OVERLAP of the part that the two hide of each other. products: <Ga, Gb> / pi in each
-   plane. */
+/* Mass of a pair: the sum of the two masses, minus OVERLAP times the part that they hide of each other. products: <Ga,
+   Gb> / pi in each plane. */
 static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -85,8 +85,8 @@ static inline void find_masses(lanes mass, const group *a, const group *b, lanes
     }
 }
 
-/* The merged Gaussian, and the share of a. If opacity would exceed its cap by a factor r, it is capped and variances
-   grow by sqrt(r). */
+/* Merges a and b; `share` becomes the share of a. If the merged opacity would exceed its cap by a factor r, it is
+   capped and the variances grow by sqrt(r). */
 static inline void join(group *out, lanes share, const group *a, const group *b, lanes products[PLANES], int count)
 {
     lanes mass;
@@ -210,8 +210,8 @@ static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32
     memcpy(order, other, count * sizeof *order);
 }
 
-/* Orders the Gaussians along a Morton curve of 10 bits an axis. The cube is twice as wide as their extent and begins
-   `shift` of its width before it, 0 to 1/2. */
+/* Orders the Gaussians along a Morton curve of 10 bits an axis. The curve fills a cube twice as wide as the Gaussians'
+   extent. The cube begins `shift` times its width, 0 to 1/2, before the extent. */
 static void find_order(fxs_merger *m, float shift)
 {
     float low[3], width = LEAST;
@@ -264,7 +264,7 @@ static inline void take(candidates *c, uint16_t other, float distance, int again
     c->which[at] = other;
 }
 
-/* Squared distances from the Gaussian at place `from` of the curve to WINDOW consecutive ones. */
+/* Squared distances from the Gaussian at place `from` of the curve to the WINDOW Gaussians from place `first` on. */
 static inline void find_distances(float distances[WINDOW], const fxs_merger *m, uint32_t first, uint32_t from)
 {
     for (uint32_t k = 0; k < WINDOW; k++) {
@@ -274,7 +274,7 @@ static inline void find_distances(float distances[WINDOW], const fxs_merger *m, 
     }
 }
 
-/* Adds candidates from both sides of the curve: first those before a Gaussian, then those after. */
+/* For each Gaussian, adds candidates from the curve: first its neighbours before it, then those after it. */
 static void look_along(fxs_merger *m, int again)
 {
     for (uint32_t i = 0; i < m->count; i++) {
@@ -296,8 +296,8 @@ static void look_along(fxs_merger *m, int again)
     }
 }
 
-/* Finds the candidates of each Gaussian by distance. Neighbours that one curve separates are close on the other,
-   shifted curve. */
+/* Finds the candidates of each Gaussian by distance. Neighbours that are far apart on one curve are close on the
+   second, which is shifted. */
 static void find_nearest(fxs_merger *m)
 {
     memset(m->nearest_count, 0, sizeof m->nearest_count);
@@ -369,7 +369,8 @@ static void find_pairs(fxs_merger *m)
         sift_down(m->heap, m->heap_count, i);
 }
 
-/* Joins the candidates of a and b without duplicates, and pushes their pairs with a. The first NEAREST become a's. */
+/* Joins the candidates of a and b without duplicates, and pushes the pair of a and each. The first NEAREST become a's
+   candidates. */
 static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 {
     uint16_t both[2 * NEAREST];

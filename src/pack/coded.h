@@ -14,8 +14,8 @@ typedef struct fxs_coded {
     const void *argument;
 } fxs_coded;
 
-/* As fxs_pack, but the codes come from `coded`. The file is still read, for the scene's header. The report has no
-   losses. With a null `coded`, this is fxs_pack. */
+/* Like fxs_pack, but the codes come from `coded`. The file is still read, for the scene's header. The report has no
+   losses. If `coded` is null, this is fxs_pack. */
 int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded,
                    fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                    fxs_message *message);

@@ -25,7 +25,8 @@ float fxs_held_scale(float scale)
     return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
 }
 
-/* Otherwise one needle would widen a chunk's range, and with it the scale steps of the whole chunk. */
+/* Without these limits, one needle would widen a chunk's range of scales, and with it the scale steps of the whole
+   chunk. */
 void fxs_hold_scales(fxs_gaussian *g)
 {
     const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
@@ -66,7 +67,7 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *g, double opa
     fxs_pack_stages_choose(~0u)->take_ranges(ranges, g, opacity, sh_degree);
 }
 
-/* The smallest step, in units of 2^-q, with which codes 0..codes cover the range. */
+/* The smallest step, in units of 2^-q, with which codes 0..codes cover a range `reach` wide. */
 static uint32_t step_for(double reach, int codes, int q)
 {
     return (uint32_t)cut_to(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
@@ -84,7 +85,7 @@ static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r,
     chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), FXS_COLOUR_MOST, 20);
 }
 
-/* Q19, at most 32767. */
+/* The SH step for coefficients up to `most`: Q19, at most 32767. */
 static uint32_t sh_step(float most, const fxs_grid *grid)
 {
     double own = ldexp(grid->step, 19);

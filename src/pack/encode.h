@@ -39,15 +39,15 @@ typedef struct fxs_range {
 typedef struct fxs_chunk_ranges {
     fxs_range position[3], scale, colour[3];
     float sh[3];                     /* largest coefficient of each degree */
-    float opacity_harm[FXS_OPACITY_LAWS];   /* error of the picture if each law codes the chunk */
+    float opacity_harm[FXS_OPACITY_LAWS];   /* for each law: error of the picture if it codes the chunk */
 } fxs_chunk_ranges;
 
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
 /* round(x / step) within +-127, halves up; 0 for step 0. inverse is 1 / step. x and step are floats of 24 bits, so a
-   quotient that is not an exact half is at least 2^-26 from a half. x * inverse is off by at most 2^-45, and the
-   added 2^-30 puts it on the right side. */
+   quotient whose fraction is not exactly 1/2 is at least 2^-26 away from it. x * inverse has an error of at most 2^-45,
+   so adding 2^-30 rounds every quotient correctly. */
 static inline int32_t fxs_coefficient_code(double x, double step, double inverse)
 {
     const double most = 127 * step, above = x > -most ? x : -most, held = above < most ? above : most;
@@ -103,7 +103,8 @@ typedef struct fxs_row_codes {
     uint32_t colour[3], opacity;
 } fxs_row_codes;
 
-/* Writes codes into a record, in the order of a chunk's rows. Returns the end, where the SH codes go. */
+/* Writes codes into a record, in the order of a chunk's rows. Returns the position in the record where the SH codes
+   begin. */
 unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_row_codes *codes, unsigned char *record);
 
 /* Writes the codes of a Gaussian into a record, in the order of its chunk's rows, and adds the errors to `loss`. In

@@ -18,7 +18,8 @@ static inline double larger_of(double x, double y)
 
 /* ---- Opacities ------------------------------------------------------------------------------------------------- */
 
-/* 4^(1 - law) - 1/255, and 254 / sqrt of it; law 0 has even steps */
+/* for each law: 4^(1 - law) - 1/255, and 254 divided by the square root of this; law 0, with even steps, uses no
+   scale */
 static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 255.0, 0.25 - 1 / 255.0,
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
@@ -111,8 +112,9 @@ static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* Codes position (16 bits) and base colour (9 bits); in profile small 11, and 7, 7, 6. Picks the code with low +
-   code step nearest, where the code is extended to full width. */
+/* Codes position (16 bits per axis) and base colour (9 bits per channel). Profile small: 11 bits per axis; 7, 7 and 6
+   bits for red, green and blue. Picks the code for which low + code * step, with the code extended to full width, is
+   nearest. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                fxs_row_codes *codes, fxs_loss *loss)
 {
@@ -147,13 +149,14 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     note_three(loss, FXS_LOSS_DC, errors + 3);
 }
 
-/* Extends a scale code of axis i from `bits` to the width in the formula. */
+/* Extends a scale code of axis i from `bits` to 10 bits; for axis 2, to 9 bits and a 0 behind them. */
 static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
 {
     return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
 }
 
-/* Nearest codes for log2(sigma) = high - code^2 step: 10, 10 and 9 bits; in profile small 7, 7 and 6. */
+/* Nearest codes for log2(sigma) = high - code^2 * step: 10, 10 and 9 bits for the three axes; in profile small 7, 7 and
+   6. */
 static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, const float scale[3], uint32_t codes[3],
                                  fxs_loss *loss)
 {
@@ -179,8 +182,8 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
     note_three(loss, FXS_LOSS_SCALE, errors);
 }
 
-/* Records the angle 2 acos(|dot|) in degrees. acos(x)^2 is at most 2.5 (1 - x), and about 2 (1 - x) near x = 1, so
-   acos is called only for candidates of the largest angle. */
+/* Records the angle 2 acos(|dot|) in degrees. acos(x)^2 is at most 2.5 (1 - x), and about 2 (1 - x) near x = 1, so acos
+   is called only if the angle may be the largest up to now. */
 static inline void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
@@ -206,7 +209,8 @@ static inline double roll_of(double cosine, double sine)
     return roll;
 }
 
-/* The nearest code, two's complement of `bits` bits, to x in -1..1. `below`: part of a step that lower bits add. */
+/* The code, two's complement of `bits` bits, nearest to x in -1..1. `below`: the part of a step that the following bits
+   of the word add. */
 static inline int32_t code_around(double x, int32_t bits, double below)
 {
     const int32_t half = 1 << (bits - 1);
@@ -214,7 +218,7 @@ static inline int32_t code_around(double x, int32_t bits, double below)
     return code - half;
 }
 
-/* The value of a code's bits as a part of a step of the number above. */
+/* The value of a code's bits as a fraction of a step of the number before it in the word. */
 static inline double part_of(int32_t code, int32_t bits, double below)
 {
     const int32_t number = 1 << bits;
@@ -227,8 +231,8 @@ static inline int is_too_long(uint32_t word, int32_t bits)
     return x_q15 * x_q15 + y_q15 * y_q15 > 1 << 30;
 }
 
-/* The rotation word of three axes; `all`: its bits. The roll is relative to the first axis as coded, so a second
-   round starts from the result of the first. */
+/* The rotation word of three axes. `all`: number of bits in the word. The roll is relative to the first axis as coded,
+   so a second round starts from the result of the first. */
 static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
 {
     const double sign = axis[0][2] < 0 ? -1 : 1, length = sqrt(1 + fabs(axis[0][2]));
@@ -278,7 +282,8 @@ static inline void order_axes(float scale[3], double axis[3][3])
     }
 }
 
-/* cos of half the angle between the axes and those of the word; an axis may point either way. */
+/* cos of half the angle between `axis` and the axes that the word decodes to; opposite directions of an axis are
+   equal. */
 static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
 {
     const fxs_tilt a = fxs_tilt_of_word(word, bits);
@@ -291,7 +296,7 @@ static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t
     return sqrt(1 + trace) / 2;
 }
 
-/* Codes the rotation. `scale`: codes of the axes' lengths, which determine the bits per axis. */
+/* Codes the rotation. `scale`: codes of the axes' lengths, which determine the bits of X and of Y. */
 static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *chunk, double axis[3][3],
                                        const uint32_t scale[3], fxs_loss *loss)
 {
@@ -320,7 +325,7 @@ static inline void fill_by_degree(double numbers[BANDS], const double of[3])
         numbers[i] = of[2];
 }
 
-/* Records the absolute errors of 48 numbers. Changes the array. */
+/* Records the absolute errors of 48 coefficients in `loss`. Changes the array. */
 static inline void note_bands(fxs_loss *loss, double errors[BANDS])
 {
     double most[BANDS / 2];

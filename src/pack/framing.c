@@ -1,6 +1,7 @@
-/* Weights a sample of Gaussians by opacity and size, and takes quantiles of the weight along each axis. If the box
- * is not much larger than the core, the scene is an object with an outline, and the box gets a margin. Otherwise the
- * scene is surroundings, and the box covers at least the middle 90 % of the centres. */
+/* Weights a sample of Gaussians by opacity and size, and takes quantiles of the weight along each axis. On each axis,
+ * the box lies between the quantiles EDGE and 1 - EDGE, and the core between CORE and 1 - CORE. If the box is not much
+ * larger than the core, the scene is an object with an outline, and the box gets a margin. Otherwise the scene is
+ * surroundings, and the box covers at least the middle 90 % of the centres. */
 #include "framing.h"
 
 #include <math.h>
@@ -9,9 +10,9 @@
 #include "src/gaussian/attributes.h"
 
 #define EDGE 0.002                   /* share of the weight cut off at each end of an axis */
-#define CORE 0.05                    /* the same for the core */
-#define SPREAD 1.5                   /* largest radius of box / core of a scene with an outline */
-#define FAR_OUT 8                    /* outliers are farther than this * the median distance */
+#define CORE 0.05                    /* the same share for the core */
+#define SPREAD 1.5                   /* largest ratio of the radii of box and core in a scene with an outline */
+#define FAR_OUT 8                    /* outliers are farther from the middle than this * the median distance */
 
 fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
@@ -22,8 +23,8 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
                       opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 8-bit opacity 0 is never drawn */
 }
 
-/* Radix sort by x, 8 bits per pass. Stable: places of equal x stay in the order of their indexes. `spare`: room for
-   `count`. */
+/* Radix sort by x, 8 bits per pass. Stable: places of equal x stay in the order of their indexes. `spare`: space for
+   `count` places. */
 static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t count)
 {
     for (int shift = 0; shift < 32; shift += 8) {
@@ -50,7 +51,7 @@ static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_s
     sort_places(places, spare, count);
 }
 
-/* The place where the sum of weights, in ascending order of places, reaches `share`, above 0. */
+/* The x at which the sum of weights, in ascending order of x, reaches `share` of the whole. `share` is above 0. */
 static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
 {
     double total = 0, sum = 0;
@@ -63,7 +64,7 @@ static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint3
     return (double)places[i].x;
 }
 
-/* The box without `edge` of the weight at each end of each axis. Returns half its diagonal. */
+/* The box that leaves out a share `edge` of the weight at each end of each axis. Returns half its diagonal. */
 static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double edge, double low[3],
                      double high[3])
 {
@@ -76,7 +77,7 @@ static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_
     return sqrt(square);
 }
 
-/* Sorts `places` by distance from the middle. Returns the weighted median distance. */
+/* Sorts `places` by distance from the middle. Returns the weighted median of the distances. */
 static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count,
                               const double middle[3])
 {
@@ -102,7 +103,7 @@ static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t coun
     }
 }
 
-/* For surroundings: divides weights by (1 + r^2)^2, r = distance / median distance. */
+/* For a scene of surroundings: divides weights by (1 + r^2)^2, r = distance / median distance. */
 static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {

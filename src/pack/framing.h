@@ -15,7 +15,7 @@ typedef struct fxs_seen {
     float weight;                    /* opacity; 0: not drawn */
 } fxs_seen;
 
-/* Coordinate of a Gaussian along a line. */
+/* Sort entry of a Gaussian: its coordinate on an axis, or its distance, and its index. */
 typedef struct fxs_seen_place {
     float x;
     uint32_t index;
@@ -23,8 +23,8 @@ typedef struct fxs_seen_place {
 
 fxs_seen fxs_seen_of(const fxs_gaussian *gaussian);
 
-/* Changes low..high from the box of the middle 90 % of the centres to the box of the visible part. `places`: room
-   for 5 * count. Overwrites the weights of `seen`. If no Gaussian is visible, the box stays. */
+/* On entry, low..high is the box of the middle 90 % of the centres; on return, the box of the visible part. `places`:
+   space for 5 * count places. Overwrites the weights of `seen`. If no Gaussian is visible, the box is unchanged. */
 void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, double low[3], double high[3]);
 
 #endif

@@ -11,12 +11,12 @@ enum {
     MOST = FXS_MERGE_MOST,
     LANES = 8,                         /* pairs per call of find_errors */
     NEAREST = 5,                       /* candidates per Gaussian */
-    JOINED = 8,                        /* candidates of a merged Gaussian */
+    JOINED = 8,                        /* most candidates of a merged Gaussian */
     PLANES = 3,
     SH = 45,                           /* coefficients */
     COMPARED = 12,                     /* SH coefficients that count in errors: 9 of degree 1, 3 zeros */
     CURVES = 2,                        /* Morton curves along which candidates are searched */
-    WINDOW = 8,                        /* neighbours on each side of a curve */
+    WINDOW = 8,                        /* neighbours on the curve, on each side of a Gaussian, that are compared */
     PAIRS = MOST * NEAREST + MOST * JOINED   /* capacity: pairs of the whole run */
 };
 
@@ -26,10 +26,10 @@ enum {
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
-#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* cap of a merged opacity, unless either is more opaque */
+#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* cap of a merged opacity, unless an input is more opaque */
 #define OVERLAP 0.3f                   /* share of a pair's mutual occlusion that is taken off the merged mass */
-#define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; a colour's has 1 */
-#define THINNEST 1e-3f                 /* share of the trace, added to variances in errors */
+#define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; that of a colour is 1 */
+#define THINNEST 1e-3f                 /* share of a covariance's trace that errors add to variances */
 #define LEAST 1e-30f
 #define PI 3.14159265f
 
@@ -45,7 +45,7 @@ typedef struct group {
     lanes f[ROW];
 } group;
 
-/* Candidates for a merge. The pair is stale if an age differs from the Gaussian's. */
+/* Candidates for a merge. The pair is stale if a_age or b_age differs from the Gaussian's present age. */
 typedef struct pair {
     float error;
     uint16_t a, b;                     /* a < b */
@@ -56,14 +56,14 @@ struct fxs_merger {
     uint32_t count, left;
     const fxs_coarse *from[MOST];
     float fields[MOST][ROW];
-    float sh[MOST][SH];                /* times the basis of degree 0 */
+    float sh[MOST][SH];                /* coefficients times the basis of degree 0 */
     float compared[MOST][COMPARED];    /* the first COMPARED of sh */
-    uint32_t sh_count;                 /* coefficients of the degree; the others are 0 */
-    uint16_t order[MOST];              /* along a curve */
+    uint32_t sh_count;                 /* number of coefficients of the set's degree; the others are 0 */
+    uint16_t order[MOST];              /* the Gaussians in their order along a curve */
     float places[3][WINDOW + MOST + WINDOW];   /* positions in that order; padding: infinity */
     float distances[MOST][NEAREST];    /* squared distances of the candidates */
-    uint16_t into[MOST];               /* itself, or the Gaussian it was merged into */
-    uint16_t age[MOST];                /* number of merges */
+    uint16_t into[MOST];               /* per Gaussian: itself, or the Gaussian it was merged into */
+    uint16_t age[MOST];                /* per Gaussian: number of merges */
     uint16_t nearest[MOST][NEAREST];   /* candidates, nearest first */
     uint8_t nearest_count[MOST];
     pair pairs[PAIRS];

@@ -1,4 +1,4 @@
-/* Moves a packed scene as a whole. */
+/* Translates a whole packed scene. */
 #ifndef FXS_MOVE_H
 #define FXS_MOVE_H
 

@@ -1,7 +1,7 @@
-/* Builds a k-d tree from the top down. Each run of Gaussians is cut across x, y, z, or the distance from the middle
-   of the scene, at the place where the cost of both boxes is smallest. The cost of a box is the sum of squared
-   position errors, in pixels, for a viewer around the middle. Cuts by distance separate Gaussians that lie far out
-   on all sides: sky, surroundings, outliers.
+/* Builds a k-d tree from the top down. Each run of Gaussians is cut across x, y, z, or the distance from the middle of
+   the scene, at the place where the sum of the costs of the two new boxes is smallest. The cost of a box is the sum of
+   squared position errors, in pixels, for a viewer around the middle. Cuts by distance separate Gaussians that lie far
+   out on all sides: sky, surroundings, outliers.
 
    The order is the same on every processor: weights are integers, and every float operation is rounded to a float by
    itself, which gives the same result on processors that compute with more bits. */
@@ -22,12 +22,12 @@ enum {
     SAMPLE = 16384,                  /* most Gaussians for finding the middle */
     JOBS = 128,                      /* most runs processed at once */
     PIECES = 8,                      /* most chunks cut from one leaf */
-    MANY = 1024 * FXS_CHUNK          /* scenes with fewer Gaussians cut leaves less: see coarse_cost */
+    MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut: see coarse_cost */
 };
 
-#define AMONG_ITS_LIKE (1u << 31)     /* flag in an index: to be ordered separately */
+#define AMONG_ITS_LIKE (1u << 31)     /* flag in an index: the Gaussian is to be ordered separately */
 #define LEAST_WIDTH 1e-30f           /* narrower runs are not cut by a histogram */
-#define NARROW 0.25f                 /* axes below this share of the widest are not cut */
+#define NARROW 0.25f                 /* axes narrower than this share of a run's widest are not cut */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
 
 typedef struct stretch {
@@ -44,7 +44,7 @@ typedef struct order {
     uint32_t stretch_count, large;   /* runs longer than `large` are cut before jobs share them */
 } order;
 
-/* Upper bounds are negated, so that one branch-free loop of minima widens all sides. */
+/* A bounding box. Upper bounds are negated, so that one branch-free loop of minima widens all sides. */
 typedef struct box {
     float sides[8];                  /* low x, y, z, unused, -high x, y, z, unused */
     uint64_t weight;
@@ -96,7 +96,7 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
     return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
 }
 
-/* Sort key of an entry; unique. */
+/* Sort key of an entry by a coordinate; no two entries have the same. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
     return (uint64_t)fxs_ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
@@ -124,8 +124,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* A pivot from a sample of the keys, slightly beyond the k-th on the side with more keys, so that one pass removes
-   most of that side. */
+/* A pivot from a sample of the keys. It lies slightly beyond the k-th key, on the side with more keys, so that one pass
+   removes most of that side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -219,7 +219,8 @@ static float cost_of(const box *b)
     return product(length_square(side_of(b, 0), side_of(b, 1), side_of(b, 2)), (float)b->weight);
 }
 
-/* 2^30 for the nearer half of the Gaussians; beyond, proportional to 1 / distance^2. */
+/* Weight of a Gaussian by its distance from the middle: 2^30 for the nearer half of the Gaussians; beyond, proportional
+   to 1 / distance^2. */
 static uint64_t weight_of(const order *o, float distance)
 {
     const float share = distance > o->near_square ? o->near_square / distance : 1;
@@ -294,7 +295,7 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
     }
 }
 
-/* The nearest multiple of FXS_CHUNK with Gaussians on both sides. */
+/* The multiple of FXS_CHUNK nearest to `before` that leaves Gaussians on each side of the cut. */
 static uint32_t whole_chunks(uint32_t before, uint32_t count)
 {
     const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
@@ -460,8 +461,8 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* If a few Gaussians lie far beyond the others, one leaf holds all of them, and its position steps would be many
-   pixels. Cuts the most expensive piece until every piece is below o->coarse. */
+/* A leaf that holds a few Gaussians far beyond the others would have position steps of many pixels. So cuts the leaf's
+   most expensive piece until the cost of every piece is below o->coarse. */
 static void order_leaf(const order *o, stretch r)
 {
     stretch pieces[PIECES] = {r};
@@ -546,7 +547,7 @@ float fxs_value_of_rank(const float *values, size_t count, size_t rank)
     return fxs_ordered_float(bits);
 }
 
-/* Median of an evenly spaced sample. */
+/* Median of a coordinate over an evenly spaced sample of the Gaussians. */
 static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
 {
     const uint32_t step = (count - 1) / SAMPLE + 1;
@@ -564,7 +565,8 @@ static void find_middle(order *o, uint32_t count, float *sample)
     o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
 }
 
-/* Sets the indexes of the entries and moves dropped ones to the end. Returns the number of the others. */
+/* Sets the indexes of the entries and moves dropped entries to the end. Returns the number of entries that are not
+   dropped. */
 static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
@@ -581,7 +583,7 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
     return kept;
 }
 
-/* Moves entries that are ordered separately to the end of `count`. Returns the number of chunks for the others. */
+/* Moves entries that are ordered separately to the end. Returns the number of chunks for the others. */
 static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t others = 0;
@@ -596,8 +598,9 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
     return fxs_chunks_of(others);
 }
 
-/* The largest cost of a leaf: that of 256 Gaussians in a box with a diagonal of `reach` times their distance.
-   Infinite for reach 0. Larger in small scenes, where an extra chunk costs relatively more bytes. */
+/* The largest cost of an uncut leaf: that of 256 Gaussians in a box with a diagonal of `reach` times their distance
+   from the middle. Infinite for reach 0. It is larger in small scenes, where an extra chunk costs relatively more
+   bytes. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

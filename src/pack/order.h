@@ -1,4 +1,4 @@
-/* Orders the Gaussians of a scene into chunks of 256 with small boxes, as seen from around the middle. */
+/* Orders the Gaussians of a scene into chunks of 256 whose boxes look small from the middle of the scene. */
 #ifndef FXS_ORDER_H
 #define FXS_ORDER_H
 
@@ -14,12 +14,12 @@ typedef struct fxs_order_entry {
     uint32_t index;                             /* output: index in the file. Input: 1 = order separately, else 0 */
 } fxs_order_entry;
 
-/* Sorts entries, which are given in file order, and sets their indexes. Result: normal entries, then those with
-   index 1, then dropped ones. Entries with index 1 fill up the last chunk of the normal ones. Each FXS_CHUNK entries
-   are a leaf of a k-d tree, and each subtree is a run of leaves; only the last leaf is shorter. If `reach` is not 0,
-   a leaf with a box longer than about `reach` times the distance of its Gaussians from the middle is cut into
-   several chunks. FXS_BEGINS_CHUNK marks the first entry of each of these chunks except the first. Allocates 100 KB.
-   options->run must not be null. Returns 0 or FXS_ERR_MEMORY. */
+/* Sorts entries, which are given in file order, and sets their indexes. Resulting order: normal entries, then entries
+   with index 1, then dropped entries. Entries with index 1 fill up the last chunk of the normal entries. Each FXS_CHUNK
+   entries are a leaf of a k-d tree, and each subtree is a run of leaves; only the last leaf is shorter. If `reach` is
+   not 0, a leaf with a box longer than about `reach` times the distance of its Gaussians from the middle of the scene
+   is cut into several chunks. FXS_BEGINS_CHUNK marks the first entry of each of these chunks except the first.
+   Allocates 100 KB. options->run must not be null. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
 /* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their bounding cube, then by
@@ -42,7 +42,7 @@ static inline float fxs_ordered_float(uint32_t bits)
     return x;
 }
 
-/* The value that sorting would put at place `rank`, rank < count. */
+/* The value that would be at place `rank` if the values were sorted; rank < count. */
 float fxs_value_of_rank(const float *values, size_t count, size_t rank);
 
 #endif

@@ -30,11 +30,11 @@
 #define BATCH 4096                   /* Gaussians per read */
 #define HELD (1u << 16)              /* most chunks waiting for SH codes at once */
 #define FINISHED 512                 /* chunks finished between two progress reports */
-#define PARTS 16                     /* jobs per batch, fixed: sums do not depend on the threads */
+#define PARTS 16                     /* jobs per batch; fixed, so that sums do not depend on the number of threads */
 #define AHEAD 8                      /* prefetch distance, Gaussians */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 #define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
-#define FOG 0.1                      /* share of the weight; captured scenes without fog: at most 0.03 */
+#define FOG 0.1                      /* share of faint weight in fog; in captured scenes without fog at most 0.03 */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address)
@@ -54,7 +54,7 @@ typedef struct batch {
 typedef struct findings {
     fxs_pack_dropped dropped;
     uint64_t brought_in;
-    double faint, others;            /* weights */
+    double faint, others;            /* sums of the weights of faint and of other Gaussians */
     fxs_loss loss;
     float low[3], high[3];
     uint64_t source;                 /* sum of hash_of over all Gaussians */
@@ -63,7 +63,8 @@ typedef struct findings {
 
 typedef struct packer packer;
 
-/* Steps that differ for one part of a scene. Called by pointer, so that programs without parts do not link them. */
+/* Steps that differ when one part of a scene is packed. Called by pointer, so that programs without parts do not link
+   them. */
 typedef struct part_steps {
     int (*plan)(packer *p);
     int (*allocate)(packer *p, fxs_packed_scene *part);
@@ -79,11 +80,11 @@ struct packer {
     fxs_pack_options options;
     fxs_message *message;
     const fxs_pack_stages *stages;
-    findings *findings;              /* PARTS of them */
+    findings *findings;              /* one per job: PARTS */
     batch *batches;                  /* two: one is filled while jobs work on the other */
     int ready;                       /* index of the batch that jobs work on */
     part_fn *work;
-    double done, share;              /* share of the import: before this pass; in it */
+    double done, share;              /* shares of the import: finished before this pass; of this pass */
     fxs_order_entry *entries;
     fxs_seen *seen;                  /* every seen_step-th Gaussian of the file */
     uint64_t seen_step;
@@ -104,7 +105,7 @@ struct packer {
     uint32_t first_chunk, end_chunk;
     uint32_t finished;               /* finish_part begins at this chunk */
     fxs_packed_header *header;       /* packed header; becomes little-endian last */
-    fxs_chunk *chunks;               /* of first..end - 1, as `rows` */
+    fxs_chunk *chunks;               /* chunks first..end - 1, like `rows` */
     unsigned char *palette_bytes, *rows;
     size_t bytes;
 };
@@ -135,7 +136,8 @@ static void read_or_work(void *argument, uint32_t job)
         p->work(p, b, job - 1);
 }
 
-/* Without a palette, the tree takes longer than all steps before it. */
+/* Share of the import that building the tree takes. Without a palette, the tree takes longer than all steps before
+   it. */
 static double tree_share(const packer *p)
 {
     return p->options.tree ? 0.5 : 0;
@@ -160,7 +162,8 @@ static int fail_stopped(const packer *p)
     return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
 }
 
-/* Without a palette, the three passes take equal shares of the time before the tree. With one, SH coding takes half. */
+/* Share of the import that a pass takes. Without a palette, the three passes take equal shares of the time before the
+   tree. With a palette, SH coding takes half of that time. */
 static double pass_share(const packer *p)
 {
     return (1 - tree_share(p)) * (fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree) ? 0.25 : 1.0 / 3);
@@ -190,7 +193,7 @@ static long first_of(const batch *b, uint32_t part)
     return b->count * (long)part / PARTS;
 }
 
-/* Without an early out: almost all values are finite. */
+/* Does not stop at the first infinite value, because almost all values are finite. */
 static int all_finite(const float *values, int count)
 {
     int finite = 1;
@@ -213,7 +216,7 @@ static double log_area(const fxs_gaussian *g)
     return (double)(a + b + c - least);
 }
 
-/* NaN counts as opaque. */
+/* An opacity of NaN counts as opaque. */
 double fxs_weight(const fxs_gaussian *g)
 {
     return fxs_exp(log_area(g)) / (isnan(g->opacity) ? 1 : 1 + fxs_exp(-(double)g->opacity));
@@ -247,7 +250,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Clamps the position and the scales. Every pass must do so. */
+/* Clamps the position and the scales. Every pass must call this. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -358,7 +361,7 @@ static int find_inner_bounds(packer *p)
     return 0;
 }
 
-/* Replaces the box of the middle 90 % by that of the visible part. */
+/* Replaces the box of the middle 90 % of the centres by the box of the visible part. */
 static int find_seen_bounds(packer *p)
 {
     const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
@@ -373,7 +376,7 @@ static int find_seen_bounds(packer *p)
 }
 
 /* If faint Gaussians (fog) have at least FOG of the weight, they get chunks of their own, with finer steps of
-   opacity. In other scenes, a chunk of close neighbours codes better. */
+   opacity. In other scenes, chunks of close neighbours have smaller errors. */
 static void part_fog(packer *p)
 {
     double faint = 0;
@@ -383,8 +386,8 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
-/* Largest box of a chunk, relative to its distance from the middle of the scene. A position step is then at most
-   1/2048 of the distance (half a pixel of a wide picture); in profile small, 1/512. */
+/* Largest diagonal of a chunk's box, divided by the box's distance from the middle of the scene. It limits a position
+   step to 1/2048 of the distance (half a pixel of a wide picture); in profile small, 1/512. */
 static float longest_box(enum fxs_profile profile)
 {
     return profile == FXS_PROFILE_SMALL ? 4 : 32;
@@ -421,7 +424,7 @@ static int find_slots(packer *p)
     return 0;
 }
 
-/* Boxes of all chunks, as their headers will give them. */
+/* Finds the boxes of all chunks as the chunks' headers will state them. */
 static int find_boxes(packer *p)
 {
     fxs_range *ranges = fxs_allocate(p->options.allocator, 3 * (size_t)p->end, sizeof *ranges);
@@ -571,7 +574,8 @@ static int allocate_palette(packer *p)
     return 0;
 }
 
-/* If the sample is the whole scene, its items are coded. Otherwise items are read again, `held` chunks at a time. */
+/* Learns the palette. If the sample is the whole scene, its items are also the ones that are coded. Otherwise items are
+   read again, `held` chunks at a time. */
 static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
@@ -612,12 +616,12 @@ static void fetch(const packer *p, uint32_t slot)
         PREFETCH(&p->ranges[chunk - p->first]);
 }
 
-/* Neighbours in the file lie in different chunks, so writing to rows would touch a cache line per byte. The codes of
-   a Gaussian are stored together first (a record); finish_part turns records into rows. */
+/* The codes of a Gaussian are first stored together, as a record; finish_part turns records into rows. Writing to rows
+   here would touch a cache line per byte, because neighbours in the file lie in different chunks. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
-    fxs_loss loss = p->findings[part].loss;               /* copied: jobs share cache lines */
+    fxs_loss loss = p->findings[part].loss;               /* a copy, because jobs share the cache lines of `findings` */
     double opacities[BATCH / PARTS + 1];
     int changed = 0;
     const long first = first_of(b, part), end = first_of(b, part + 1);
@@ -707,7 +711,7 @@ static void sum_losses(packer *p)
                                       sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
 }
 
-/* Codes the Gaussians of some chunks. `share`: share of the import. */
+/* Codes the Gaussians of chunks first..end - 1. `share`: share of the import that this takes. */
 static int write_chunks(packer *p, uint32_t first, uint32_t end, double share)
 {
     p->first_chunk = first;
@@ -790,7 +794,7 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
     return h;
 }
 
-/* Allocates the packed scene. SIZE_MAX bytes: always fails. */
+/* Allocates the packed scene. Always fails if `bytes` is SIZE_MAX. */
 static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
 {
     scene->bytes = bytes;
@@ -825,7 +829,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
 
 /* ---- Parts ------------------------------------------------------------------------------------------------------- */
 
-/* Identifies the scene as it was read: hash of its Gaussians and of their grids. */
+/* Identifies the scene that was read: writes a hash of its Gaussians and of their grids. */
 static void write_source(const packer *p, uint32_t source[2])
 {
     const fxs_grid grids[2] = {p->info->colour, p->info->sh};
@@ -902,7 +906,8 @@ static int finish_part_of_scene(packer *p, unsigned char *bytes)
     return p->tree ? build_part_of_tree(p, bytes, &l, &h) : 0;
 }
 
-/* ---- The whole --------------------------------------------------------------------------------------------------- */
+/* ---- The whole scene
+   --------------------------------------------------------------------------------------------------- */
 
 static int build_tree(packer *p, const fxs_scene *scene, void *data)
 {
@@ -966,7 +971,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     return fxs_pack_held(file, info, coded, HELD, scene, report, options, message);
 }
 
-/* Adds the stream's origin; all steps before compute relative to it. */
+/* Adds the origin of the stream to the scene's positions, which are relative to it up to this step. */
 static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *info, fxs_pack_report *report)
 {
     fxs_packed_move(scene->data, info->origin);
@@ -978,7 +983,7 @@ static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *i
     }
 }
 
-/* `how` has the fields that are not arguments. */
+/* `how` has those fields of the packer that are not arguments. */
 static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                    fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message)
 {

@@ -1,6 +1,6 @@
-/* The stages of pack_stage.h for instruction set ISA. The includer defines two functions. find_dots: dot products of
-   a vector with GROUP vectors. find_leasts: some of the smallest of 8, 16 or 48 costs, the first of equal ones
-   first; place 0 if all others are taken. It may change the costs. */
+/* The stages of pack_stage.h for instruction set ISA. The includer defines two functions. find_dots computes the dot
+   products of a vector with GROUP vectors. find_leasts finds the `wanted` smallest of 8, 16 or 48 costs; equal costs
+   are taken in order, and place 0 if all others are taken. It may change the costs. */
 #include "pack_stage.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ enum {
 
 /* ---- Exponentials ---------------------------------------------------------------------------------------------- */
 
-/* 8 exponentials, each |x| <= 700, so that powers of two are normal numbers. */
+/* Replaces each of 8 numbers by its exponential. |x| <= 700, so that powers of two are normal numbers. */
 static inline void find_exponentials(double x[8])
 {
     for (int i = 0; i < 8; i++) {
@@ -64,8 +64,8 @@ typedef struct candidate {
     uint8_t indices[STAGES];
 } candidate;
 
-/* Costs of the better sign for GROUP vectors: cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left
-   vector. dots: the products left vector. */
+/* For GROUP vectors, costs of adding each with the better sign: cost + |left -+ vector|^2 - |left|^2 = cost +
+   |vector|^2 -+ 2 left vector. dots: the dot products of left and vector. */
 static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t cost, const fxs_sh_vector left,
                               const fxs_sh_vector *vectors, const int32_t *squares)
 {
@@ -118,7 +118,8 @@ static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], ui
     return BEAM;
 }
 
-/* Each stage in turn takes the entry that is nearest to what all others leave (iterated conditional modes, Besag 1986). */
+/* Each stage in turn takes the entry nearest to the vector minus the entries of all other stages (iterated conditional
+   modes, Besag 1986). */
 static inline void settle(candidate *sum, const fxs_palette *p)
 {
     enum { KEYS = BEAM * TRIED * GROUP };
@@ -173,17 +174,17 @@ static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, cons
 
 enum { NUMBERS = 48 };                   /* numbers of a residual, padded */
 
-/* floor(x / (2 gain) + 4) in 0..7, exact. half_inverse is 1 / (2 gain), |x| at most 16 gain. Numbers have up to 15
-   bits and a gain has 4 bits and an exponent. So a quotient that is not an integer is at least 2^-13.2 below the
-   next integer. Floats err by at most 2^-20, and the added 2^-14 puts every quotient on the right side. */
+/* floor(x / (2 gain) + 4) clamped to 0..7, exact. half_inverse is 1 / (2 gain); |x| is at most 16 gain. x has up to 15
+   bits, and a gain has 4 bits and an exponent. So a quotient that is not an integer is at least 2^-13.2 below the next
+   integer. Floats err by at most 2^-20, so adding 2^-14 rounds every quotient correctly. */
 static inline int32_t eighth_of(float x, float half_inverse)
 {
     const float eighths = x * half_inverse + (4 + 0x1p-14f), above = eighths > 0 ? eighths : 0;
     return (int32_t)(above < 7 ? above : 7);
 }
 
-/* Sum of squared errors when each of NUMBERS numbers becomes the nearest odd multiple, -7..7, of the gain. Exact in
-   any order: errors have up to 16 bits. */
+/* Sum of squared errors when each of NUMBERS numbers becomes the nearest odd multiple, -7..7, of the gain. The sum is
+   exact in any order, because errors have up to 16 bits. */
 static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
 {
     const float half_inverse = 0.5f / gain;
@@ -199,9 +200,9 @@ static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
     return squares[0] + squares[1] + squares[2] + (squares[3] + squares[4] + squares[5]);
 }
 
-/* Searches the gain with the smallest squared error of `count` numbers, padded with zeros. Starts at the smallest
-   gain that clips none and tries an octave and a half below it. Returns the gain in units of the numbers; *code: the
-   stored form. */
+/* Searches the gain with the smallest squared error of `count` numbers, padded with zeros. Starts at the smallest gain
+   that clips no number, and also tries the gains up to 1.5 octaves below. Returns the gain in units of the numbers, and
+   in *code its stored form. */
 static inline float find_gain(const float numbers[NUMBERS], int count, int unit_exponent, int *code)
 {
     const float unit = (float)fxs_scaled(1, unit_exponent);
@@ -280,8 +281,8 @@ typedef struct coder {
     fxs_sh_vector errors[FXS_CHUNK];   /* original - coded, units */
 } coder;
 
-/* Adds half the errors of earlier Gaussians that overlap Gaussian i. The sum is shortened to at most the vector's
-   length. */
+/* Adds to the vector half the errors of earlier Gaussians that overlap Gaussian i. Their sum is shortened to at most
+   the vector's length. */
 static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
 {
     const uint32_t first = i > WINDOW ? i - WINDOW : 0;
@@ -308,7 +309,8 @@ static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-/* Records the error of `coded`, in units. Each channel has its own sum, so that additions overlap in the pipeline. */
+/* Records the error of `coded`, which is in units of the palette. Each channel has its own sum, so that additions
+   overlap in the pipeline. */
 static inline void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
 {
     const double unit = ldexp(1, -p->unit_exponent), step = (double)item->step;

@@ -1,6 +1,6 @@
-/* Learning: each stage is k-means with signed entries, in two levels. First the middles of groups of GROUP entries
- * are learned, then the entries of each group, so that a search compares with few vectors. After all stages, joint
- * rounds move the entries of all stages for the sums that are actually chosen. Last, entries are quantised to 8 bits
+/* Learns palettes. Each stage is k-means with signed entries, in two levels: first the middles of groups of GROUP
+ * entries, then the entries of each group, so that a search compares with few vectors. After all stages, joint rounds
+ * move the entries of all stages towards the sums that Gaussians actually choose. Last, entries are quantised to 8 bits
  * with one step. Vectors are int16 in units of 2^-unit_exponent. */
 #include "palette.h"
 
@@ -21,9 +21,9 @@ enum {
     JOBS = 16
 };
 
-/* The largest number of entries that keeps the packed scene within 40 bytes a Gaussian (profile small: 20). The
-   palette gets at least 0.1 bytes a Gaussian, for scenes with a part-filled last chunk. Scenes below 10,000
-   Gaussians: at least 0.4 bytes, because there quality matters more than bytes. */
+/* The largest number of entries that keeps the packed scene within 40 bytes a Gaussian (profile small: 20). The palette
+   gets at least 0.1 bytes a Gaussian even if a part-filled last chunk leaves less. In scenes below 10,000 Gaussians it
+   gets at least 0.4 bytes, because quality matters more there than the limit. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
@@ -62,7 +62,8 @@ static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
         to[d] = hold(sign * from[d]);
 }
 
-/* Squared lengths of a stage's vectors. Entries and groups beyond the last get the cost NEVER. */
+/* Computes the squared lengths of a stage's vectors. Entries and groups beyond the last get NEVER, so that no search
+   takes them. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
@@ -76,10 +77,10 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* the sample; later its residuals after the stages before */
+    fxs_sh_vector *vectors;        /* the sample, minus the entries of the finished stages */
     uint32_t count;
     uint8_t (*indices)[STAGES];    /* per vector */
-    int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, at most 2^14 of them */
+    int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, of which it has at most 2^14 */
     int32_t *total;                /* per entry: number of its vectors */
     const fxs_pack_options *options;
     uint32_t rounds, stage;
@@ -137,7 +138,8 @@ static int32_t mean_of(int32_t sum, int32_t total)
     return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
-/* vector = keep * vector + mean of the vectors added to it; keep is 0 or 1. Vectors with none added stay. */
+/* vector = keep * vector + mean of the vectors added to it; keep is 0 or 1. A vector to which none was added is
+   unchanged. */
 static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
     for (uint32_t j = 0; j < count; j++)
@@ -147,7 +149,7 @@ static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
     memset(l->total, 0, l->palette->entries * sizeof *l->total);
 }
 
-/* LLOYD_ROUNDS rounds of k-means. `vectors`: the stage's groups or its entries. */
+/* LLOYD_ROUNDS rounds of k-means. `vectors`: the groups or the entries of the stage. */
 static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, void (*find_all)(void *, uint32_t))
 {
     for (uint32_t round = 0; round < LLOYD_ROUNDS; round++) {
@@ -182,8 +184,8 @@ static void begin_entries(learner *l)
     }
 }
 
-/* k-means on the residuals of the stages before: first groups, which start as vectors spread evenly over the sample,
-   then the entries of each. Subtracts the chosen entries from the vectors. */
+/* k-means on the residuals of the stages before: first the groups, which start as vectors spread evenly over the
+   sample, then the entries of each group. Subtracts the chosen entries from the sample's vectors. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -200,7 +202,7 @@ static int learn_stage(learner *l, uint32_t stage)
     return 0;
 }
 
-/* Adds the chosen entries to the residuals again. */
+/* Adds the chosen entries to the residuals, which restores the sample's vectors. */
 static void add_sums(learner *l)
 {
     for (uint32_t i = 0; i < l->count; i++)
@@ -262,7 +264,7 @@ uint32_t fxs_palette_sample(uint32_t count)
     return (step > FXS_CHUNK ? (count - 1) / step + 1 : fxs_chunks_of(count)) * FXS_CHUNK;
 }
 
-/* If the step is longer than a chunk, every sampled Gaussian has its own chunk in the sample. */
+/* If the step between sampled Gaussians is longer than a chunk, the sample has one chunk for each of them. */
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
 {
     const uint32_t step = step_for(count), first = chunk * FXS_CHUNK, number = (first + step - 1) / step;
@@ -291,7 +293,7 @@ static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, 
         p->unit_exponent--;
 }
 
-/* Every step-th Gaussian, minus the mean of its chunk. */
+/* Takes every step-th Gaussian, minus the mean of its chunk, as a vector to learn from. */
 static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     l->count = 0;
@@ -315,7 +317,7 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
     }
 }
 
-/* Squared error after the first two stages, on a sample; -1: stopped. */
+/* Learns the first two stages from a sample. Returns the squared error left, or -1 if stopped. */
 static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step, int centred)
 {
     double sum = 0;
@@ -329,8 +331,8 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
     return sum;
 }
 
-/* Subtracts the chunks' means only if that lowers the error. Where few quantities determine the coefficients (the
-   normal of a mirror), means only blur the relation. */
+/* Learns all stages. The chunks' means are subtracted only if that lowers the error. It does not where a few
+   quantities, such as the normal of a mirror, determine all coefficients. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     const double plain = try_sample(l, items, count, 4 * step, 0);
@@ -419,7 +421,7 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
-/* Group vectors are not stored in a scene: they become the middles of the groups' entries. */
+/* Computes the group vectors, which a scene does not store, as the middles of the groups' entries. */
 static void find_middles(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t g = 0; g < groups_of(p); g++) {
@@ -445,7 +447,7 @@ static int has_means(const fxs_scene *scene)
     return 0;
 }
 
-/* Picks the finest unit in which the entries stay within MOST. */
+/* Uses the finest unit in which no entry exceeds MOST. */
 void fxs_palette_of_scene(fxs_palette *p, const fxs_scene *scene)
 {
     const int8_t *from = scene->palette;

@@ -15,8 +15,8 @@
 typedef struct fxs_sh_item {
     float position[3];
     float step;                        /* coefficient = code * step */
-    int16_t area;                      /* log2 of the product of the two largest sigmas, times 8 */
-    uint8_t opacity;                   /* times 255; 0: invisible, or an empty slot */
+    int16_t area;                      /* 8 log2 of the product of the two largest sigmas */
+    uint8_t opacity;                   /* opacity times 255; 0: invisible, or an empty slot */
     int8_t codes[45];                  /* coefficient by coefficient: red, green, blue */
 } fxs_sh_item;
 
@@ -46,10 +46,10 @@ typedef struct fxs_palette {
    the scene has no palette. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
-/* A palette is learned from about 2^14 Gaussians and the means of their chunks. The caller passes the items of only
-   these chunks, FXS_CHUNK each, one chunk after the other. fxs_palette_sample returns the number of items for a
-   scene of `count` Gaussians, at most 2^22 + FXS_CHUNK. fxs_palette_sample_at returns the first item of a chunk, or
-   FXS_NOT_SAMPLED. */
+/* A palette is learned from a sample: about 2^14 Gaussians and the means of their chunks. The caller passes the items
+   of these chunks only, FXS_CHUNK per chunk, one chunk after another. fxs_palette_sample returns the number of items
+   for a scene of `count` Gaussians, at most 2^22 + FXS_CHUNK. fxs_palette_sample_at returns the index in the sample of
+   a chunk's first item, or FXS_NOT_SAMPLED. */
 #define FXS_NOT_SAMPLED UINT32_MAX
 uint32_t fxs_palette_sample(uint32_t count);
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
@@ -64,8 +64,8 @@ int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item 
 int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
                        const fxs_pack_options *options, fxs_message *message);
 
-/* Validates a palette read from a file and computes its squares. Returns 1, or 0 where a field is out of range or
-   `entries` differs. */
+/* Validates a palette read from a file and computes its squared lengths. Returns 1, or 0 if a field is out of range or
+   the palette has not `entries` entries per stage. */
 int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
 
 /* Fills in the palette of an open packed scene, so that more Gaussians can be coded with it. The scene must have a
@@ -78,7 +78,7 @@ uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 /* Writes the entries of all stages as a packed scene stores them. */
 void fxs_palette_write(const fxs_palette *palette, int8_t *to);
 
-/* Error of coded coefficients: the largest, and the sum of squares. */
+/* Error of coded coefficients: the largest error, and the sum of squared errors. */
 typedef struct fxs_sh_loss {
     double largest, squares;
 } fxs_sh_loss;

@@ -8,7 +8,7 @@
 #include "src/base/exponential.h"
 
 enum {
-    FXS_PALETTE_MOST = 1270,       /* units; sums of 7 vectors fit 16 bits, their dot products 32 */
+    FXS_PALETTE_MOST = 1270,       /* largest number, units; sums of 7 vectors fit 16 bits, their dot products 32 */
     FXS_PALETTE_GROUP = 8,
     FXS_PALETTE_WIDTH = (int)FXS_PALETTE_STRIDE
 };

@@ -1,4 +1,4 @@
-/* A part of a packed scene: a run of its chunks, packed separately. Merging all parts gives the same bytes as
+/* A part of a packed scene: consecutive chunks (a run), packed separately. Merging all parts gives the same bytes as
  * packing the scene at once.
  *
  * All numbers are little-endian. Each of these sections begins at a multiple of 64 bytes:
@@ -9,12 +9,13 @@
  *   int8_t palette[stages][entries][48], int16_t groups[stages][16][48]   the palette, and the middles of its groups
  *   rows[chunk_count]
  *
- * A scene with a tree adds the nodes with all leaves in the run, in the order of their numbers:
+ * If the scene has a tree, these sections follow, for the nodes with all leaves in the run, in the order of node
+ * numbers:
  *
  *   fxs_node_sums[node_count]
  *   fxs_chunk[node_count]
  *   rows[node_count]
- *   top[top_count]                     FXS_TREE_TOP_BYTES each: nodes with a parent that also has leaves of other parts
+ * top[top_count] FXS_TREE_TOP_BYTES each: nodes with a parent that also has leaves of other parts
  *
  * A part is an intermediate file: only the program version that wrote it can merge it. */
 #ifndef FXS_PART_H
@@ -32,8 +33,8 @@
 typedef struct fxs_part_header {          /* 64 bytes */
     uint32_t magic, version;
     uint32_t program;                     /* FXS_VERSION_NUMBER of the writer */
-    uint32_t number, count;               /* number of this part, 1..count; count of parts */
-    uint32_t first, chunk_count;          /* run of the scene's chunks */
+    uint32_t number, count;               /* number of this part, 1..count; count: number of parts */
+    uint32_t first, chunk_count;          /* the run: its first chunk and its length */
     uint32_t node_count, top_count;
     uint32_t source[2];                   /* hash of all Gaussians as read, in order */
     uint32_t boxes;                       /* CRC-32 of the boxes of all chunks of the scene, as little-endian floats */
@@ -60,7 +61,7 @@ int fxs_part_lay_out(fxs_part_layout *layout, const fxs_part_header *part, const
 /* The first chunk of part `number`, 1..count. For number = count + 1: the number of chunks. */
 uint32_t fxs_part_first(uint32_t chunks, uint32_t number, uint32_t count);
 
-/* Adds the box of a chunk to the CRC-32 of boxes. */
+/* Returns the CRC-32 of boxes, `checksum`, continued with the box of a chunk. */
 uint32_t fxs_part_add_box(const fxs_crc32_table *table, uint32_t checksum, const float box[6]);
 
 /* Packs part `number` of `count` parts, count 1 to FXS_PARTS_MOST. Gaussians get the same codes as from fxs_pack.

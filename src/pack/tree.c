@@ -1,11 +1,11 @@
-/* Shape: a run of chunks is cut in two where the boxes of both sides cost least, and each side again. A node's chunk
-   is merged from its two children, depth first, so that few chunks are in memory at once. Node numbers: descending
-   number of leaves, then first leaf. So nodes for distant views lie together, and every node comes before its
-   children.
+/* A leaf of the tree is a chunk. The tree's shape: all chunks, in order, are cut in two where the sum of the costs of
+   the two boxes is smallest; then each half is cut again. A node's chunk is merged from its two children, depth first,
+   so that few chunks are in memory at once. Nodes are numbered by descending number of leaves, then by first leaf. So
+   nodes for distant views lie together, and every node comes before its children.
 
-   Parts of a scene build the nodes inside their own run: the shape needs only the boxes of all chunks, the contents
-   only the run. The nodes above need from each part the sums and the merged Gaussians, as floats, of its topmost
-   nodes. */
+   A part of a scene has a run of the chunks, and builds the nodes with all leaves in this run: their shape needs the
+   boxes of all chunks, their contents only the run. Building the nodes above needs, from each part, the sums of its
+   nodes and the merged Gaussians, as floats, of its topmost nodes. */
 #include "tree.h"
 
 #include <float.h>
@@ -23,7 +23,7 @@
 
 enum {
     FREE_LEVELS = 40,                  /* below this level runs are halved, to bound the depth */
-    PARTS = 32                         /* leaves / PARTS, at least 4, is the largest job */
+    PARTS = 32                         /* the largest job has 1 / PARTS of all leaves, or 4 leaves if that is more */
 };
 
 #define NONE UINT32_MAX
@@ -35,7 +35,7 @@ typedef struct node {
     uint32_t first, leaves;            /* a run of leaves */
     uint32_t children[2];              /* places of nodes; for a leaf: its number + number of nodes */
     uint32_t parent, number;
-    uint32_t part, at;                 /* the part that built it, or FXS_TREE_ABOVE; place of its chunk there */
+    uint32_t part, at;                 /* the part that built the node, or FXS_TREE_ABOVE; place of its chunk there */
     fxs_node_sums sums;
 } node;
 
@@ -121,7 +121,7 @@ static float cost_of(const float box[6], uint32_t leaves)
     return (x * x + y * y + z * z) * (float)leaves;
 }
 
-/* Returns the number of leaves left of the cheapest cut. */
+/* Returns the number of leaves before the cheapest cut. */
 static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
 {
     uint32_t best = leaves / 2;
@@ -145,7 +145,8 @@ static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
     return best;
 }
 
-/* Cuts a node's run, and those below. `next`: the next free place. The depth is at most FREE_LEVELS + log2(leaves). */
+/* Cuts a node's run, then the runs of its descendants. `next`: the next free place. The depth is at most FREE_LEVELS +
+   log2(leaves). */
 static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
 {
     node *n = &t->nodes[place];
@@ -207,13 +208,13 @@ static int is_within(const node *n, uint32_t first, uint32_t end)
     return n->first >= first && n->first + n->leaves <= end;
 }
 
-/* Whether a node lies within a run and its parent does not. */
+/* Whether all leaves of a node, but not all of its parent's, lie in first..end - 1. */
 static int is_topmost(const tree *t, const node *n, uint32_t first, uint32_t end)
 {
     return is_within(n, first, end) && (n->parent == NONE || !is_within(&t->nodes[n->parent], first, end));
 }
 
-/* Whether the current run builds this node: it lies in the run, or above all parts. */
+/* Whether the current run builds this node: the node lies in the run, or above all parts. */
 static int is_own(const tree *t, const node *n)
 {
     return t->source ? n->part == FXS_TREE_ABOVE : is_within(n, t->run.first, t->run.end);
@@ -261,7 +262,7 @@ static void read_leaf(const tree *t, uint32_t leaf, held *to)
     read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), t->run.rows + at * t->run.scene->chunk_bytes, to);
 }
 
-/* Sorts along a Morton curve, as in leaves. */
+/* Copies Gaussians, sorted along a Morton curve like those of leaves. */
 static void copy_sorted(held *to, const held *from)
 {
     fxs_order_entry order[FXS_CHUNK];
@@ -330,8 +331,8 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
-/* Numbers read from a part are untrusted: a merged position may exceed +-2^28 units or be NaN. Such a position
-   becomes the low corner of a child's range. */
+/* Numbers read from a part are untrusted, so a merged position may exceed +-2^28 units or be NaN. Such a position is
+   replaced by the low corner of the range of a child's centres. */
 static void hold_places(held *h, const held *child)
 {
     for (uint32_t i = 0; i < h->count; i++)
@@ -367,16 +368,16 @@ static uint32_t leaves_of(const tree *t, uint32_t child)
     return child < t->count ? t->nodes[child].leaves : 1;
 }
 
-/* Which child is built into the lower slot: the one with more leaves; in a node with more than t->large leaves, the
-   first child that is a node. */
+/* Which child is built first: the one with more leaves; in a node with more than t->large leaves, the first child that
+   is a node. */
 static int first_side(const tree *t, const node *n)
 {
     const uint32_t *children = n->children;
     return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
-/* Builds the subtree of a child into slot `at`. The child with more leaves goes first, so each further slot holds at
-   most half the leaves of the slot before it. */
+/* Builds the subtree of a child into slot `at`. The child with more leaves is built first, so each further slot holds
+   at most half the leaves of the slot before it. */
 static void build(tree *t, worker *w, uint32_t child, uint32_t at)
 {
     if (child >= t->count) {
@@ -407,7 +408,7 @@ static int note_built(const tree *t, uint32_t leaves)
     return t->options.progress ? t->options.progress(t->options.argument, leaves / all) : 0;
 }
 
-/* Returns 1 if progress stopped it. */
+/* Returns 1 if options.progress stopped it. */
 static int build_subtrees(tree *t)
 {
     for (uint32_t leaves = 0; t->built < t->subtree_count; t->built += t->worker_count) {
@@ -483,7 +484,7 @@ static int is_subtree(const tree *t, uint32_t place)
     return is_own(t, n) && n->leaves <= t->limit && (!above || !is_own(t, above) || above->leaves > t->limit);
 }
 
-/* Sorts jobs by node number: large ones first. */
+/* Sorts jobs by node number, so that large jobs come first. */
 static int find_subtrees(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -504,7 +505,8 @@ static int find_subtrees(tree *t)
     return error;
 }
 
-/* A worker needs slots for log2 of the largest job: each holds at most half the leaves of the one before. */
+/* Allocates the workers. The number of slots of a worker is about log2 of the leaves of the largest job, because each
+   slot holds at most half the leaves of the slot before it. */
 static int make_workers(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -546,8 +548,9 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
     return top;
 }
 
-/* A node can remove less error than its children; then opening it pays only together with them. So a node absorbs
-   the group below with the largest mean gain, as long as that exceeds its own mean. */
+/* If opening a node removes less error than opening its children, it pays only together with them. So a node and its
+   descendants form groups that share a gain: a node absorbs the group below with the largest mean gain, as long as that
+   exceeds its own mean. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
@@ -683,7 +686,7 @@ void fxs_tree_count_within(const fxs_tree *t, uint32_t first, uint32_t end, uint
     }
 }
 
-/* Writes the sums and topmost nodes, from which parts are merged. */
+/* Writes the sums and the topmost nodes, which merging the parts needs. */
 static void write_run(const tree *t)
 {
     const fxs_tree_run *r = &t->run;
@@ -893,8 +896,8 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* errors + UNMEASURED * the present gains, scaled to the unit of the measured errors. So a node that no view shows
-   still has a gain. */
+/* Adds to the measured errors UNMEASURED times the present gains, scaled to the unit of the errors. So a node that no
+   view shows still has a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;

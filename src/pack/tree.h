@@ -8,16 +8,16 @@
 #include "palette.h"
 
 /* Writes a tree's nodes, chunks and rows behind the tree's header, which exists already. `scene` is open on `data`,
-   the whole packed scene. `palette`: the one that coded the scene, or null. The result depends only on the leaves
-   and the palette. options->run must not be null. options->progress gets 0 to 1. Takes 2 MB per thread, 6 MB, and
-   120 bytes per chunk. Returns 0, or an error and a message: out of memory, stopped, or a build whose floats exceed
-   single precision. */
+   the whole packed scene. `palette`: the palette that coded the scene, or null. The result depends only on the leaves
+   and the palette. options->run must not be null. options->progress gets 0 to 1. Takes 6 MB of memory, 2 MB more per
+   thread, and 120 bytes more per chunk. Returns 0, or an error and a message: out of memory, stopped, or fixsplat
+   compiled so that floats are computed with more than single precision. */
 int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
                    fxs_message *message);
 
 /* ---- Steps, for parts of a scene that are built separately ----
 
-   A part has a run of the leaves, and builds the nodes whose leaves all lie in the run. Their shape follows from the
+   A part has a run of the leaves, and builds the nodes with all leaves in the run. The nodes' shape follows from the
    boxes of all leaves, their contents from the leaves of the run. The nodes above are merged from the parts' topmost
    nodes and leaves. */
 
@@ -36,15 +36,15 @@ int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], uint32_t leaves, const fxs
                   fxs_message *message);
 void fxs_tree_free(fxs_tree *tree);
 
-/* Counts the nodes with all leaves in first..end - 1, and how many of these are topmost (their parent has other
-   leaves too). */
+/* Counts the nodes with all leaves in first..end - 1, and how many of these are topmost: nodes with a parent that has
+   other leaves too. */
 void fxs_tree_count_within(const fxs_tree *tree, uint32_t first, uint32_t end, uint32_t *nodes, uint32_t *tops);
 
-/* Properties of a node besides its chunk. In bytes that are written: little-endian. */
+/* Properties of a node besides its chunk. Little-endian where they are written to a file. */
 typedef struct fxs_node_sums {
     double error, size;                /* as in fxs_merge_error */
-    double opacity, own, area;         /* sums of opacities: of the leaves below, of the node's Gaussians, of those
-                                          times area */
+    double opacity, own, area;         /* sums of opacities: of the leaves below, of the node's Gaussians, of the
+                                          latter times area */
 } fxs_node_sums;
 
 static inline void fxs_node_sums_turn(fxs_node_sums *sums)
@@ -52,8 +52,8 @@ static inline void fxs_node_sums_turn(fxs_node_sums *sums)
     fxs_little_endian(sums, 0, sizeof *sums / sizeof(double), sizeof(double));
 }
 
-/* Layout of a topmost node, little-endian: u32 its place among the nodes of its run, u32 the number of its
-   Gaussians. From FXS_TREE_TOP_HEAD on: its Gaussians as fxs_coarse (only floats), as merged, before coding. */
+/* Layout of a topmost node, little-endian: u32 place among the nodes of its run, u32 number of its Gaussians. From
+   FXS_TREE_TOP_HEAD on: its Gaussians as fxs_coarse (only floats), merged but not yet coded. */
 enum { FXS_TREE_TOP_HEAD = 64, FXS_TREE_TOP_BYTES = FXS_TREE_TOP_HEAD + FXS_CHUNK * sizeof(fxs_coarse) };
 
 /* A run of leaves, and the memory for its nodes, in the order of their numbers. */
@@ -69,11 +69,11 @@ typedef struct fxs_tree_run {
 /* Builds the nodes of a run. Arguments and errors as for fxs_tree_build. */
 int fxs_tree_build_run(fxs_tree *tree, const fxs_tree_run *run, const fxs_pack_options *options, fxs_message *message);
 
-/* Reads the sums of the nodes in first..end - 1, which part number `part` built. The sums are not trusted: any
-   numbers. */
+/* Reads the sums of the nodes in first..end - 1, which part number `part` built. The sums are not trusted: they may be
+   any numbers. */
 void fxs_tree_take_part(fxs_tree *tree, uint32_t part, uint32_t first, uint32_t end, const unsigned char *sums);
 
-/* Callbacks that read parts. Both return 0, or an error and a message. */
+/* Callbacks that read parts. Each returns 0, or an error and a message. */
 typedef struct fxs_tree_source {
     /* A leaf's header and rows, as in a packed scene; valid until the next call. */
     int (*leaf)(void *argument, uint32_t leaf, const unsigned char **header, const unsigned char **rows,

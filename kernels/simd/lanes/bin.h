@@ -1,13 +1,13 @@
 /* bin for LANES splats at a time, with the numbers of src/core/bin.c in 32 bits. The first pass finds the bounding
- * boxes of all splats, and the masks of splats that lie within one tile row. Other splats that fit in a box are
+ * boxes of all splats, and the masks of splats that lie within one tile row. Other splats that fit in an fxs_box are
  * collected until they fill a vector; the second pass finds their tiles row by row. */
 #include "lanes.h"
 #include "stages.h"
 
-/* 256 pixels. Up to this width 31 bits are enough for the second pass: breadth r and |shear| r are at most sqrt(A) r,
-   less than 4096 half_width (Q20) <= 2^28; breadth (sqrt(r^2 - v^2) + 1) is 1 part in 91 more, because r >= 91 (Q12);
-   the tangent and v half_width are at most r half_width < 2^29.6. Wider splats that still fit in a box are cut by the
-   picture's edge. They are rare, so the C version handles them. */
+/* 256 pixels. Up to this half width, 31 bits are enough for the second pass: breadth r and |shear| r are at most
+   sqrt(A) r, less than 4096 half_width (Q20) <= 2^28; breadth (sqrt(r^2 - v^2) + 1) is 1 part in 91 more, because r >=
+   91 (Q12); the tangent and v half_width are at most r half_width < 2^29.6. Wider splats fit in an fxs_box only if the
+   picture's edge cuts them. They are rare, so the C version handles them. */
 #define HALF_WIDTH_LIMIT_Q8 (1 << 16)
 
 typedef struct job {
@@ -29,7 +29,7 @@ enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
 #define LOAD_FOURS(words, structs, member, at) \
     load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
 
-/* Tile columns of the pixels between two points. Returns the lanes without a pixel. */
+/* Tile columns of the pixels between two x coordinates. Returns the lanes without a pixel. */
 static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi left_q8, vi right_q8)
 {
     vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
@@ -61,7 +61,7 @@ static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi 
                 choose(none, all(0), high >> (32 - FXS_BOX_LOW_BITS) | macro << (FXS_BOX_BITS - 32)));
 }
 
-/* Sets the fields that follow from the others. */
+/* Sets margin_q8, r_q12 and tangent. */
 static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
 {
     const vi limit_q11 = least(offset_q11 + view->cut_q11, all(FXS_FAINT_Q11));
@@ -95,7 +95,7 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
     return e;
 }
 
-/* Half the width at v, around x = cx + shear v. */
+/* Half the width of the ellipse at v; its middle there is x = cx + shear v. */
 static inline vi half_width_q8(const ellipse *e, vi v_q12)
 {
     vi square_q24 = e->r_q12 * e->r_q12 - v_q12 * v_q12;
@@ -104,7 +104,7 @@ static inline vi half_width_q8(const ellipse *e, vi v_q12)
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
 
-/* Tile columns that the ellipse touches on a tile row. Returns the lanes without any. */
+/* Tile columns that the ellipse touches on a tile row. Returns the lanes in which it touches none. */
 static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first, vi *last)
 {
     const vi r = e->r_q12, reach = e->reach_q8;
@@ -114,7 +114,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
     vi x_bottom_q8 = e->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
     vi left_q8 = most(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     vi right_q8 = most(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* is a widest point on this tile row? */
+    /* is the ellipse's leftmost or rightmost point on this tile row? */
     vi low = top * reach, high = bottom * reach;
     left_q8 = choose(greater(low, -e->tangent) | greater(-e->tangent, high), left_q8, reach);
     right_q8 = choose(greater(low, e->tangent) | greater(e->tangent, high), right_q8, reach);
@@ -124,7 +124,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
            greater(-r - 2, bottom_q12);
 }
 
-/* The same as a mask; bit 0 is the first column of the box. */
+/* The columns of span_of_row as a mask, with bit 0 for the first column of the box. */
 static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
 {
     vi first, last;
@@ -143,7 +143,7 @@ static void fill_boxes(const job *j, const list *l, uint32_t count)
     for (int k = 0; any(greater(e.more_rows, all(k - 1))); k++) {
         const vi row = (e.first_row & 1) + k, at = (row >> 1) * 12 + (row & 1) * 2;
         const vu tiles = (vu)choose(greater(e.more_rows, all(k - 1)), spread_row(tiles_of_row(&e, j->view)), all(0));
-        low |= (vi)shift_left(tiles, at);          /* bits beyond are the same as in `high` */
+        low |= (vi)shift_left(tiles, at);          /* bits beyond FXS_BOX_LOW_BITS are the same as in `high` */
         high |= (vi)shift_left(tiles, at - FXS_BOX_LOW_BITS);
         e.v_q24 += FXS_TILE * e.vy_q24;
     }
@@ -182,7 +182,7 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
                 greater(all(FXS_BOX_TILES), last - column) & ~none;
     mask whole = fits & equal(first_tile_row, last_tile_row) & greater(all(FXS_NARROW), last - first) &
                  greater(first_row, all(0)) & greater(all(j->view->height - 1), last_row);
-    /* stores the masks within one tile row, and FXS_NOWHERE; the other boxes are stored later */
+    /* stores boxes within one tile row, and FXS_NOWHERE; the other boxes are stored later */
     const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
     const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
     store_boxes(j->boxes + i, j->view, on_rows, all(0), first_tile_row, column, none);
@@ -203,7 +203,7 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
     }
 }
 
-/* If count is not a multiple of LANES, the last vector overlaps the one before. */
+/* If count is not a multiple of LANES, the last vector overlaps the vector before it. */
 FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};

@@ -1,6 +1,6 @@
 /* blend and trace (blend with auxiliary outputs). A tile is cut into patches of 2 * LANES pixels: 8 columns, ROWS rows.
- * List entries are taken in groups of 2 * LANES. First, with one splat per lane, it finds which splats of a group reach
- * which patches. Then, with one pixel per lane, it blends each patch with the splats that reach it. */
+ * List entries are taken in groups of 2 * LANES. The first step, with one splat per lane, finds which splats of a group
+ * reach which patches. The second step, with one pixel per lane, blends into each patch the splats that reach it. */
 #include "src/core/memory.h"
 #include "stages.h"
 
@@ -39,8 +39,8 @@ static inline vh columns_of(vh rows)
 }
 #endif
 
-/* Pixels of a patch, column by column. In this order one load spreads the levels of the rows, which lie together in
-   memory, over a vector. */
+/* Pixels of a patch, column by column. In this order, one load of the levels of the patch's rows, repeated over the
+   vector, gives each pixel the level of its row. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
@@ -56,7 +56,7 @@ typedef struct kept {
    32-bit word, so that one broadcast fills a vector. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at the patch's first pixel */
-    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the patch's other half, minus u of the pattern's half */
+    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the half that pattern_q24 lacks, minus u of its half */
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
     vu pattern_q24[GROUP];         /* by place: u in half of a patch (with LANES 4, its left half), minus u at the
                                       first pixel */
@@ -134,7 +134,7 @@ static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, 
     return offset_q11;
 }
 
-/* Smallest magnitude of a coordinate between low and high: at an end, or 0. */
+/* Smallest magnitude of a coordinate between low and high: that of low or of high, or 0. */
 static inline vh nearest(vh low, vh high)
 {
     return most_h(most_h(low, ~high), all_h(0));
@@ -154,7 +154,8 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* Sets out the next two patches and the levels of their rows. The extremes of v are in the first and last row. */
+/* Computes u of the next two patches, and the levels of their rows. The smallest and the largest v are in the first and
+   last row. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
     vh v_q13[ROWS];

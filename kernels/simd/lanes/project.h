@@ -1,7 +1,7 @@
 /* project for LANES Gaussians at a time, with the numbers of src/core/project.c in the same order. Two passes over a
  * chunk: the first finds the centres and drops Gaussians behind the camera or outside the picture; the second finds the
- * shape of the survivors, stored without gaps. The C version handles chunks with a veil, which are rare, and the square
- * cut-off, which exists only for comparison. */
+ * shape of the remaining Gaussians and stores them without gaps. The C version handles chunks with a veil, which are
+ * rare, and the square cut-off, which exists only for comparison. */
 #include "lane_codes.h"
 
 #ifndef AT_ONCE                    /* Gaussians per pass; less than a chunk where the stack is small */
@@ -194,7 +194,7 @@ static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
     return round_shift(a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2], 15);
 }
 
-/* sigma_i over the size on the screen: 2^-below * size, Q15. */
+/* sigma_i divided by the size on the screen: 2^-below * size, Q15. */
 static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
 {
     vu ratio_q15 = (vu)exp2_q15((below_q16 & 65535) >> 1);
@@ -369,7 +369,8 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
 }
 
-/* Appends the structures of the lanes in `which`. Writes every lane; an unwanted one is overwritten by the next. */
+/* Appends the structures of the lanes in `which`. Writes every lane; an unwanted structure is overwritten by the
+   next. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[WORDS], const vi bound[WORDS],
                           unsigned which)
 {

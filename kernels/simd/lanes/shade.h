@@ -72,12 +72,12 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
 
 /* Neighbours to shade together. */
 typedef struct neighbours {
-    uint32_t start, end;           /* range of their visible Gaussians in the chunk's list of visible ones */
+    uint32_t start, end;           /* where the visible ones are in the chunk's list of visible Gaussians */
     uint32_t first, wanted;        /* first neighbour; mask of visible neighbours */
-    vi d_q15[PARTS][3];            /* directions, if several groups find them together */
+    vi d_q15[PARTS][3];            /* directions from the camera, if several groups find them together */
 } neighbours;
 
-/* Directions to the neighbours first to first + LANES - 1. */
+/* Directions from the camera to the Gaussians first to first + LANES - 1. */
 static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                                   const unsigned char *rows, uint32_t first)
 {
@@ -115,7 +115,7 @@ static inline void add_band(vi sum_q16[PARTS], const vi band_q15[PARTS], int32_t
         sum_q16[part] += round_shift(round_shift(band_q15[part], 10) * step_q19, 8);
 }
 
-/* Adds SH degrees 1 and up. `codes` points to the codes of the first Gaussian. */
+/* Adds the colours of SH degrees 1 and up. `codes` points to the codes of the first Gaussian. */
 static inline void add_bands(vi sum_q16[3][PARTS], const int8_t *codes, vi b_q15[PARTS][16],
                              const uint16_t step_q19[3], int degree)
 {
@@ -151,7 +151,8 @@ static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *re
     return s;
 }
 
-/* Adds the palette's part to the wanted lanes, one at a time, because their entries lie far apart. */
+/* Adds the palette's part of the colour to the wanted lanes, one lane at a time, because the palette entries of the
+   lanes lie far apart. */
 static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, const fxs_chunk *header,
                                const unsigned char *rows, uint32_t first, vi b_q15[PARTS][16], int degree,
                                uint32_t wanted)
