@@ -238,8 +238,7 @@ void fxs_program_become(const char *path, char **argv);
    and errno. */
 int fxs_browse(const char *address);
 
-/* ---- Shutdown
-   --------------------------------------------------------------------------------------------------------- */
+/* ---- Shutdown ---------------------------------------------------------------------------------------------------- */
 
 /* From now on, the first request to end this process (SIGHUP, SIGINT, SIGTERM; Ctrl-C) only sets a flag. The next
    one has its usual effect. Ignored signals stay ignored. */

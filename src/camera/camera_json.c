@@ -57,8 +57,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* Each known camera_model: the coefficient for each of lens_names, as a letter of fxs_lens_coefficient; -: not used.
-   k4 of a perspective camera is that of r^8, except in FULL_OPENCV. */
+/* Each known camera_model: the coefficient for each of lens_names, as a letter of fxs_lens_coefficient; -: not used. k4
+   of a perspective camera is the coefficient of r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;

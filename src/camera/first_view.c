@@ -23,9 +23,9 @@ enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST =
 #define FOV 50                       /* degrees */
 #define LARGEST (PIXELS / 16)        /* a Gaussian with more pixels lowers the score */
 #define UNBOUNDED 2                  /* least size of an unbounded scene / size of its core */
-#define OPEN 0.65                    /* least mean coverage of level views from a useful place */
-#define CLOSED 0.88                  /* the same for a room */
-#define WITHIN 0.74                  /* Gaussians seen from within / from outside */
+#define OPEN 0.65                    /* least mean coverage of level views from a place worth a view */
+#define CLOSED 0.88                  /* least mean coverage of level views from within a room */
+#define WITHIN 0.74                  /* looks from within if Gaussians seen within / outside exceed this */
 #define WITHIN_STANDING 1.1          /* the same for a scene shaped like a standing figure */
 
 /* A small picture, and the pixels of each Gaussian in it. */
@@ -386,9 +386,9 @@ static int is_amid(const chooser *c, const double place[3])
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* Finds places with something to see around them. *seen: most Gaussians seen from any. *weighed: the same with
-   factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers every
-   view. */
+/* Finds places with something to see around them. *seen: most Gaussians seen from one of the places. *weighed: the same
+   number with factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers
+   every view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];

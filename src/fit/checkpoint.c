@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend"; followed by the checksum of all words before it */
 
 /* Increases with every change to a fit's computation: a fit resumed from an older file would end differently. */
-#define VERSION 13u                /* options add to it: see version_of */
+#define VERSION 13u                /* the version in a file also encodes options: see version_of */
 
 typedef struct archive {
     fxs_output *output;            /* null: reading */
@@ -290,7 +290,7 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Poses of the photographs' cameras; their number as for exposures. */
+/* Poses of the photographs' cameras; as many as exposures. */
 static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->poses.of / sizeof(float) };
@@ -314,7 +314,7 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* The unit of sizes of a fit with a sky (far.h). */
+/* The unit of sizes of a fit with a sky (distant.h). */
 static void walk_far(archive *a, fxs_fit *f)
 {
     fxs_fit_far *far = &f->far;

@@ -5,7 +5,7 @@
 #include "distant.h"
 #include "planes.h"
 
-#define SPLIT_SHARE 0.707106781f    /* factor of the longest sigma in a child */
+#define SPLIT_SHARE 0.707106781f    /* longest sigma of a child / of its parent */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {

@@ -16,8 +16,8 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* half the side of the cube for synthetic scenes (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* side of the cube for other scenes, relative to the cameras' box */
+#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half the cube's side (Kerbl et al. 2023) */
+#define OF_CAMERAS 3               /* random points of other scenes: side of the cube / of the cameras' box */
 
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 

@@ -25,13 +25,13 @@ static inline real quantise_evenly(real x, float low, float step, float inverse_
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* Extends a scale code of axis i from its own width to the common one. */
+/* Extends a scale code of axis i from `width` bits to 10 bits. */
 static inline real spread_scale(whole code, int width, int i)
 {
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
 }
 
-/* log2(sigma) = high - code^2 step, of axis i; from and to ln(sigma) */
+/* log2(sigma) = high - code^2 step, of axis i; input and output are ln(sigma) */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;

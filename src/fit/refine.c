@@ -6,8 +6,8 @@
  *
  * The error of a node in a view is measured in the picture of the cover of its level: the squared difference from
  * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
- * a node is its error minus its children's errors, times (d / f)^2 as in src/core/cut.c; the mean over the views
- * that see it. */
+ * a node is its error minus its children's errors, times (distance / focal length)^2 as in src/core/cut.c,
+ * averaged over the views that see the node. */
 #include <fixsplat/refine.h>
 
 #include <math.h>

@@ -223,8 +223,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Replaces each range's counts by its first places: ordered by value, then by range. If `starts` is not null, writes
-   the first place of each value there. */
+/* Replaces each range's count of each value (a digit or a tile) by the place of its first key in the order by value,
+   then by range. Writes the first place of each value to `starts` unless that is null. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -388,7 +388,7 @@ static void blend_job(void *argument, uint32_t tile)
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
 /* Allocates the planes of pixels; their margins are 0 and stay 0. The gradient reuses a plane of row sums that is free
-   then. */
+   by then. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
@@ -480,7 +480,7 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-/* The gradient by a tile's colours before exposure, from that after it. */
+/* Converts the gradient by a tile's exposed colours to the gradient by its colours before exposure. */
 static void pass_exposure(const fxs_fit_stepper *s, fxs_fit_tile_gradient *g)
 {
     for (int i = 0; i < FXS_FIT_PIXELS; i++) {

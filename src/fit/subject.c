@@ -57,7 +57,7 @@ static double reach_at(const fxs_fit_camera *c, const double place[3])
     return fabs(at[0]) <= across / 2 && fabs(at[1]) <= down / 2 ? fmin(across, down) : 0;
 }
 
-/* The subject's radius: the median of the cameras' reaches. */
+/* The subject's radius: the median over the cameras of reach_at the subject's middle. */
 int fxs_fit_find_subject(const fxs_fit *f, fxs_fit_subject *subject, fxs_message *message)
 {
     memset(subject, 0, sizeof *subject);

@@ -116,7 +116,7 @@ typedef struct merger {
     fxs_scene_parts layout;
     unsigned char *head, *tree_bytes;    /* file contents before the rows, and the tree before its rows */
     void *head_block, *tree_block;
-    fxs_scene scene;                     /* refers to these */
+    fxs_scene scene;                     /* refers to `head` and `tree_bytes` */
     fxs_palette *palette;
     fxs_tree *tree;
     uint32_t above;                      /* nodes above the parts, with their headers and rows */
@@ -318,7 +318,7 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     return 0;
 }
 
-/* Searches the list linearly, because it is short. */
+/* Searches the part's list of top nodes linearly, because it is short. */
 static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians,
                     uint32_t *count, fxs_message *message)
 {

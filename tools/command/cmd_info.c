@@ -14,7 +14,7 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* dB: only views below it are compared with a nudged original */
+#define NUDGE_BELOW 65.0    /* PSNR, dB: only views below it are drawn with a nudged original */
 
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */

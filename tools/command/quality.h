@@ -47,8 +47,8 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
 /* Computes the means and the worst values over the views. */
 void quality_sum_up(quality *q);
 
-/* The view in which nudging the Gaussians causes a quarter or more of the loss (squared error), or null. There, no
-   coding of positions can lose much less. */
+/* The view in which the nudged original differs from the original by a quarter or more of the scene's squared error, or
+   null. In such a view no coding of positions can lose much less. */
 const quality_view *quality_nudged(const quality *q);
 
 void quality_print_text(const quality *q);

@@ -11,7 +11,7 @@ enum { LEVELS_MOST = 64 };
 typedef struct scene_level {
     uint32_t chunks;
     uint64_t gaussians;
-    double error;                  /* sum of squared errors that their children remove, colours^2 units^2 */
+    double error;                  /* sum over nodes: squared error that their children remove, colours^2 units^2 */
     double size;                   /* geometric mean of the sigma of the details left out, units */
 } scene_level;
 

@@ -11,7 +11,7 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* OUT.cameras, if its cameras were reconstructed; else null */
+    char *found;                    /* OUT.cameras, if the cameras were reconstructed; else null */
     uint32_t frames;
     int quality;                    /* row of by_quality, if given */
     int cameras_only, crops;

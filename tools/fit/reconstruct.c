@@ -35,7 +35,7 @@ typedef struct work {
     photographs photos;
     char threads[16];
     uint64_t looked_at;            /* photographs with features, until now */
-    uint32_t points;               /* points of the model and its error in pixels; 0: COLMAP did not print them */
+    uint32_t points;               /* points of the model; error: its error, pixels; 0: COLMAP printed none */
     double error;
 } work;
 

@@ -24,7 +24,7 @@
 enum {
     SCENE_SECONDS = 3,              /* least time between two scenes */
     SHARE = 40,                     /* packing scenes takes at most 1/SHARE of the time; so does measuring points */
-    POINTS = 20,                    /* of the curve, in a whole fit */
+    POINTS = 20,                    /* points of the quality curve of a whole fit */
     MEASURED_MOST = 4,              /* photographs that a point is measured by */
     PAGE_SECONDS = 3,               /* a page silent for this time is gone */
     GOODBYE_SECONDS = 5             /* longest wait at the end, until the page has loaded the last scene */

@@ -64,7 +64,7 @@ struct viewer {
     fxs_worker *drawer, *loader;
 
     request requests[REQUESTS_MOST];
-    int request_count, given;               /* given: the drawer has the first request */
+    int request_count, given;               /* given: the drawer (renderer's thread) has the first */
     renderer renderer;                      /* owned by the drawer while requests wait, as are world, opened,
                                                cropped, drawn */
     frame_options opened;                   /* the options that the renderer was opened with */
@@ -109,7 +109,7 @@ struct viewer {
     int crop_written;                       /* a cropped scene is being written */
 
     int graph, help, rate, light, quit, status;
-    int measuring, ends;                    /* measuring: measuring is on; ends: number of measured ends */
+    int measuring, ends;                    /* measuring: 1: distances are measured; ends: ends picked */
     double end[2][3];
     fxs_frame_times times;
     uint32_t gaussians, missing;            /* Gaussians in the last frame; chunks that it lacked, not loaded yet */

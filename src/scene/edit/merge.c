@@ -21,7 +21,7 @@ typedef struct part {
     fxs_transform turn;            /* rotates SH */
     double log_scale;
     double inner[3];               /* origin of the file's stream while this part is read */
-    int moves;                     /* 1: that origin can be chosen */
+    int moves;                     /* 1: `inner` can be chosen */
     double middle[3];              /* approximate centre in the world */
     double shift[3];               /* position = rows * position in the file + shift */
     int is_moved, is_turned, is_tinted;

@@ -57,7 +57,7 @@ static int is_in_shapes(const fxs_scene_filter *filter, const double position[3]
     return asked == found;
 }
 
-/* NaN passes the first tests and is left to the later ones. */
+/* NaN counts as inside; the tests that follow decide. */
 static int is_inside(const fxs_scene_filter *filter, const double position[3])
 {
     for (int i = 0; i < 3; i++)

@@ -31,7 +31,7 @@ typedef struct matrix {
 
 typedef struct content {
     char *name;                /* path from the folder of the first tileset */
-    matrix up, tile;           /* up: from its axes to the tile's; tile: from there to the tileset's axes, z up */
+    matrix up, tile;           /* up: from the content's axes to the tile's; tile: then to the tileset's, z up */
     int nesting, is_tileset;
     size_t parent;             /* 1 + index of the tileset that names it; 0: the first tileset */
     uint64_t device, inode;    /* for a file opened by its path; else 0 */
@@ -59,7 +59,7 @@ typedef struct index_file {
     size_t folder;             /* length of the folder part of the name */
     const char *name;
     int nesting;
-    size_t itself;             /* 1 + its index as a content, or 0 */
+    size_t itself;             /* 1 + index of this tileset as a content; 0: the first */
     matrix up;                 /* from contents' axes to tiles' axes */
 } index_file;
 

@@ -108,7 +108,7 @@ static int pad(rad_writer *w, bytes *b)
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-/* 0 to 1; for A > 1, 1 to 2 */
+/* The code of an opacity A: A up to 1; for A > 1, a code from 1 to 2. */
 static double code_of_opacity(double opacity)
 {
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
