@@ -9,7 +9,7 @@
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
 #define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close to an axis */
-#define GROWN 2                      /* Gaussians / nearest ones: least size at the far end of z in a scene captured from the front */
+#define GROWN 2                      /* least growth_of along z in a scene captured from the front */
 #define TURNED 0.86                  /* cosine of 30 degrees, the largest tilt of the ground */
 
 /* The sample with weights. */
