@@ -93,7 +93,7 @@ static inline int fxs_ends_in(const char *path, const char *ending)
     return length > size && !strncasecmp(path + length - size, ending, size);
 }
 
-/* Why the system does not allow a path, as "is the name of a device in Windows"; null: it does. */
+/* Why the system does not allow a path, as "is the name of a device in Windows"; null: the path is allowed. */
 const char *fxs_path_fault(const char *path);
 
 /* These return 0, or -1 and errno. */

@@ -258,7 +258,7 @@ static int read_parts(fxs_view_list *list, const cJSON *root)
     return error;
 }
 
-/* ---- Both kinds of file ------------------------------------------------------------------------------------------ */
+/* ---- transforms.json and cameras.json ---------------------------------------------------------------------------- */
 
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {

@@ -25,8 +25,8 @@ enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST =
 #define UNBOUNDED 2                  /* least size of an unbounded scene / size of its core */
 #define OPEN 0.65                    /* least mean coverage of level views from a place worth a view */
 #define CLOSED 0.88                  /* least mean coverage of level views from within a room */
-#define WITHIN 0.74                  /* looks from within if Gaussians seen within / outside exceed this */
-#define WITHIN_STANDING 1.1          /* the same for a scene shaped like a standing figure */
+#define WITHIN 0.74                  /* Gaussians seen within (weighed) / outside: above, looks from within */
+#define WITHIN_STANDING 1.1          /* Gaussians seen within / outside: above, no standing figure */
 
 /* A small picture, and the pixels of each Gaussian in it. */
 typedef struct look {
@@ -43,7 +43,7 @@ typedef struct sight {
     int64_t detail;                  /* sum of differences between neighbouring pixels */
     int64_t covered;                 /* sum of coverage, 255 per pixel */
     int64_t close;                   /* pixels nearer than chooser.close, blocking the view */
-    int64_t cut;                     /* covered border pixels, weighted; BORDER: all of them */
+    int64_t cut;                     /* covered border pixels, weighted; BORDER if all are covered */
 } sight;
 
 typedef struct box {

@@ -31,7 +31,7 @@ static uint32_t stride_of(const fxs_sample *s, uint32_t most)
 
 enum measure { PLACE_X, PLACE_Y, PLACE_Z, DISTANCE };
 
-/* Collects a measure of the points of at most this size, sorted ascending. Returns their number. */
+/* Collects the measure `what` of the points with at most this size, sorted ascending. Returns their number. */
 static uint32_t measure(const fxs_sample *s, double size, enum measure what, const double middle[3], double *values)
 {
     uint32_t n = 0;

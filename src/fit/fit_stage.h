@@ -63,7 +63,7 @@ typedef struct fxs_fit_splat {
 } fxs_fit_splat;
 
 /* An entry of a tile's list: the splat's number, the slot of its sums over this tile, and a bit set of the 4x4 blocks
-   that it changes (row by row, found by blend). */
+   that the splat changes (row by row, found by blend). */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;

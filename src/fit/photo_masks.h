@@ -21,7 +21,7 @@ static inline int fxs_photo_mask_grey(const uint8_t rgba[4])
 }
 
 /* Finds a photograph's mask in a folder: a.jpg.png (as COLMAP), or a.png. `name`: the photograph's name in its own
-   folder. Returns whether it exists. */
+   folder. Returns whether the mask exists. */
 int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_PATH]);
 
 /* True if the set has masks: the options or the list name a folder of masks, or the camera file names masks. */

@@ -107,7 +107,7 @@ static float inverse_of(double step)
     return step > 0 ? (float)(1 / step) : 0;
 }
 
-/* Step of `bits`-bit codes that are extended to `wide` bits. */
+/* The step of codes of `bits` bits that span the same range as `wide`-bit codes with this step. */
 static double own_step(double step, int bits, int wide)
 {
     return step * ((1 << wide) - 1) / ((1 << bits) - 1);

@@ -108,8 +108,8 @@ static inline real upper_bits(real x)
     return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
 }
 
-/* The fraction that a lower code of a word adds to the number above it: code / 2^bits, with code in two's complement
-   and `count` = 2^bits. */
+/* In a rotation word, the bits below a code refine that code by a fraction. This is the fraction: code / 2^bits, with
+   the lower `code` in two's complement and `count` = 2^bits. */
 static inline real part_above(real code, real count)
 {
     return choose(below(code, all(0)), code + count, code) / count;

@@ -1,12 +1,11 @@
 /* Refines the levels of detail of a packed scene, one level after the other, from the leaves up. Leaves have level
- * 0; a node has one more than its higher child. The cover of level L is the finest set of chunks that covers all
- * leaves and has no chunk above level L. So each node is in the cover of its level, and in a few more if its
- * parent's level is higher by more than 1. The steps for a cover change all its nodes; its leaves are drawn but
- * fixed.
+ * 0; a node's level is one above the higher level of its two children. The cover of level L is the coarsest set of
+ * chunks that stands for all leaves and has no chunk above level L. So each node is in the covers from its own level
+ * to the level below its parent's. The steps for a cover change all its nodes; its leaves are drawn but fixed.
  *
  * The error of a node in a view is measured in the picture of the cover of its level: the squared difference from
  * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
- * a node is its error minus its children's errors, times (distance / focal length)^2 as in src/core/cut.c,
+ * a node is the node's error minus its children's errors, times (distance / focal length)^2 as in src/core/cut.c,
  * averaged over the views that see the node. */
 #include <fixsplat/refine.h>
 

@@ -55,7 +55,7 @@ static inline void find_places(const fxs_fit_splat *s, int place, real *u, real 
     *v = y * s->vy;
 }
 
-/* Blends a splat to LANES pixels. Returns whether it changes any. */
+/* Blends a splat to LANES pixels. Returns whether a pixel changes. */
 static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
 {
     const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;

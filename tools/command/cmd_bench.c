@@ -141,7 +141,8 @@ static int is_inside(int at, int first, int length, int whole, int band)
     return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
 }
 
-/* The finest ring that alone determines a pixel of an eye; in a band it is the coarser one. */
+/* The finest ring that alone determines a pixel of an eye; in a blending band, the coarser of the two rings that are
+   blended. */
 static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
 {
     const fxs_foveated *f = &r->foveated;

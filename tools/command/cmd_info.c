@@ -30,7 +30,7 @@ typedef struct board {
     int width, height;
     size_t strip;                           /* 16 rows of RGB565 */
     fxs_frame_memory memory;                /* for one thread */
-    size_t rows, rows_most;                 /* bytes from which rows of tiles are not sliced: least and most over all
+    size_t rows, rows_most;                 /* bytes with which rows of tiles need no slices: least and most over all
                                                turns */
 } board;
 

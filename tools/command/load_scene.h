@@ -53,7 +53,7 @@ int options_of_file(load_options *own, const load_options *options, uint32_t i, 
    returns EXIT_FAILED, with nothing to free. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
-/* The same for a file from open_scene or open_merged, which it closes. */
+/* As load_scene, for a file from open_scene or open_merged; closes the file. */
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 

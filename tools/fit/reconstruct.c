@@ -213,8 +213,8 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* Runs COLMAP once for each lens: it assumes one camera in a call, with the focal length from the first photograph's
-   EXIF data. */
+/* Runs COLMAP once for each lens, because COLMAP assumes one camera in a call, with the focal length from the first
+   photograph's EXIF data. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {

@@ -177,8 +177,8 @@ static void tell_views(struct preview *p)
 
 /* ---- The scene --------------------------------------------------------------------------------------------------- */
 
-/* Sets the start view to the first held-out photograph's, or else the first photograph's, if it can be one. Up is
-   the mean of the fitted photographs'. */
+/* Sets the start view to the view of the first held-out photograph, or else of the first photograph, if that can be a
+   start view. The up direction is the mean over the fitted photographs. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
@@ -241,7 +241,7 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->spent_on_points += fxs_clock(0) - start;
 }
 
-/* At the first scene, at the final one, and between them as the time share allows. */
+/* True if a point of the curve is due: at the first scene, at the final one, and between as the time share allows. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;

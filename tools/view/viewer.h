@@ -104,8 +104,8 @@ struct viewer {
     uint64_t filmed;                        /* time of the next frame, nanoseconds */
 
     crop_box crop;                          /* keeps its sides while off */
-    int face, dragged;                      /* face: handle under the pointer, or CROP_NONE; dragged: it is being
-                                               dragged */
+    int face, dragged;                      /* face: handle under the pointer, or CROP_NONE; dragged: this
+                                               handle is being dragged */
     int crop_written;                       /* a cropped scene is being written */
 
     int graph, help, rate, light, quit, status;

@@ -142,7 +142,7 @@ static int has_neighbours(const grid *g, const fxs_floater *item, int part)
     return count > FXS_FLOATER_NEIGHBOURS;
 }
 
-/* ---- All of them ------------------------------------------------------------------------------------------------- */
+/* ---- All Gaussians ----------------------------------------------------------------------------------------------- */
 
 static int least_level(const fxs_floaters *f)
 {

@@ -12,7 +12,7 @@
 typedef struct filter_reader {
     const fxs_reader *reader;   /* the file's own reader */
     void *data;
-    const fxs_allocator *allocator;   /* used by both readers */
+    const fxs_allocator *allocator;   /* used by the file's reader and the filtering one */
     double origin[3];                 /* origin of the stream */
     fxs_scene_filter filter;
     fxs_scene_filter_report report;   /* counts since the last rewind */
