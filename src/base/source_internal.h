@@ -24,7 +24,7 @@ struct fxs_scene_source {
     const fxs_scene_source *first;    /* for a companion file: the source opened first; else NULL */
     fxs_scene_file_options options;
     fxs_import *import;               /* NULL: no limits */
-    uint64_t device, inode;           /* of a file opened by path; else 0 */
+    uint64_t device, inode;           /* identify a file opened by path; else 0 */
 };
 
 /* Open a source. The caller sets its options and clears all other fields. A path must name a regular file. Return 0,

@@ -52,7 +52,7 @@ typedef struct box {
 
 /* Position of a camera. */
 typedef struct stand {
-    int yaw;                         /* in twelfths of a turn */
+    int yaw;                         /* angle in twelfths of a turn */
     double out, rise;                /* direction from the middle: level part, upward part */
     double part;                     /* as in fxs_first_choice; 0: in the middle, looking outwards */
     const box *about;

@@ -20,7 +20,7 @@ typedef struct archive {
     fxs_output *output;            /* null: reading */
     FILE *input;
     uint64_t size, fetched;        /* input bytes; bytes fetched into the buffer so far */
-    uint64_t checksum;             /* of the words so far */
+    uint64_t checksum;             /* checksum of the words so far */
     const char *fault;             /* first fault; from then on words read as 0 and nothing is written */
     int error;                     /* the code of that fault */
     size_t at, end;                /* position and end in the buffer, bytes */

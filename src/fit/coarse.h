@@ -14,7 +14,7 @@ typedef struct fxs_fit_coarse_camera {
 
 struct fxs_fit_coarse {
     fxs_fit *fit;                  /* has no photographs, engine or stepper */
-    fxs_fit_coarse_camera *cameras;    /* of the fit's photographs, sorted by key and number */
+    fxs_fit_coarse_camera *cameras;    /* cameras of the fit's photographs, sorted by key and number */
     size_t camera_count;
     uint64_t number;               /* identifies the file */
 };

@@ -32,7 +32,7 @@ typedef struct reading {
     const fxs_view_list *views;
     const fxs_photos_options *options;
     size_t first;                  /* first photograph of the batch */
-    result *results;               /* of the batch */
+    result *results;               /* results of the batch */
 } reading;
 
 static int read_one(const reading *r, const fxs_listed_view *view, result *made)

@@ -35,7 +35,7 @@
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
-    uint8_t *levels;                   /* of all chunks: leaves, then nodes */
+    uint8_t *levels;                   /* level of each chunk: leaves, then nodes */
     uint32_t *parents;                 /* per chunk; 0: none, as chunk 0 is a leaf */
     uint32_t chunks, leaves;
     int highest;                       /* level of the root */
@@ -44,7 +44,7 @@ typedef struct refiner {
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
     float *errors;                     /* per node and view, pixels * colours^2; below 0: not visible */
-    fxs_fit_model model;               /* of the cover: its nodes, then its leaves */
+    fxs_fit_model model;               /* Gaussians of the cover: its nodes, then its leaves */
     uint32_t *cover, *starts;          /* chunks of the cover; their first Gaussians in the model */
     uint32_t cover_count, cover_nodes;
     uint32_t order[FXS_REFINE_VIEWS];

@@ -30,18 +30,18 @@ struct fxs_fit_stepper {
     block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered,
         by_pose;
 
-    /* of the current step */
+    /* data of the current step */
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
     const uint8_t *photograph;     /* at the camera's size */
-    const uint8_t *errors_of;      /* likewise, for fxs_fit_find_errors */
+    const uint8_t *errors_of;      /* the photograph for fxs_fit_find_errors, at the camera's size */
     const uint8_t *mask;           /* at the camera's size, or null */
     float *errors;
     fxs_fit_camera posed[FXS_FIT_BATCH];   /* the batch's cameras with pose corrections */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* views in the batch; current view */
-    float factors[FXS_FIT_GAIN];   /* of the current photograph's exposure */
+    float factors[FXS_FIT_GAIN];   /* M and m of the current photograph's exposure */
     float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* per view: sums for gain_gradient */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];

@@ -22,7 +22,7 @@ enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
 /* A ring of a foveated picture, over both eyes. */
 typedef struct ring_picture {
     uint64_t shaded, shown;                 /* pixels */
-    double psnr;                            /* of the pixels shown */
+    double psnr;                            /* PSNR of the pixels shown */
 } ring_picture;
 
 static int take_draw(const option_row *row, void *field, const char *value)

@@ -24,7 +24,7 @@
 enum { SHAPES_MOST = 256 };
 
 typedef struct convert_options {
-    const char *in, *out;                   /* in: the placed scenes, named by the one file or the list */
+    const char *in, *out;                   /* in: name of the input: the only scene file, or the list of scenes */
     world_options world;
     fxs_world placed;
     fxs_placement whole;                    /* placement of the merged scenes; its rotation follows from: */

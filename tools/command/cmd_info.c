@@ -29,7 +29,7 @@ typedef struct info_options {
 typedef struct board {
     int width, height;
     size_t strip;                           /* 16 rows of RGB565 */
-    fxs_frame_memory memory;                /* for one thread */
+    fxs_frame_memory memory;                /* memory of a frame with one thread */
     size_t rows, rows_most;                 /* bytes with which rows of tiles need no slices: least and most over all
                                                turns */
 } board;

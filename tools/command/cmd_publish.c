@@ -25,7 +25,7 @@ typedef struct publish_options {
     int single;                    /* one .html file, no folder */
     char mark[TASK_PATH];          /* marks the folder as unfinished */
     scene_list list;
-    size_t bytes;                  /* of all files written */
+    size_t bytes;                  /* size of all files written */
     made_list made;                /* new files and folders, removed if publish fails */
 } publish_options;
 

@@ -51,7 +51,7 @@ typedef struct drawn_view {
     fxs_message why;                        /* message if the view is unwritten or unexpected */
     fxs_stats stats;
     uint64_t hash;
-    double range;                           /* of depths, as written */
+    double range;                           /* range of depths in the file written */
     fxs_encoded encoded;
     char depth_name[4096];
 } drawn_view;

@@ -18,7 +18,7 @@ typedef struct scene_level {
 typedef struct scene_levels {
     scene_level levels[LEVELS_MOST];
     int count;                     /* 0: no tree */
-    uint32_t chunk_bytes;          /* of a chunk with its header; node_bytes: of a node's record in the tree */
+    uint32_t chunk_bytes;          /* size of a chunk with its header; node_bytes: size of a node's record */
     uint32_t node_bytes;
 } scene_levels;
 

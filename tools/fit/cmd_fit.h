@@ -20,7 +20,7 @@ typedef struct fit_command {
     uint32_t block, blocks;         /* blocks 0: the whole set */
     uint64_t save_every, metrics_every;   /* steps; 0: never */
     int preview;
-    uint64_t port;                  /* of the preview */
+    uint64_t port;                  /* port of the preview */
     const fit_watcher *watcher;     /* null: no preview */
     int json;
     char **argv;                    /* the command's, to print the command that resumes */

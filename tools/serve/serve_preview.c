@@ -63,11 +63,11 @@ static struct preview {
     fit_now now;
     uint64_t began, told, packed;   /* times in nanoseconds: start of the fit, last numbers served, last scene served */
     uint64_t spent_on_scenes, spent_on_points;
-    uint32_t version;               /* of the scene, from 1; 0: no scene yet */
+    uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
     uint32_t measured;              /* last step measured */
     point *points;
     size_t point_count, point_room;
-    quality result;                 /* of all photographs, at the end: count and means only */
+    quality result;                 /* measurement of all photographs, at the end: count and means only */
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
 
 /* ---- Served files ------------------------------------------------------------------------------------------------ */

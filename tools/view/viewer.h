@@ -56,7 +56,7 @@ typedef struct loading {
 } loading;
 
 struct viewer {
-    frame_options options;                  /* as given; a dropped scene resets the camera options, keys change the
+    frame_options options;                  /* as given at first; a dropped scene resets the cameras', keys change the
                                                others */
     const char *screenshot;                 /* output path; null: fixsplat-001.png, -002 ... */
     fxs_window *window;
@@ -92,7 +92,7 @@ struct viewer {
 
     int changed, moving, exposed;           /* since the last frame: needs a frame; the camera moves; needs a repaint */
     int flying, coarse;                     /* a flight key is down; the last frame had a reduced size */
-    int divisor;                            /* of width and height, while the camera moves */
+    int divisor;                            /* divides width and height while the camera moves */
     enum viewer_picture shown;
     uint64_t clock, moved;                  /* time of the last step and of the last motion, nanoseconds */
     uint64_t hint;                          /* when the hint disappears; 0: no hint */

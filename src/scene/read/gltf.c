@@ -95,9 +95,9 @@ typedef struct part {
 
 typedef struct gltf {
     const fxs_scene_source *source;
-    fxs_message *message;        /* of the current call */
+    fxs_message *message;        /* message of the current call */
     double frame[3][4];          /* from the file's axes to the Gaussians' axes */
-    list lists[LISTS];           /* valid only during opening, like the next three */
+    list lists[LISTS];           /* valid only during opening, like the next three fields */
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */

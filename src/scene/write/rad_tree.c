@@ -44,7 +44,7 @@ typedef struct builder {
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
     float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D; Spark chooses nodes by it */
-    uint32_t *reps;                /* for each Gaussian of the current level: its node */
+    uint32_t *reps;                /* node of each Gaussian of the current level */
     moments *moments;              /* moments of these nodes */
     sums sums[FXS_LEVEL_SET];
 } builder;
