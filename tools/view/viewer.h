@@ -56,7 +56,7 @@ typedef struct loading {
 } loading;
 
 struct viewer {
-    frame_options options;                  /* as given at first; a dropped scene resets the cameras', keys change the
+    frame_options options;                  /* as given; a dropped scene resets the camera options, keys change the
                                                others */
     const char *screenshot;                 /* output path; null: fixsplat-001.png, -002 ... */
     fxs_window *window;
