@@ -72,7 +72,7 @@ static const struct lens_model {
 };
 enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
-/* NAN: absent in the file. */
+/* Intrinsics in the file; NAN: absent. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];

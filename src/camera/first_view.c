@@ -127,7 +127,7 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
-/* Distance to the far end of the core. */
+/* Distance from the camera to the far end of the core. */
 static double end_of_core(const chooser *c, const fxs_file_view *view)
 {
     return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
@@ -380,7 +380,7 @@ static int look_about(chooser *c, const stand *stands, uint32_t count, double *m
     return 0;
 }
 
-/* Whether a place lies in the middle of the core, so that the core is hollow. */
+/* True if a free place lies in the middle of the core: the core is hollow. */
 static int is_amid(const chooser *c, const double place[3])
 {
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;

@@ -280,7 +280,7 @@ void fxs_fit_block_free(fxs_fit_block *b)
 
 /* ---- From files -------------------------------------------------------------------------------------------------- */
 
-/* Makes photographs without pixels of the views of a list. */
+/* Makes a photograph without pixels for each view of a list. */
 static int take_views(fxs_fit_photo **photos, size_t *count, const fxs_view_list *views)
 {
     *photos = calloc(views->count + 1, sizeof **photos);

@@ -42,7 +42,7 @@ static void damaged(archive *a, const char *fault)
 
 /* ---- Words ------------------------------------------------------------------------------------------------------- */
 
-/* fxs_output_close reports an error. */
+/* Writes the buffer. fxs_output_close reports errors. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -172,7 +172,7 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
     }
 }
 
-/* A number from `low` to `high`. */
+/* Reads or writes a number; a fault if it is not from `low` to `high`. */
 static uint32_t within(archive *a, uint32_t value, uint32_t low, uint32_t high)
 {
     number(a, &value);
@@ -355,7 +355,7 @@ static void walk_end(archive *a)
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
-/* walk with an output does not change the fit. */
+/* Writes the fit. It stays unchanged, because `a` has an output. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);

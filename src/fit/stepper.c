@@ -535,7 +535,7 @@ static void backward_job(void *argument, uint32_t tile)
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Sums each Gaussian over its tiles, in order. */
+/* Adds up each Gaussian's sums over its tiles, in order. */
 static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
@@ -716,8 +716,8 @@ static void sum_by_gain(fxs_fit_stepper *s)
         s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* A step for each photograph of the batch, in order. Then subtracts the mean over all photographs, so that the mean
-   exposure is neutral and the scene does not take up a common tint. */
+/* Changes the exposure of each photograph of the batch, in order. Then subtracts the mean over all photographs, so that
+   the mean exposure is neutral and the scene does not take up a common tint. */
 static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     const fxs_fit_gains *gains = s->model->gains;
@@ -733,7 +733,7 @@ static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
 
 /* ---- Poses ------------------------------------------------------------------------------------------------------- */
 
-/* A step for each photograph of the batch, in order. */
+/* Changes the pose of each photograph of the batch, in order. */
 static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     for (uint32_t v = 0; v < s->batch; v++) {

@@ -174,7 +174,7 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* The last two of these additions, for four rows of four numbers. */
+/* The additions of p and p + 2, then p + 1, for four rows of four numbers. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);

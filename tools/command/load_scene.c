@@ -24,7 +24,7 @@ static int is_standard_input(const char *path)
     return !strcmp(path, "-");
 }
 
-/* The name in messages. */
+/* The name of a scene file in messages. */
 static const char *shown(const char *path)
 {
     return is_standard_input(path) ? "standard input" : path;

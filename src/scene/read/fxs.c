@@ -79,7 +79,7 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
-/* Uses chunks spread over the whole file, which contain about equal numbers of Gaussians. */
+/* Chooses the origin from chunks spread over the whole file, as chunks hold about equal numbers of Gaussians. */
 static int choose_origin(const fxs_file_reader *r, fxs_message *message)
 {
     double places[FXS_ORIGIN_SAMPLE][3];

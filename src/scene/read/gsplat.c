@@ -69,7 +69,7 @@ static int fail(const gsplat *g, const char *fault, fxs_message *message)
 
 /* ---- meta.json --------------------------------------------------------------------------------------------------- */
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_sh(gsplat *g, const cJSON *shn)
 {
     const cJSON *low = member(shn, "mins"), *high = member(shn, "maxs"), *shape = member(shn, "shape");

@@ -77,7 +77,7 @@ static int read_bounds(const cJSON *root, const char *name, const char *environm
     return 1;
 }
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_meta(lcc_reader *r, const cJSON *root)
 {
     const cJSON *levels = member(root, "totalLevel");

@@ -192,7 +192,7 @@ static void take_model(sog_scene *s, const char *model)
         s->scale[2][code] = FXS_FLAT_SCALE;
 }
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
