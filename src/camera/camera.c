@@ -369,7 +369,7 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
 /* In the picture, x = width (x_clip / w + 1) / 2 and y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in perspective and in orthographic matrices */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* elements that are 0 in both kinds of projection */
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)

@@ -291,7 +291,7 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* log2(x) / 3, linear between powers of two. Added to log2(sigma) of one Gaussian in x, it keeps the filled share of
+/* log2(x) / 3, linear between powers of two. Added to log2(sigma) of every x-th Gaussian, it keeps the filled share of
    space. */
 static int32_t larger_of(uint64_t x)
 {

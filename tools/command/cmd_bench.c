@@ -213,7 +213,7 @@ typedef struct bench_facts {
     char scenes[SCENES_ROOM], camera[CAMERA_ROOM], foveation[160], processor[128];
 } bench_facts;
 
-/* File names without folders. */
+/* Lists the scenes' file names, without folders. */
 static void name_scenes(char names[SCENES_ROOM], const world *w)
 {
     size_t used = 0;
@@ -224,7 +224,7 @@ static void name_scenes(char names[SCENES_ROOM], const world *w)
     }
 }
 
-/* Position, rotation, focal lengths, principal point, near plane. */
+/* Describes a camera: position, rotation, focal lengths, principal point, near plane. */
 static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
 {
     const double *r = v->rotation, *p = v->position;

@@ -59,7 +59,7 @@ typedef struct index_file {
     size_t folder;             /* length of the folder part of the name */
     const char *name;
     int nesting;
-    size_t itself;             /* 1 + index of this tileset as a content; 0: the first */
+    size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
     matrix up;                 /* rotates contents' axes to tiles' axes */
 } index_file;
 
