@@ -8,7 +8,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
     for (uint32_t b = 0; b < 256; b++) {
         uint32_t crc = b;
         for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);    /* with ?: gcc 12 for ARM loses the upper half */
+            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);    /* with ?: gcc 12 for ARM loses crc's upper half */
         after[0][b] = crc;
     }
     for (int k = 1; k < 8; k++)

@@ -17,7 +17,8 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
 int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts,
                          fxs_message *message);
 
-/* The same check for a file or folder, without opening it. Returns 0, or an error and a message. */
+/* Checks that a file or folder lies in the folder of `first` or below, without opening it. Returns 0, or an error and a
+   message. */
 int fxs_file_check_within(const char *first, const char *path, fxs_message *message);
 
 /* Reads `size` bytes at an offset. Returns 0, or -1 if any is missing. */

@@ -85,7 +85,7 @@ static int is_separator(int letter)
 int fxs_name_stays(const char *name)
 {
     const char *at = name;
-    size_t length = 0, dots = 0;   /* of a path component */
+    size_t length = 0, dots = 0;   /* of the current path component */
     int letter = take_letter(&at);
     if (is_separator(letter) || begins_elsewhere(name))
         return 0;

@@ -8,7 +8,7 @@
 /* Totals over all sources of one scene, for the limits in the options. */
 typedef struct fxs_import {
     uint64_t file_bytes;              /* size of all files so far, each counted once */
-    uint64_t *files;                  /* hash table of their keys; `room` slots, a power of two; 0: free */
+    uint64_t *files;                  /* hash table of the keys of these files; `room` slots, a power of two; 0: free */
     size_t file_count, room;
     uint64_t held;                    /* bytes that fxs_hold has allocated */
     int (*drop)(void *reader);        /* frees data that can be read again; returns 1, or 0 if none is left */
@@ -21,10 +21,10 @@ typedef struct fxs_scene_source fxs_scene_source;
 struct fxs_scene_source {
     fxs_scene_input input;
     char *path;                       /* path or name, for messages */
-    const fxs_scene_source *first;    /* the source opened first, if this one was opened beside it, or NULL */
+    const fxs_scene_source *first;    /* for a companion file: the source opened first; else NULL */
     fxs_scene_file_options options;
     fxs_import *import;               /* NULL: no limits */
-    uint64_t device, inode;           /* of a file opened by path; else 0 */
+    uint64_t device, inode;           /* identify a file opened by path; else 0 */
 };
 
 /* Open a source. The caller sets its options and clears all other fields. A path must name a regular file. Return 0,

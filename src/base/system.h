@@ -93,7 +93,7 @@ static inline int fxs_ends_in(const char *path, const char *ending)
     return length > size && !strncasecmp(path + length - size, ending, size);
 }
 
-/* Why the system does not allow a path, as "is the name of a device in Windows"; null: it does. */
+/* Why the system does not allow a path, as "is the name of a device in Windows"; null: the path is allowed. */
 const char *fxs_path_fault(const char *path);
 
 /* These return 0, or -1 and errno. */
@@ -238,8 +238,7 @@ void fxs_program_become(const char *path, char **argv);
    and errno. */
 int fxs_browse(const char *address);
 
-/* ---- Shutdown
-   --------------------------------------------------------------------------------------------------------- */
+/* ---- Shutdown ---------------------------------------------------------------------------------------------------- */
 
 /* From now on, the first request to end this process (SIGHUP, SIGINT, SIGTERM; Ctrl-C) only sets a flag. The next
    one has its usual effect. Ignored signals stay ignored. */

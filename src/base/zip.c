@@ -14,7 +14,7 @@ enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate, bytes per byte
 struct fxs_zip {
     const fxs_scene_source *source;
     uint64_t offset;           /* libzip's read position */
-    zip_error_t error;         /* of libzip's last call */
+    zip_error_t error;         /* error of libzip's last call */
     zip_t *archive;
     char *folder;              /* prefix of the names, with its separator; NULL: none */
 };

@@ -74,7 +74,8 @@ int fxs_view_level(fxs_file_view *view, const double up[3])
     return 1;
 }
 
-/* Minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2: (R + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
+/* The u that minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2: with R the mean of right right^T, (R +
+   LEVEL_SHARE) u = LEVEL_SHARE mean up. */
 int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3])
 {
     const char *at = (const char *)views;
@@ -354,7 +355,7 @@ static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message
 }
 
 /* The near plane, where -near c + d = -w: d / (c - 1) in perspective, with w = near; (d + 1) / c in an orthographic
-   projection, with w = 1. The far plane, where -far c + d = w, must lie behind it or at infinity. */
+   projection, with w = 1. The far plane, where -far c + d = w, must lie beyond the near plane or at infinity. */
 static int take_near(fxs_file_view *view, double c, double d, fxs_message *message)
 {
     const int flat = view->projection == FXS_ORTHOGRAPHIC;
@@ -368,7 +369,7 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
 /* In the picture, x = width (x_clip / w + 1) / 2 and y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in both projections */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* elements that are 0 in both kinds of projection */
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)

@@ -13,7 +13,7 @@ enum { COLUMNS_MOST = 64, SIZE = 800 };
 static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading", "pitch", "roll", "f", "px", "py",
                                              "k1", "k2", "k3", "k4", "t1", "t2"};
 
-#define FILM 36.0                  /* mm: f refers to a longer side of this length */
+#define FILM 36.0                  /* mm: length of the picture's longer side to which f refers */
 #define RADIANS 0.017453292519943295
 
 /* The columns of the file. */
@@ -92,7 +92,8 @@ static void set_pose(fxs_file_view *view, const double v[VALUES])
     }
 }
 
-/* The file gives the principal point from the middle, relative to the longer side. The coefficients are OpenCV's. */
+/* The file gives the principal point from the picture's middle, as a part of the longer side. The coefficients are
+   OpenCV's. */
 static int add_view(fxs_view_list *list, const char *name, const double v[VALUES])
 {
     fxs_listed_view *listed;

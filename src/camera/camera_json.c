@@ -57,8 +57,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* Each known camera_model: the coefficient for each of lens_names, as a letter of fxs_lens_coefficient; -: not used.
-   k4 of a perspective camera is that of r^8, except in FULL_OPENCV. */
+/* Each known camera_model: the coefficient for each of lens_names, as a letter of fxs_lens_coefficient; -: not used. k4
+   of a perspective camera is the coefficient of r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;
@@ -72,7 +72,7 @@ static const struct lens_model {
 };
 enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
-/* NAN: absent in the file. */
+/* Intrinsics in the file; NAN: absent. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];
@@ -258,7 +258,7 @@ static int read_parts(fxs_view_list *list, const cJSON *root)
     return error;
 }
 
-/* ---- Both kinds of file ------------------------------------------------------------------------------------------ */
+/* ---- transforms.json and cameras.json ---------------------------------------------------------------------------- */
 
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {

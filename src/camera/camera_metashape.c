@@ -55,7 +55,7 @@ typedef struct reader {
     int error, chunks;
     char path[DEPTH_MOST][NAME_ROOM];
     int depth;
-    char text[TEXT_MOST];          /* of the innermost element */
+    char text[TEXT_MOST];          /* text of the innermost element */
     size_t length;
     int calibration;               /* 1: inside a calibration that is used */
     placement chunk;

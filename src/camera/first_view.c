@@ -23,10 +23,10 @@ enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST =
 #define FOV 50                       /* degrees */
 #define LARGEST (PIXELS / 16)        /* a Gaussian with more pixels lowers the score */
 #define UNBOUNDED 2                  /* least size of an unbounded scene / size of its core */
-#define OPEN 0.65                    /* least mean coverage of level views from a useful place */
-#define CLOSED 0.88                  /* the same for a room */
-#define WITHIN 0.74                  /* Gaussians seen from within / from outside */
-#define WITHIN_STANDING 1.1          /* the same for a scene shaped like a standing figure */
+#define OPEN 0.65                    /* least mean coverage of level views from a place worth a view */
+#define CLOSED 0.88                  /* least mean coverage of level views from within a room */
+#define WITHIN 0.74                  /* Gaussians seen within (weighed) / outside: above, looks from within */
+#define WITHIN_STANDING 1.1          /* Gaussians seen within / outside: above, no standing figure */
 
 /* A small picture, and the pixels of each Gaussian in it. */
 typedef struct look {
@@ -43,7 +43,7 @@ typedef struct sight {
     int64_t detail;                  /* sum of differences between neighbouring pixels */
     int64_t covered;                 /* sum of coverage, 255 per pixel */
     int64_t close;                   /* pixels nearer than chooser.close, blocking the view */
-    int64_t cut;                     /* covered border pixels, weighted; BORDER: all of them */
+    int64_t cut;                     /* covered border pixels, weighted; BORDER if all are covered */
 } sight;
 
 typedef struct box {
@@ -52,7 +52,7 @@ typedef struct box {
 
 /* Position of a camera. */
 typedef struct stand {
-    int yaw;                         /* in twelfths of a turn */
+    int yaw;                         /* angle in twelfths of a turn */
     double out, rise;                /* direction from the middle: level part, upward part */
     double part;                     /* as in fxs_first_choice; 0: in the middle, looking outwards */
     const box *about;
@@ -127,7 +127,7 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
-/* Distance to the far end of the core. */
+/* Distance from the camera to the far end of the core. */
 static double end_of_core(const chooser *c, const fxs_file_view *view)
 {
     return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
@@ -380,15 +380,15 @@ static int look_about(chooser *c, const stand *stands, uint32_t count, double *m
     return 0;
 }
 
-/* Whether a place lies in the middle of the core, so that the core is hollow. */
+/* True if a free place lies in the middle of the core: the core is hollow. */
 static int is_amid(const chooser *c, const double place[3])
 {
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* Finds places with something to see around them. *seen: most Gaussians seen from any. *weighed: the same with
-   factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers every
-   view. */
+/* Finds places with something to see around them. *seen: most Gaussians seen from one of the places. *weighed: the same
+   number with factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers
+   every view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];

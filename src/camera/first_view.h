@@ -12,9 +12,9 @@ typedef struct fxs_first_choice {
     double low[3], high[3];          /* box of the scene, of its core, or around a place within */
 } fxs_first_choice;
 
-/* Chooses a view for objects in the box low..high. `up`: the scene's up direction, of any length; null or 0: it is
-   found. Made for a field of view of 50 degrees and an aspect of 3:2. The choice does not depend on kernels and
-   threads. Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
+/* Chooses a view for objects in the box low..high. `up`: the scene's up direction, of any length; null or 0: the
+   function finds it. Made for a field of view of 50 degrees and an aspect of 3:2. The choice does not depend on kernels
+   and threads. Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
 int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects,
                           uint32_t count, const double low[3], const double high[3], const double up[3],
                           fxs_message *message);

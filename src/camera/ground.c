@@ -9,7 +9,7 @@
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
 #define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close to an axis */
-#define GROWN 2                      /* least size at the end of z / at its beginning, behind a front */
+#define GROWN 2                      /* least growth_of along z in a scene captured from the front */
 #define TURNED 0.86                  /* cosine of 30 degrees, the largest tilt of the ground */
 
 /* The sample with weights. */
@@ -130,7 +130,7 @@ static double sides_of(const weighed *s, const double axis[3], double share)
     return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
 }
 
-/* Size of Gaussians at the end of an axis / at its beginning: medians over an eighth of the points each. */
+/* Median size of the Gaussians in the last eighth along an axis / in the first eighth. */
 static double growth_of(const weighed *s, const double axis[3], double *values)
 {
     const uint32_t step = s->count / GROWTH_POINTS + 1;

@@ -38,7 +38,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     return lens->kind != FXS_LENS_FISHEYE && lens->kind != FXS_LENS_FISHEYE_AFTER && lens->skew == 0;
 }
 
-/* Lambert's continued fraction for angle / 8, doubled three times. */
+/* Lambert's continued fraction for angle / 8; then the angle is doubled three times. */
 double fxs_tangent(double angle)
 {
     const double z = angle / 8, square = z * z;
@@ -86,7 +86,7 @@ static void bend_fisheye(const fxs_lens *lens, double x, double y, double bent[2
     bent[1] += p[0] * (square + 2 * v * v) + 2 * p[1] * u * v + square * (s[2] + square * s[3]);
 }
 
-/* The factor of x and y at a squared distance from the principal point. */
+/* The factor by which the lens multiplies x and y at a squared distance from the principal point. */
 static double bend_by(const fxs_lens *lens, double square)
 {
     const double radius = sqrt(square), *k = lens->k;

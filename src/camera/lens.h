@@ -5,9 +5,10 @@
 
 #include <fixsplat/camera_file.h>
 
-/* The place in the photograph of a point x, y in the pinhole picture. Both are in focal lengths from the principal
-   point; r^2 = x^2 + y^2, theta = atan r. The tangential and thin prism terms (p, s) at u, v, with t^2 = u^2 + v^2,
-   are 2 p0 u v + p1 (t^2 + 2 u^2) + s0 t^2 + s1 t^4 in x, and p0 (t^2 + 2 v^2) + 2 p1 u v + s2 t^2 + s3 t^4 in y. */
+/* The place in the photograph of a point x, y in the pinhole picture. Coordinates are in focal lengths from the
+   principal point; r^2 = x^2 + y^2, theta = atan r. The tangential and thin prism terms (p, s) at u, v, with t^2 = u^2
+   + v^2, are 2 p0 u v + p1 (t^2 + 2 u^2) + s0 t^2 + s1 t^4 in x, and p0 (t^2 + 2 v^2) + 2 p1 u v + s2 t^2 + s3 t^4 in
+   y. */
 enum fxs_lens_kind {
     FXS_LENS_BROWN,          /* (x, y) (1 + k0 r^2 + ... + k3 r^8) / (1 + d0 r^2 + d1 r^4 + d2 r^6), plus the terms
                                 of p at u, v = x, y */

@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* As fxs_camera_file_read, and also returns the lens of each view in an array that the caller frees. width above 0:
-   views get this size by fxs_view_resize, or, if the file states no size, it is taken as the size of the
+   views get this size by fxs_view_resize, or, if the file states no size, width and height are taken as the size of the
    photographs. */
 long fxs_lens_file_read(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
                         fxs_message *message);

@@ -76,8 +76,7 @@ int fxs_lens_warp_straighten(const fxs_lens_warp *w, const double bent[2], doubl
     return left <= NEAR_ENOUGH * NEAR_ENOUGH && place[0] * place[0] + place[1] * place[1] <= most * most;
 }
 
-/* ---- Size of the perspective picture
-   ------------------------------------------------------------------------------ */
+/* ---- Size of the perspective picture ----------------------------------------------------------------------------- */
 
 typedef struct box {
     double low[2], high[2], farthest;
@@ -109,7 +108,7 @@ static double largest_scale(const fxs_lens_warp *w, double farthest)
     return scale > 0 ? scale : 1;
 }
 
-/* Most pixels of a side without margins, for this side of the photograph. */
+/* Most pixels of a side of the perspective picture, without margins. `side`: the photograph's side. */
 static double most_pixels(double side)
 {
     return fmin(FXS_MAX_SIZE - 2 * MARGIN, LARGER_MOST * side);

@@ -291,7 +291,8 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* log2(x) / 3, linear between powers of two. Enlarging by it keeps the filled share of space. */
+/* log2(x) / 3, linear between powers of two. Added to log2(sigma) of every x-th Gaussian, it keeps the filled share of
+   space. */
 static int32_t larger_of(uint64_t x)
 {
     const int whole = 63 - fxs_clz64(x);
@@ -311,7 +312,7 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     t.larger_q16 = larger_of(t.step * t.each);
     for (uint32_t i = 0; i < count; i++)
         chunks += (drawn(&objects[i]) / (t.step * t.each) + FXS_CHUNK) / FXS_CHUNK;
-    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each has at least one Gaussian */
+    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each chunk has a Gaussian */
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,

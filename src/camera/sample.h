@@ -17,8 +17,8 @@ typedef struct fxs_sample_point {
     double opacity;                  /* 0 to 1 */
 } fxs_sample_point;
 
-/* Every step-th Gaussian as a point. One of one to three points is packed again for drawing, with SH degree 0 and
-   enlarged. */
+/* Every step-th Gaussian as a point. Every point, every second or every third is packed again for drawing, with SH
+   degree 0 and enlarged. */
 typedef struct fxs_sample {
     fxs_object *objects;
     uint32_t count;                  /* objects with a drawn Gaussian */

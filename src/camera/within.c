@@ -12,7 +12,7 @@ enum { GRID = 7, PLACES = GRID * GRID * GRID };
 enum { CORE_POINTS = 8192, POINTS = 2048 };   /* points used to find the core, and to rate a place */
 
 #define TALL 1.8                     /* least height / width of a standing subject */
-#define FLAT 0.25                    /* least ratio of its widths; below, it is a strip seen from above */
+#define FLAT 0.25                    /* least ratio of the subject's two widths; below, a strip seen from above */
 
 double fxs_distance(const double a[3], const double b[3])
 {
@@ -31,7 +31,7 @@ static uint32_t stride_of(const fxs_sample *s, uint32_t most)
 
 enum measure { PLACE_X, PLACE_Y, PLACE_Z, DISTANCE };
 
-/* Collects a measure of the points of at most this size, sorted ascending. Returns their number. */
+/* Collects the measure `what` of the points with at most this size, sorted ascending. Returns their number. */
 static uint32_t measure(const fxs_sample *s, double size, enum measure what, const double middle[3], double *values)
 {
     uint32_t n = 0;
@@ -129,7 +129,7 @@ static int is_low(const double place[3], const fxs_core *core, const double up[3
     return height < size / (2 * GRID);
 }
 
-/* The best place that is apart from those found before; null: none. */
+/* The best place that is not near one found before; null: none. */
 static const fxs_within *best_of(const fxs_within *all, int tried, const fxs_within *found, int count, double reach)
 {
     const fxs_within *best = NULL;

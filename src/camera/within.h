@@ -10,7 +10,7 @@
 typedef struct fxs_core {
     double middle[3];
     double reach;                    /* median distance from the middle */
-    double low[3], high[3];          /* box without 2 % at each end of each axis */
+    double low[3], high[3];          /* box without 2 % of the points at each end of each axis */
 } fxs_core;
 
 /* A place with free space around it. */

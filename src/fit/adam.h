@@ -34,7 +34,8 @@ static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, re
     return least(gradient + adam->by_scale * exp_e(ln_scale) / unit, all(FXS_FIT_FARTHEST_GRADIENT));
 }
 
-/* |dL/dcentre| with centres in half sides of the picture and L a mean: times half a side / (3 width height) */
+/* |dL/dcentre|. `centre`: the gradient by the centre in pixels, with L a sum over pixels and channels; the result: by
+   the centre in half sides of the picture, with L the mean. Factor: half a side / (3 width height). */
 static inline real centre_gradient(const fxs_fit_camera *camera, const real centre[2])
 {
     const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));

@@ -13,7 +13,7 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* all blocks end this many widths of the cameras' box outside of it */
+#define FAR 2.0                    /* the outermost blocks end this many sides of the cameras' box beyond that box */
 
 /* ---- The block's bounds ------------------------------------------------------------------------------------------ */
 
@@ -87,7 +87,7 @@ static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs
     return count;
 }
 
-/* ---- Photographs that see it ------------------------------------------------------------------------------------- */
+/* ---- Photographs of the block ------------------------------------------------------------------------------------ */
 
 static int is_seen(const fxs_file_view *view, const float place[3])
 {
@@ -103,11 +103,11 @@ static int is_seen(const fxs_file_view *view, const float place[3])
 typedef struct neighbourhood {
     const fxs_fit_point *points;
     size_t count;
-    double low[3], high[3];        /* their box, widened */
+    double low[3], high[3];        /* bounding box of these points, widened */
 } neighbourhood;
 
-/* Computes the box without the outermost 1/64 of the points on each side, so that outliers do not enlarge it; then
-   widens it by 0.2 of its longest side. */
+/* Computes the points' bounding box without the outermost 1/64 of the points on each side, so that outliers do not
+   enlarge it; then widens it by 0.2 of its longest side. */
 static void widen(neighbourhood *n, float *sorted)
 {
     const size_t outer = n->count / 64;
@@ -146,7 +146,7 @@ static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos,
 
 /* ---- The choice -------------------------------------------------------------------------------------------------- */
 
-/* Marks for the parts of a set that a block gets. */
+/* The photographs, points and Gaussians of a set that a block gets. */
 typedef struct choice {
     uint8_t *fit, *held_out, *points;
     fxs_fit_point *inner;          /* the points within the block's bounds */
@@ -280,7 +280,7 @@ void fxs_fit_block_free(fxs_fit_block *b)
 
 /* ---- From files -------------------------------------------------------------------------------------------------- */
 
-/* Makes photographs without pixels of the views of a list. */
+/* Makes a photograph without pixels for each view of a list. */
 static int take_views(fxs_fit_photo **photos, size_t *count, const fxs_view_list *views)
 {
     *photos = calloc(views->count + 1, sizeof **photos);
@@ -309,8 +309,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so it keeps the
-   coarse fit's Gaussians. With all cameras in one place, the bounds are infinite. */
+/* Sets the bounds of all blocks together. The space beyond these bounds keeps the coarse fit's Gaussians, as all
+   cameras see it from about the same side. With all cameras in one place, the bounds are infinite. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;
@@ -334,7 +334,7 @@ static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8
     return !b->gaussians;
 }
 
-/* Checks that fxs_photo_view can be used. */
+/* Checks that all views have the picture size or field of view that fxs_photo_view needs. */
 static int check_sizes(const fxs_view_list *views, fxs_message *message)
 {
     for (size_t i = 0; i < views->count; i++)

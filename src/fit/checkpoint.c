@@ -14,13 +14,13 @@
 #define END 0x646e6578u            /* "xend"; followed by the checksum of all words before it */
 
 /* Increases with every change to a fit's computation: a fit resumed from an older file would end differently. */
-#define VERSION 13u                /* options add to it: see version_of */
+#define VERSION 13u                /* the version in a file also encodes options: see version_of */
 
 typedef struct archive {
     fxs_output *output;            /* null: reading */
     FILE *input;
     uint64_t size, fetched;        /* input bytes; bytes fetched into the buffer so far */
-    uint64_t checksum;             /* of the words so far */
+    uint64_t checksum;             /* checksum of the words so far */
     const char *fault;             /* first fault; from then on words read as 0 and nothing is written */
     int error;                     /* the code of that fault */
     size_t at, end;                /* position and end in the buffer, bytes */
@@ -42,7 +42,7 @@ static void damaged(archive *a, const char *fault)
 
 /* ---- Words ------------------------------------------------------------------------------------------------------- */
 
-/* fxs_output_close reports an error. */
+/* Writes the buffer. fxs_output_close reports errors. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -172,7 +172,7 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
     }
 }
 
-/* A number from `low` to `high`. */
+/* Reads or writes a number; a fault if it is not from `low` to `high`. */
 static uint32_t within(archive *a, uint32_t value, uint32_t low, uint32_t high)
 {
     number(a, &value);
@@ -290,7 +290,7 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Poses of the photographs' cameras; their number as for exposures. */
+/* Poses of the photographs' cameras; as many as exposures. */
 static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->poses.of / sizeof(float) };
@@ -314,7 +314,7 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* The unit of sizes of a fit with a sky (far.h). */
+/* The unit of sizes of a fit with a sky (distant.h). */
 static void walk_far(archive *a, fxs_fit *f)
 {
     fxs_fit_far *far = &f->far;
@@ -355,7 +355,7 @@ static void walk_end(archive *a)
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
-/* walk with an output does not change the fit. */
+/* Writes the fit. It stays unchanged, because `a` has an output. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);

@@ -9,12 +9,12 @@
 /* A photograph's camera. */
 typedef struct fxs_fit_coarse_camera {
     uint64_t key;
-    uint32_t number;               /* index of its exposure and pose */
+    uint32_t number;               /* index of the photograph's exposure and pose */
 } fxs_fit_coarse_camera;
 
 struct fxs_fit_coarse {
     fxs_fit *fit;                  /* has no photographs, engine or stepper */
-    fxs_fit_coarse_camera *cameras;    /* of the fit's photographs, sorted by key and number */
+    fxs_fit_coarse_camera *cameras;    /* cameras of the fit's photographs, sorted by key and number */
     size_t camera_count;
     uint64_t number;               /* identifies the file */
 };
@@ -26,8 +26,8 @@ uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera);
    frees the parts that were read. */
 int fxs_fit_checkpoint_read(fxs_fit_coarse *coarse, const char *path, fxs_message *message);
 
-/* Checks that the coarse fit had photographs from these views' cameras; with skip_bad, some suffice. Returns 0, or an
-   error and a message. */
+/* Checks that the coarse fit had photographs from these views' cameras; with skip_bad, one known camera suffices.
+   Returns 0, or an error and a message. */
 int fxs_fit_coarse_check(const fxs_fit_coarse *coarse, const fxs_view_list *views, int skip_bad,
                          fxs_message *message);
 

@@ -30,7 +30,7 @@ static inline float curve_middle(double sum, size_t count)
     return (float)(sum / (double)count);
 }
 
-/* The spread along each axis, from the sums of distances from the middle. */
+/* The spread of the centres, from the sums over axes of |centre - middle|. */
 static inline float curve_spread(const double sums[3], size_t count)
 {
     return (float)((sums[0] + sums[1] + sums[2]) / (3 * (double)count) + 1e-6);

@@ -5,7 +5,7 @@
 #include "distant.h"
 #include "planes.h"
 
-#define SPLIT_SHARE 0.707106781f    /* factor of the longest sigma in a child */
+#define SPLIT_SHARE 0.707106781f    /* longest sigma of a child / of its parent */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {
@@ -61,7 +61,7 @@ static inline int has_rotation(const fxs_fit_model *m, size_t i)
     return square > 1e-20f;
 }
 
-/* The largest scale in the unit of d->far (an angle, beyond its radius). */
+/* The largest scale in the unit of d->far: beyond the radius an angle. */
 static inline float looked_at_scale(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return largest_scale(m, i) / unit_at(&d->far, m->parameters + i, m->stride);
@@ -77,7 +77,7 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;
 }
 
-/* The fate of a candidate for a clone or split if the limit of Gaussians is reached. */
+/* The fate of a candidate for a clone or split that the limit of Gaussians excludes. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return looked_at_scale(m, d, i) > d->large ? GOES : STAYS;

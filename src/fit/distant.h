@@ -5,7 +5,7 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* The unit of sizes for LANES Gaussians: 1 within the radius, beyond it |p - middle| / radius. */
+/* The unit of sizes for LANES Gaussians: 1 up to far->radius from the middle, beyond it |p - middle| / radius. */
 static inline real unit_at(const fxs_fit_far *far, const float *at, size_t stride)
 {
     real square = all(0);

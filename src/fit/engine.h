@@ -10,7 +10,8 @@
 
 typedef struct fxs_fit_engine {
     const char *name;
-    /* Makes a step with the photographs of a batch. If `report` is null, it may return before the step is complete. */
+    /* Makes a step with the photographs of a batch. If `report` is null, the function may return before the step is
+       complete. */
     int (*step)(void *self, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,
                 fxs_fit_report *report, fxs_message *message);
     /* As the functions of model.h. */

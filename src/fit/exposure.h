@@ -114,10 +114,11 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
 }
 
 /* A step of Adam. A single second moment averages the squared length of the gradient, so that numbers with small
-   gradients move little. Both moments are divided by the moments of a constant gradient of 1, as photographs have
-   different numbers of steps. `decay`: the part of each number's difference from neutral that is subtracted (decoupled
-   weight decay, Loshchilov and Hutter 2019); it prevents a scene from becoming brighter on one side and its photographs
-   darker. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
+   gradients move little. The two moments are divided by the moments that a constant gradient of 1 would have, as
+   photographs have different numbers of steps. `decay`: the part of each number's difference from neutral that is
+   subtracted (decoupled weight decay, Loshchilov and Hutter 2019); it prevents a scene from becoming brighter on one
+   side and its photographs darker. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes
+   nothing. */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

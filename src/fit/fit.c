@@ -141,8 +141,8 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Creates Gaussians at the points, then at the sky's points. Of more than max_gaussians, takes that many, evenly spaced
-   in this order. */
+/* Creates Gaussians at the points, then at the sky's points. If these are more than max_gaussians, takes only that
+   many, evenly spaced in this order. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -255,8 +255,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* If all photographs have a known exposure, starts from it: the log2 gain is log2(exposure) / 2.2, minus the mean.
-   Affine exposures start with the gain as a factor, divided by the mean factor. */
+/* If all photographs have a known exposure, starts from it: the log2 gain is log2(exposure) / 2.2, minus the mean over
+   the photographs. Affine exposures start with the gain as a factor, divided by the mean factor. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
@@ -352,8 +352,8 @@ size_t fxs_fit_sky_count(const fxs_fit *f)
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
-/* A new permutation after each pass through all photographs (Fisher and Yates), seeded by the number of its first
-   one. */
+/* A new permutation after each pass through all photographs (Fisher and Yates), seeded by the number of the pass's
+   first photograph. */
 void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
     const uint32_t count = (uint32_t)f->count;
@@ -437,8 +437,8 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     return error;
 }
 
-/* Chooses the photographs of the next step and reduces them by the plan's divisor. The plan is made for the last
-   photograph. */
+/* Chooses the photographs of the next step and reduces them by the plan's divisor. `plan` becomes the plan for the last
+   photograph of the batch. */
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {
     for (uint32_t v = 0; v < f->options.batch; v++) {

@@ -9,13 +9,13 @@
 /* Intermediate values of project that update needs too. The covariance in the picture is T T^t + 0.3 I, with T = M R S
    and M = J W; row i of M is f / z (W_i - slope_i W_2). */
 typedef struct shape {
-    real offset[3];                /* position - eye; for an orthographic camera, its direction */
+    real offset[3];                /* position - eye; for an orthographic camera, the view direction */
     real in_camera[3], inverse_z;
     real slope[2], cut_slope[2];   /* x / z, y / z; the same, clamped for the Jacobian */
     real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / |quaternion|; unit: the unit quaternion */
     real scale[3], v[2][3], t[2][3];    /* V = M R, T = M R S */
     real ux, uy, vy, a, b, c;
-    real share;                    /* determinant of the covariance divided by that without dilation; 1 if not
+    real share;                    /* determinant of the covariance / of the covariance without dilation; 1 if not
                                       antialiased */
 } shape;
 
@@ -174,7 +174,7 @@ static inline void find_look(look *l, const real offset[3], int degree, const fl
 
 /* ---- Backward ---------------------------------------------------------------------------------------------------- */
 
-/* Gradients of LANES Gaussians from their sums over pixels. A lane that nothing was drawn of has sums and gradients of
+/* Gradients of LANES Gaussians from their sums over pixels. A Gaussian that changed no pixel has sums and gradients of
    0. The gradient of SH is the basis times `g`, the gradient of the unclamped colour. */
 static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
                                    real g[3], real along[3])

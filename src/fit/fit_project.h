@@ -8,7 +8,8 @@
 /* Indices of the floats of fxs_fit_splat, up to `tiles`. */
 enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_TILES = 14, SPLAT_NUMBERS };
 
-/* 3 sigma_max. The larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
+/* Half side of the square cut-off: 3 sigma_max. The larger eigenvalue of the covariance (A, B; B, C) is m + sqrt(m^2 -
+   det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
 static inline real square_of(const shape *s)
 {
     const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);

@@ -22,7 +22,7 @@
 #define FXS_FIT_PART 256           /* most Gaussians updated in one call */
 
 #define FXS_FIT_BATCH 8            /* most photographs per step */
-#define FXS_FIT_CHUNK 256          /* Gaussians with the same code steps: FXS_CHUNK */
+#define FXS_FIT_CHUNK 256          /* Gaussians of a chunk, which share code steps: FXS_CHUNK */
 
 /* Planes of parameters, `stride` numbers each. */
 enum {
@@ -54,16 +54,16 @@ typedef struct fxs_fit_camera {
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    /* The ellipse for lists, slightly enlarged: radius2 is the square of its radius in u and v, half_y half its height,
-       tip the y of its rightmost point. radius2 < 0: the splat is in all tiles that a square of +-half_y touches, and
-       all their pixels test it. */
+    /* The ellipse that chooses the splat's tiles, slightly enlarged: radius2 is its squared radius in u and v, half_y
+       half its height, tip the y of its rightmost point. radius2 < 0: the splat is in all tiles that a square of
+       +-half_y touches, and all their pixels test it. */
     float radius2, half_y, tip;
     float tiles;                   /* number of tiles that it touches */
     uint32_t slot;                 /* slot of its sums over its first tile; the other tiles follow row by row */
 } fxs_fit_splat;
 
 /* An entry of a tile's list: the splat's number, the slot of its sums over this tile, and a bit set of the 4x4 blocks
-   that it changes (row by row, found by blend). */
+   that the splat changes (row by row, found by blend). */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
@@ -105,24 +105,24 @@ typedef struct fxs_fit_loss {
     int has_exposure;              /* 1: white in the photograph counts as saturated (loss.h) */
 } fxs_fit_loss;
 
-/* Beyond `radius` from `middle`, sizes are measured in proportion to the distance (far.h), so that a sky may have large
-   Gaussians. */
+/* Beyond `radius` from `middle`, sizes are measured in proportion to the distance (distant.h), so that a sky may have
+   large Gaussians. */
 typedef struct fxs_fit_far {
     float middle[3], inverse;      /* scene units; 1 / radius, or 0: sizes are in scene units everywhere */
 } fxs_fit_far;
 
 /* Parameters of one step of Adam. */
 typedef struct fxs_fit_adam {
-    float rate[FXS_FIT_PARAMETERS];        /* learning rates divided by the correction of the first moment */
+    float rate[FXS_FIT_PARAMETERS];        /* learning rates divided by Adam's correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
     float by_opacity, by_scale;    /* added to dL/dopacity and dL/dscale of every Gaussian */
-    fxs_fit_far far;               /* by_scale weights the scale in this unit */
+    fxs_fit_far far;               /* by_scale is for scales in this unit */
 } fxs_fit_adam;
 
 /* The exposure of a photograph (exposure.h). `at`: log2 of its gain and of the extra gains of red and blue, then zeros;
    or an affine map of colours. `mean`, `square`: Adam's moments, one second moment for all numbers. of_one: the moments
-   of a gradient of 1. */
+   that a constant gradient of 1 would have. */
 enum { FXS_FIT_GAIN = 12 };
 typedef struct fxs_fit_gain {
     float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
@@ -136,8 +136,8 @@ typedef struct fxs_fit_gains {
 } fxs_fit_gains;
 
 /* A correction of the pose of a photograph's camera (pose.h). `at`: a turn, then a shift. `mean`, `square`: Adam's
-   moments, one second moment for each three numbers. of_one: the moments of a gradient of 1. `depth`: typical depth of
-   the photograph's content. */
+   moments, one second moment for each three numbers. of_one: the moments that a constant gradient of 1 would have.
+   `depth`: typical depth of the photograph's content. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
     float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;
@@ -200,7 +200,7 @@ typedef struct fxs_fit_stages {
     /* Writes the sums of the first `count` entries to their slots; `count`: the result of blend. */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* Each processes one row: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of these
+    /* The passes of loss, each for one row: row sums of a, b, a^2, b^2, ab; SSIM and its derivatives; row sums of these
        derivatives; the gradient. */
     void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
@@ -240,7 +240,7 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 
 #define FXS_FIT_ALPHA_MOST 0.99f
 #define FXS_FIT_CLOSED 0.001f      /* a pixel with less transmittance is closed */
-/* Levels are in units of 2 ln 2. */
+/* A level is a squared Mahalanobis distance / (2 ln 2). */
 #define FXS_FIT_UNIT 0.849321800f  /* unit of u and v: sqrt(1 / (2 ln 2)) */
 #define FXS_FIT_CUT 6.49212768f    /* the level of Mahalanobis distance 3 */
 #define FXS_FIT_FAINT 7.99435344f  /* the level of an alpha of 1 / 255 */

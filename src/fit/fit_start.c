@@ -1,4 +1,5 @@
-/* Sets the up direction and the start view of a fitted scene: the most level of the photographs' cameras. */
+/* Sets the up direction and the start view of a fitted scene. The start view is the photographs' camera with the least
+   elevation angle. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/message.h>

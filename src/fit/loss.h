@@ -1,5 +1,6 @@
 /* loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with a the picture and b the
- * photograph, and its gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges.
+ * photograph; and the gradient of this sum. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the
+ * edges.
  *
  * An ignored (masked) pixel is treated like one beyond the edges: a = b = 0 in all windows, no window of its own, no
  * |a - b|, gradient 0. So the result does not depend on the photograph there.

@@ -247,7 +247,7 @@ static int by_code(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* Sum of a plane in the order of curve.h; with `middle`, of the distances from it. */
+/* Sum of a plane in the order of curve.h; with `middle`, sum of the distances from this value. */
 static double sum_plane(const fxs_fit_model *m, int k, const float *middle)
 {
     double sums[CURVE_SUMS] = {0};

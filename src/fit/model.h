@@ -43,7 +43,8 @@ int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, s
 
 typedef struct fxs_fit_densify {
     float gradient;                /* least mean |dL/dcentre| (by_centre / views) for a clone or split */
-    float small, large;            /* scene units: cloned up to `small`, else split; removed above `large` */
+    float small, large;            /* by largest scale, scene units: cloned up to `small`, else split; removed above
+                                      `large` */
     float opacity;                 /* Gaussians with less opacity are removed */
     size_t most;                   /* limit of Gaussians; those with the largest gradients grow first */
     fxs_fit_far far;               /* `small` and `large` are in this unit */

@@ -87,7 +87,7 @@ static float square_of(float x, float y, float z)
     return (x * x + y * y) + z * z;
 }
 
-/* The squared distance to the box; never more than that to a point in it, as rounding is monotonic. */
+/* The squared distance from p to a box; never more than to a point in the box, as rounding is monotonic. */
 static float square_to(const box *b, const float p[3])
 {
     float away[3];

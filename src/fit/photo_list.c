@@ -199,8 +199,8 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return check_place(views);
 }
 
-/* Divides the views: to fit, held out, rest. n: 0 holds out none. Otherwise the views that the file marks for testing,
-   or if it marks none every n-th view to fit. */
+/* Divides the views: to fit, held out, rest. n = 0 holds out none. Otherwise the views that the file marks for testing
+   are held out or, if it marks none, every n-th of the views to fit. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;

@@ -17,9 +17,9 @@ typedef struct fxs_photo_list {
     fxs_view_list rest;            /* excluded by the camera file */
 } fxs_photo_list;
 
-/* Finds the files and reads the cameras. `held_out`: n holds out every n-th photograph by name, unless the files state
-   which; 0: none. Returns 0, or an error and a message. fxs_photo_list_free frees the list, which must not move in
-   memory. */
+/* Finds the files and reads the cameras. `held_out`: n holds out every n-th photograph by name, unless the files say
+   which to hold out; 0: none. Returns 0, or an error and a message. fxs_photo_list_free frees the list, which must not
+   move in memory. */
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t hold_out, fxs_message *message);
 void fxs_photo_list_free(fxs_photo_list *list);
 

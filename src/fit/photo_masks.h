@@ -21,10 +21,10 @@ static inline int fxs_photo_mask_grey(const uint8_t rgba[4])
 }
 
 /* Finds a photograph's mask in a folder: a.jpg.png (as COLMAP), or a.png. `name`: the photograph's name in its own
-   folder. Returns whether it exists. */
+   folder. Returns whether the mask exists. */
 int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_PATH]);
 
-/* True if the set has masks: the options name a folder, or the camera file or the list does. */
+/* True if the set has masks: the options or the list name a folder of masks, or the camera file names masks. */
 int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_options *options);
 
 /* Checks masks before any photograph is read. Returns FXS_ERR_FILE and a message if the options' folder does not exist

@@ -261,7 +261,7 @@ static void average(const picture *p, const fxs_lens *lens, const fxs_file_view 
 
 /* ---- A photograph ------------------------------------------------------------------------------------------------ */
 
-/* The size with a longer side of at most `resolution`, in the same proportions, rounded. */
+/* The size of the smaller picture: the longer side is at most `resolution`; the proportions stay, rounded. */
 static void smaller_size(const picture *p, int resolution, int size[2])
 {
     const int longer = p->width > p->height ? p->width : p->height;

@@ -18,8 +18,8 @@ typedef struct fxs_photo_pixels {
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message);
 
-/* The pinhole view at the size stated in the camera file, without reading the photograph. The file must state a size,
-   or at least the angle (FXS_SIZE_OF_WIDTH, taken as square). */
+/* The pinhole view at the size stated in the camera file, without reading the photograph. A file that states only the
+   field of view (FXS_SIZE_OF_WIDTH) gets a square size; the file must state one of the two. */
 void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view);
 
 #endif

@@ -16,8 +16,8 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* half the side of the cube for synthetic scenes (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* side of the cube for other scenes, relative to the cameras' box */
+#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half the cube's side (Kerbl et al. 2023) */
+#define OF_CAMERAS 3               /* random points of other scenes: side of the cube / of the cameras' box */
 
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
@@ -32,7 +32,7 @@ typedef struct reading {
     const fxs_view_list *views;
     const fxs_photos_options *options;
     size_t first;                  /* first photograph of the batch */
-    result *results;               /* of the batch */
+    result *results;               /* results of the batch */
 } reading;
 
 static int read_one(const reading *r, const fxs_listed_view *view, result *made)

@@ -1,7 +1,7 @@
-/* The poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about
- * itself; the last three shift it along its given axes. With R the rotation of the normalised quaternion (1, a / 2)
- * and W the given rotation, a point x is at R (W (x - eye) - shift) in the camera's frame. Compiled for the CPU and
- * for CUDA. */
+/* The poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about itself;
+ * the last three shift it along the axes of the uncorrected camera. With R the rotation of the normalised quaternion
+ * (1, a / 2) and W the given rotation, a point x is at R (W (x - eye) - shift) in the camera's frame. Compiled for the
+ * CPU and for CUDA. */
 #ifndef FXS_FIT_POSE_H
 #define FXS_FIT_POSE_H
 
@@ -48,8 +48,8 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
 /* A step of Adam. `sums`: sums over Gaussians, divided by the number of pixels and channels. `rate`: radians for
    rotations; shifts use rate * depth, which moves the picture about as far. Rotation and shift each have one second
    moment, averaging the squared length of the gradient, so that directions with little effect on the picture move
-   little. Moments are divided by the moments of a constant gradient of 1, as photographs have different numbers of
-   steps. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
+   little. Moments are divided by the moments that a constant gradient of 1 would have, as photographs have different
+   numbers of steps. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

@@ -17,7 +17,7 @@
 
 enum { JOBS = 64 };
 #define FAINT_LOGIT (-2.708f)      /* opacity 1/16 */
-#define FOG 0.1                    /* least share of the total weight for a separate order; as in pack.c */
+#define FOG 0.1                    /* share of the total weight from which fog is ordered separately; as in pack.c */
 
 static float *plane(float *planes, const fxs_fit_model *m, int which)
 {
@@ -96,7 +96,7 @@ static size_t chunks_of(const fxs_fit_profile *p)
     return fxs_chunks_of(p->count);
 }
 
-/* Entries of each stage of the palette. */
+/* The number of entries in each stage of the palette. */
 static uint32_t entries_of(const fxs_fit_profile *p)
 {
     return fxs_palette_entries_for(p->count, chunks_of(p), p->profile, p->sh_degree);
@@ -107,7 +107,7 @@ static float inverse_of(double step)
     return step > 0 ? (float)(1 / step) : 0;
 }
 
-/* Step of `bits`-bit codes that are extended to `wide` bits. */
+/* The step of codes of `bits` bits that span the same range as `wide`-bit codes with this step. */
 static double own_step(double step, int bits, int wide)
 {
     return step * ((1 << wide) - 1) / ((1 << bits) - 1);
@@ -135,8 +135,9 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Swaps axis k (0 or 1) with the next one: a quarter turn about the remaining axis, q (1 + k) or q (1 + i), normalised.
-   Adam's moments rotate too; second moments as if components were independent. */
+/* Swaps axis k (0 or 1) with the next one: a quarter turn about the remaining axis. The quaternion q becomes q (1 + k)
+   for axis 0 or q (1 + i) for axis 1, normalised. Adam's moments rotate too; second moments as if components were
+   independent. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};

@@ -28,8 +28,8 @@ int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, int sh
                           const fxs_pack_options *options, fxs_message *message);
 
 /* Finds ranges, code steps, palette and the palette's SH codes anew from the masters; the caller must then quantise the
-   other parameters. Without a palette it reads only the masters and writes nothing in the model. A palette needs 64
-   bytes per Gaussian temporarily. Returns 0, or an error and a message. */
+   other parameters. Without a palette the function reads only the masters and writes nothing in the model. A palette
+   needs 64 bytes per Gaussian temporarily. Returns 0, or an error and a message. */
 int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const fxs_pack_options *options,
                          fxs_message *message);
 

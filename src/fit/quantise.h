@@ -25,13 +25,13 @@ static inline real quantise_evenly(real x, float low, float step, float inverse_
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* Extends a scale code of axis i from its own width to the common one. */
+/* Extends a scale code of axis i from `width` bits to 10 bits. */
 static inline real spread_scale(whole code, int width, int i)
 {
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
 }
 
-/* log2(sigma) = high - code^2 step, of axis i; from and to ln(sigma) */
+/* log2(sigma) = high - code^2 step, of axis i; input and output are ln(sigma) */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;
@@ -108,8 +108,8 @@ static inline real upper_bits(real x)
     return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
 }
 
-/* The fraction that a lower code of a word adds to the number above it: code / 2^bits, with code in two's complement
-   and `count` = 2^bits. */
+/* In a rotation word, the bits below a code refine that code by a fraction. This is the fraction: code / 2^bits, with
+   the lower `code` in two's complement and `count` = 2^bits. */
 static inline real part_above(real code, real count)
 {
     return choose(below(code, all(0)), code + count, code) / count;

@@ -7,14 +7,14 @@
 
 typedef struct fxs_fit_plan {
     int sh_degree;
-    int divisor;                   /* photographs are averaged down by it in both directions */
+    int divisor;                   /* photographs are averaged down by it in width and height */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
-    float gain_part;               /* factor of the exposures' first rate: 0 to 1 */
+    float gain_part;               /* factor of the exposures' initial learning rate: 0 to 1 */
     float pose_way;                /* total movement of poses in radians, divided by the number of steps of each
                                       photograph */
     float noise;                   /* amount of fxs_fit_noise */
-    int smooths;                   /* 0, or the divisor: bounds scales after the update */
+    int smooths;                   /* 0, or `divisor`: bounds scales after the update */
     int densify, relocate, order;  /* 1: done after the step */
     float large;                   /* densify removes Gaussians with a larger scale; infinity: none */
     int reset;                     /* 1: resets opacities after the above */

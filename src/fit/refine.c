@@ -1,13 +1,12 @@
 /* Refines the levels of detail of a packed scene, one level after the other, from the leaves up. Leaves have level
- * 0; a node has one more than its higher child. The cover of level L is the finest set of chunks that covers all
- * leaves and has no chunk above level L. So each node is in the cover of its level, and in a few more if its
- * parent's level is higher by more than 1. The steps for a cover change all its nodes; its leaves are drawn but
- * fixed.
+ * 0; a node's level is one above the higher level of its two children. The cover of level L is the coarsest set of
+ * chunks that stands for all leaves and has no chunk above level L. So each node is in the covers from its own level
+ * to the level below its parent's. The steps for a cover change all its nodes; its leaves are drawn but fixed.
  *
  * The error of a node in a view is measured in the picture of the cover of its level: the squared difference from
  * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
- * a node is its error minus its children's errors, times (d / f)^2 as in src/core/cut.c; the mean over the views
- * that see it. */
+ * a node is the node's error minus its children's errors, times (distance / focal length)^2 as in src/core/cut.c,
+ * averaged over the views that see the node. */
 #include <fixsplat/refine.h>
 
 #include <math.h>
@@ -36,7 +35,7 @@
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
-    uint8_t *levels;                   /* of all chunks: leaves, then nodes */
+    uint8_t *levels;                   /* level of each chunk: leaves, then nodes */
     uint32_t *parents;                 /* per chunk; 0: none, as chunk 0 is a leaf */
     uint32_t chunks, leaves;
     int highest;                       /* level of the root */
@@ -45,7 +44,7 @@ typedef struct refiner {
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
     float *errors;                     /* per node and view, pixels * colours^2; below 0: not visible */
-    fxs_fit_model model;               /* of the cover: its nodes, then its leaves */
+    fxs_fit_model model;               /* Gaussians of the cover: its nodes, then its leaves */
     uint32_t *cover, *starts;          /* chunks of the cover; their first Gaussians in the model */
     uint32_t cover_count, cover_nodes;
     uint32_t order[FXS_REFINE_VIEWS];

@@ -23,7 +23,7 @@ enum { FOV = 50, PARTS = 6 };
 
 #define LOWEST (-0.3)                  /* sines of the elevation angles */
 #define HIGHEST 0.95
-#define TURN_COSINE (-0.7373688780783197)   /* of the golden angle, 2.39996 */
+#define TURN_COSINE (-0.7373688780783197)   /* cosine of the golden angle, 2.39996 radians */
 #define TURN_SINE 0.6754902942615238
 
 #define FEW 1048576.0                  /* scenes of up to this many Gaussians use pictures of size LEAST */

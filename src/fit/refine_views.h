@@ -11,7 +11,7 @@ enum { FXS_REFINE_LARGE, FXS_REFINE_SMALL, FXS_REFINE_SIZES };
 typedef struct fxs_refine_views {
     fxs_fit_photograph photographs[FXS_REFINE_SIZES][FXS_REFINE_VIEWS];
     uint32_t count;
-    uint8_t *pixels;                   /* of all pictures */
+    uint8_t *pixels;                   /* pixels of all pictures */
     float extent;                      /* half the diagonal of the scene's inner box */
 } fxs_refine_views;
 

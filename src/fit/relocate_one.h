@@ -6,7 +6,7 @@
 #include "random.h"
 
 enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are treated as this */
-#define DEAD UINT32_MAX            /* marks a dead Gaussian in the array of draw counts */
+#define DEAD UINT32_MAX            /* count of draws that marks a dead Gaussian */
 
 /* The chance to be drawn: opacity in Q24; 0 for opacities up to least_opacity. */
 static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)

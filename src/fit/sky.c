@@ -1,5 +1,5 @@
-/* Initial points of a sky (sky.h): each photograph votes on each direction of a spherical lattice. It counts a
- * direction as free if no point of the reconstruction is projected near it. */
+/* Initial points of a sky (sky.h): each photograph votes on each direction of a spherical lattice. A photograph counts
+ * a direction as free if no point of the reconstruction is projected near it. */
 #include "sky.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ enum {
 /* The photographs' votes on a direction. */
 typedef struct tally {
     uint32_t seen, is_free;        /* numbers of photographs */
-    uint64_t colour[3];            /* sums over the photographs that count it as free */
+    uint64_t colour[3];            /* sums over the photographs that count the direction as free */
 } tally;
 
 /* Cells of a picture with points in them or next to them. */

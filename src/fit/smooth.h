@@ -1,6 +1,6 @@
 /* smooth: bounds each scale by the pixel size of the finest photograph that sees the Gaussian. Photographs do not
- * determine finer scales, but closer views would show them. The 3D smoothing filter of Yu et al. 2024
- * ("Mip-Splatting"), as a bound. */
+ * determine finer scales, but closer views would show them. This is the 3D smoothing filter of Yu et al. 2024
+ * ("Mip-Splatting"), used as a lower bound of scales. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 

@@ -30,18 +30,18 @@ struct fxs_fit_stepper {
     block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered,
         by_pose;
 
-    /* of the current step */
+    /* data of the current step */
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
     const uint8_t *photograph;     /* at the camera's size */
-    const uint8_t *errors_of;      /* likewise, for fxs_fit_find_errors */
+    const uint8_t *errors_of;      /* the photograph for fxs_fit_find_errors, at the camera's size */
     const uint8_t *mask;           /* at the camera's size, or null */
     float *errors;
     fxs_fit_camera posed[FXS_FIT_BATCH];   /* the batch's cameras with pose corrections */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* views in the batch; current view */
-    float factors[FXS_FIT_GAIN];   /* of the current photograph's exposure */
+    float factors[FXS_FIT_GAIN];   /* M and m of the current photograph's exposure */
     float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* per view: sums for gain_gradient */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
@@ -223,8 +223,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Replaces each range's counts by its first places: ordered by value, then by range. If `starts` is not null, writes
-   the first place of each value there. */
+/* Replaces each range's count of each value (a digit or a tile) by the place of its first key in the order by value,
+   then by range. Writes the first place of each value to `starts` unless that is null. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -388,7 +388,7 @@ static void blend_job(void *argument, uint32_t tile)
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
 /* Allocates the planes of pixels; their margins are 0 and stay 0. The gradient reuses a plane of row sums that is free
-   then. */
+   by then. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
@@ -480,7 +480,7 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-/* The gradient by a tile's colours before exposure, from that after it. */
+/* Converts the gradient by a tile's exposed colours to the gradient by its colours before exposure. */
 static void pass_exposure(const fxs_fit_stepper *s, fxs_fit_tile_gradient *g)
 {
     for (int i = 0; i < FXS_FIT_PIXELS; i++) {
@@ -535,7 +535,7 @@ static void backward_job(void *argument, uint32_t tile)
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Sums each Gaussian over its tiles, in order. */
+/* Adds up each Gaussian's sums over its tiles, in order. */
 static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
@@ -716,8 +716,8 @@ static void sum_by_gain(fxs_fit_stepper *s)
         s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* A step for each photograph of the batch, in order. Then subtracts the mean over all photographs, so that the mean
-   exposure is neutral and the scene does not take up a common tint. */
+/* Changes the exposure of each photograph of the batch, in order. Then subtracts the mean over all photographs, so that
+   the mean exposure is neutral and the scene does not take up a common tint. */
 static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     const fxs_fit_gains *gains = s->model->gains;
@@ -733,7 +733,7 @@ static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
 
 /* ---- Poses ------------------------------------------------------------------------------------------------------- */
 
-/* A step for each photograph of the batch, in order. */
+/* Changes the pose of each photograph of the batch, in order. */
 static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     for (uint32_t v = 0; v < s->batch; v++) {

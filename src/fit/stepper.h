@@ -29,7 +29,8 @@ typedef struct fxs_fit_photograph {
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
-    float *by_centre, *views;      /* sums of |dL/dcentre| (fit_stage.h: update), and numbers of views that saw it */
+    float *by_centre, *views;      /* sums of |dL/dcentre| (fit_stage.h: update); views: number of views that saw the
+                                      Gaussian */
     float *masters;                /* null, or exact parameters for Adam, which `grid` quantises to `parameters` */
     const fxs_fit_grid *grid;
     fxs_fit_gains *gains;          /* exposures of the photographs, changed by steps; null: none */

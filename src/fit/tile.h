@@ -55,7 +55,7 @@ static inline void find_places(const fxs_fit_splat *s, int place, real *u, real 
     *v = y * s->vy;
 }
 
-/* Blends a splat to LANES pixels. Returns whether it changes any. */
+/* Blends a splat to LANES pixels. Returns whether a pixel changes. */
 static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
 {
     const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;
@@ -174,7 +174,7 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* The last two of these additions, for four rows of four numbers. */
+/* The additions of p and p + 2, then p + 1, for four rows of four numbers. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);

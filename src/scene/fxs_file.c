@@ -12,7 +12,7 @@
 #include "src/core/codes.h"
 #include "fxs_file_internal.h"
 
-/* CRC-32 of the header with its checksum field 0 */
+/* CRC-32 of the header, with the header's checksum field taken as 0. */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
 {
     fxs_packed_header blank;
@@ -27,7 +27,7 @@ static const unsigned char *header_of(const fxs_scene *scene, uint32_t i)
                                   : scene->node_chunks + (size_t)(i - scene->chunk_count) * sizeof(fxs_chunk);
 }
 
-/* in the scene's byte order */
+/* The header of chunk i, in the scene's byte order. */
 static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk;

@@ -103,7 +103,7 @@ typedef struct part {
     fxs_part_header head;
     fxs_part_layout layout;
     fxs_packed_header scene;             /* as in the file; determines the layout */
-    unsigned char *heads;                /* from the scene's header to the rows; freed at the end of the merge */
+    unsigned char *heads;                /* bytes from the scene's header to the rows; freed at the end of the merge */
 } part;
 
 typedef struct merger {
@@ -112,11 +112,11 @@ typedef struct merger {
     fxs_crc32_table table;
     part *parts;                         /* ordered by number */
     uint32_t count;
-    fxs_packed_header header;            /* of the whole scene */
+    fxs_packed_header header;            /* header of the whole scene */
     fxs_scene_parts layout;
     unsigned char *head, *tree_bytes;    /* file contents before the rows, and the tree before its rows */
     void *head_block, *tree_block;
-    fxs_scene scene;                     /* refers to these */
+    fxs_scene scene;                     /* refers to `head` and `tree_bytes` */
     fxs_palette *palette;
     fxs_tree *tree;
     uint32_t above;                      /* nodes above the parts, with their headers and rows */
@@ -318,7 +318,7 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     return 0;
 }
 
-/* Searches the list linearly, because it is short. */
+/* Searches the part's list of top nodes linearly, because it is short. */
 static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians,
                     uint32_t *count, fxs_message *message)
 {
@@ -339,7 +339,7 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
         fxs_little_endian(gaussians, 0, *count * sizeof *gaussians / sizeof(float), sizeof(float));
         fxs_chunk_turn(header);
         int valid = fxs_chunk_valid(header);
-        for (uint32_t g = 0; g < *count; g++)      /* other values need no check */
+        for (uint32_t g = 0; g < *count; g++)      /* the other values of a Gaussian need no check */
             for (int k = 0; k < 3; k++)
                 valid = valid && fabsf(gaussians[g].gaussian.position[k]) <= 0x1p28f;
         return valid ? 0 : fail_damaged(m, p, "its tree is");

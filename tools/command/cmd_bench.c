@@ -22,7 +22,7 @@ enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
 /* A ring of a foveated picture, over both eyes. */
 typedef struct ring_picture {
     uint64_t shaded, shown;                 /* pixels */
-    double psnr;                            /* of the pixels shown */
+    double psnr;                            /* PSNR of the pixels shown */
 } ring_picture;
 
 static int take_draw(const option_row *row, void *field, const char *value)
@@ -141,7 +141,8 @@ static int is_inside(int at, int first, int length, int whole, int band)
     return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
 }
 
-/* The finest ring that alone determines a pixel of an eye; in a band it is the coarser one. */
+/* The finest ring that alone determines a pixel of an eye; in a blending band, the coarser of the two rings that are
+   blended. */
 static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
 {
     const fxs_foveated *f = &r->foveated;
@@ -212,7 +213,7 @@ typedef struct bench_facts {
     char scenes[SCENES_ROOM], camera[CAMERA_ROOM], foveation[160], processor[128];
 } bench_facts;
 
-/* File names without folders. */
+/* Lists the scenes' file names, without folders. */
 static void name_scenes(char names[SCENES_ROOM], const world *w)
 {
     size_t used = 0;
@@ -223,7 +224,7 @@ static void name_scenes(char names[SCENES_ROOM], const world *w)
     }
 }
 
-/* Position, rotation, focal lengths, principal point, near plane. */
+/* Describes a camera: position, rotation, focal lengths, principal point, near plane. */
 static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
 {
     const double *r = v->rotation, *p = v->position;

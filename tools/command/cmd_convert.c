@@ -24,15 +24,15 @@
 enum { SHAPES_MOST = 256 };
 
 typedef struct convert_options {
-    const char *in, *out;                   /* in: the placed scenes, named by the one file or the list */
+    const char *in, *out;                   /* in: name of the input: the only scene file, or the list of scenes */
     world_options world;
     fxs_world placed;
-    fxs_placement whole;                    /* placement of the whole; its rotation follows from: */
+    fxs_placement whole;                    /* placement of the merged scenes; its rotation follows from: */
     double degrees[3], up[3];               /* up all 0: unchanged */
     double level[9];                        /* three points of the ground; valid with has_level */
     int has_level;
     fxs_scene_filter filter;
-    fxs_filter_shape shapes[SHAPES_MOST];   /* of the filter */
+    fxs_filter_shape shapes[SHAPES_MOST];   /* shapes of the filter */
     load_options load;
     int spz_version;                        /* 0: default */
     int spz_fine;
@@ -645,7 +645,7 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
 
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
-/* Turns `up` to the side of the ground with more Gaussians; on a tie, to the side nearer to up. */
+/* Turns `up` to the side of the ground with more Gaussians; on a tie, to the side nearer to -y. */
 static int find_up(convert_options *o)
 {
     fxs_gaussian batch[BATCH];
@@ -672,7 +672,7 @@ static int find_up(convert_options *o)
     return n < 0 ? fail_for(&message) : 0;
 }
 
-/* Places the whole. Returns 0, or prints the reason and returns the exit status. */
+/* Sets the placement of the merged scenes. Returns 0, or prints the reason and returns the exit status. */
 static int place_whole(convert_options *o)
 {
     fxs_message message;

@@ -14,7 +14,7 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* dB: only views below it are compared with a nudged original */
+#define NUDGE_BELOW 65.0    /* PSNR, dB: only views below it are drawn with a nudged original */
 
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */
@@ -29,8 +29,8 @@ typedef struct info_options {
 typedef struct board {
     int width, height;
     size_t strip;                           /* 16 rows of RGB565 */
-    fxs_frame_memory memory;                /* for one thread */
-    size_t rows, rows_most;                 /* bytes from which rows of tiles are not sliced: least and most over all
+    fxs_frame_memory memory;                /* memory of a frame with one thread */
+    size_t rows, rows_most;                 /* bytes with which rows of tiles need no slices: least and most over all
                                                turns */
 } board;
 

@@ -60,7 +60,7 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     return result ? fail_for(&message) : 0;
 }
 
-/* Judged by the name's ending; standard output and devices pass. */
+/* True if the name's ending is of a format other than .ply. Names without a known ending pass. */
 static int is_of_another_format(const char *name)
 {
     const fxs_scene_format *format = fxs_scene_format_of(name, 1);

@@ -25,7 +25,7 @@ typedef struct publish_options {
     int single;                    /* one .html file, no folder */
     char mark[TASK_PATH];          /* marks the folder as unfinished */
     scene_list list;
-    size_t bytes;                  /* of all files written */
+    size_t bytes;                  /* size of all files written */
     made_list made;                /* new files and folders, removed if publish fails */
 } publish_options;
 
@@ -136,7 +136,7 @@ static int copy_files(publish_options *o, const char *from, const char *to)
     return fxs_folder_each(from, copy_file, &c) ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno)) : c.status;
 }
 
-/* In the scene's folder, where the page looks for it. */
+/* Copies the --settings file to the folder of the page, where the page looks for it. */
 static int copy_settings(publish_options *o)
 {
     fxs_mapping file;
@@ -186,7 +186,7 @@ static void print_list(FILE *file, const char *title, const scene_list *list)
     }
 }
 
-/* The page of a scene, or with a null scene the list. */
+/* Writes the page of a scene or, if `s` is null, the page of the list. */
 static int write_page(publish_options *o, const char *name, const listed_scene *s)
 {
     fxs_printed printed;

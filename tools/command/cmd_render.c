@@ -64,7 +64,7 @@ static int take_format(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* A hash has lower-case digits, as printed. */
+/* Takes a picture's name, or a hash: 16 hexadecimal digits in lower case, as printed. */
 static int take_expected(const option_row *row, void *field, const char *value)
 {
     render_options *o = field;

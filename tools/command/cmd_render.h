@@ -12,7 +12,7 @@ typedef struct render_options {
     const char *expect, *diff;              /* expected picture; output for the difference */
     int has_expected_hash;
     uint64_t expected_hash;                 /* used instead of a picture */
-    enum fxs_image_format encoding;         /* of the output; FXS_IMAGE_UNKNOWN: y4m for several views, png for one */
+    enum fxs_image_format encoding;         /* output format; FXS_IMAGE_UNKNOWN: y4m for several views, png for one */
     int quality, rate;                      /* quality of .jpg and .webp, 0: best; frames a second of a .y4m */
     int draws;                              /* DRAW_* */
     double depth_range;                     /* 0: the picture's own range */

@@ -53,7 +53,7 @@ int fail_for(const fxs_message *why)
 
 /* ---- Messages and --quiet -------------------------------------------------------------------------------------- */
 
-/* An environment variable, so that child programs inherit it. */
+/* --quiet sets this environment variable, so that child programs inherit it. */
 static const char quiet_variable[] = "FIXSPLAT_QUIET";
 
 void be_quiet(void)

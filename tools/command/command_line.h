@@ -18,7 +18,7 @@ struct option_row {
     const char *name;                       /* long name; null: the row is a heading */
     const char *value;                      /* placeholder of the value in --help; null: no value; [=...]: optional */
     take_option *take;
-    size_t offset;                          /* of the field in the options' struct */
+    size_t offset;                          /* offset of the field in the options' struct */
     double low, high;                       /* range of a number; INFINITY: unlimited */
     const char *expected;                   /* the value in words, for messages; null: derived from range or choices */
     const char *const *choices;             /* allowed words, ended by null; null: any */
@@ -72,7 +72,7 @@ int choice_of(const option_row *row, const char *value);
 
 typedef struct option_table {
     const option_row *rows;                 /* ended by a row of zeros */
-    size_t offset;                          /* of the rows' struct in the command's options */
+    size_t offset;                          /* offset of the rows' struct in the command's options */
 } option_table;
 
 enum { TABLES_MOST = 10 };

@@ -109,7 +109,7 @@ static int choose_depth_bits(const world *w, const fxs_file_view *view)
     return exponent < 4 ? 28 : exponent < 31 ? 32 - exponent : 1;
 }
 
-/* The targets of one eye: the whole picture, or its half. */
+/* The targets of one eye: the whole picture, or in stereo its left or right half. */
 static void aim(const renderer *r, const picture *out, int eye, fxs_targets *targets)
 {
     const ptrdiff_t width = out->width, first = eye ? width / 2 : 0;

@@ -38,7 +38,7 @@ typedef struct renderer {
     void *rings;                            /* pixels of the rings of foveated pictures */
     size_t ring_room;                       /* bytes */
     fxs_pool *pool;                         /* composes the rings */
-    fxs_foveation foveation;                /* of the last picture */
+    fxs_foveation foveation;                /* foveation of the last picture */
     fxs_foveated foveated;
 } renderer;
 

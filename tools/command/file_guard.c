@@ -59,7 +59,7 @@ static char *copy_of(const char *text)
     return copy;
 }
 
-/* For a file that does not exist. Returns 0 if its folder does not exist. */
+/* Identifies a file that does not exist, by folder and name. Returns 0 if the folder does not exist. */
 static int find_place(file *f, const char *name, fxs_file_facts *folder)
 {
     char *target = fxs_output_target(name), *slash = target ? strrchr(target, '/') : 0;

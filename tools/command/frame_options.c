@@ -14,7 +14,7 @@
 
 /* ---- Taking ------------------------------------------------------------------------------------------------------ */
 
-/* One level, or a list with one for each file. */
+/* Takes one level of detail, or a list with a level for each file. */
 static int take_lod(const option_row *row, void *field, const char *value)
 {
     load_options *o = field;

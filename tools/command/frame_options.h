@@ -20,8 +20,7 @@ typedef struct frame_options {
     int orbit, frames;                      /* frames of an orbit; frames of a path through the views; 0: neither */
     point_option eye, look, up;
     int auto_up;                            /* 1: find the up direction in the scene */
-    int framed;                             /* 1: without a camera, frame the whole scene, so that measurements
-                                               compare */
+    int framed;                             /* 1: without a camera, frame the whole scene, to compare measurements */
     double fov;                             /* degrees; 0: default */
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
     double near;                            /* near plane, scene units; 0: default, see --help */

@@ -24,13 +24,13 @@ static int is_standard_input(const char *path)
     return !strcmp(path, "-");
 }
 
-/* The name in messages. */
+/* The name of a scene file in messages. */
 static const char *shown(const char *path)
 {
     return is_standard_input(path) ? "standard input" : path;
 }
 
-/* The visible share is printed from 0.3 % on. */
+/* Notes the dropped Gaussians; their share of the scene by opacity and area from 0.3 % on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
     const uint64_t dropped = d->not_finite + d->rotation;
@@ -260,8 +260,8 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-/* The pool for pictures that need a small part of an open scene: PICTURES_HELD of them, so that alternating pictures
-   are read once. 0 if they need more than half, or the scene is small enough to map. */
+/* The bytes of a pool for the chunks of PICTURES_HELD pictures of an open scene, so that alternating pictures are read
+   once. 0, to map the scene: without a budget or tree, for a small file, or if the pool exceeds half of the file. */
 static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 {
     const fxs_scene *scene = opened->scene;

@@ -21,7 +21,7 @@ typedef struct load_options {
     const char *lods;                       /* a level for each file, L,M,...; null: `lod` for all files with levels */
     int is_one_of_several;                  /* 1: `lod` is ignored for a file with a single level */
     enum fxs_axes axes;                     /* axes of an .spz */
-    uint32_t threads;                       /* of the import; 0: one for each processor */
+    uint32_t threads;                       /* threads of the import; 0: one for each processor */
     enum fxs_profile profile;               /* for files that are not packed yet */
     int tree;                               /* 1: packs with levels of detail */
     int pages;                              /* 1: an .fxs may be paged: if a pool is given, or from a server */
@@ -53,7 +53,7 @@ int options_of_file(load_options *own, const load_options *options, uint32_t i, 
    returns EXIT_FAILED, with nothing to free. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
-/* The same for a file from open_scene or open_merged, which it closes. */
+/* As load_scene, for a file from open_scene or open_merged; closes the file. */
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 

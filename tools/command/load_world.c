@@ -161,7 +161,7 @@ static void add_box(double low[3], double high[3], const double l[3], const doub
     }
 }
 
-/* Bounds of the visible objects, or with visible_only 0 of all. */
+/* Finds the bounds of the visible objects or, with visible_only 0, of all objects. */
 static int find_bounds(world *w, int visible_only)
 {
     int found = 0;

@@ -27,7 +27,7 @@ typedef struct world {
     fxs_world placed;                       /* files and placements */
     loaded_scene *scenes;                   /* one for each file */
     fxs_object *objects;
-    fxs_crop *crops;                        /* of the objects, FXS_MAX_CROPS each */
+    fxs_crop *crops;                        /* crops of the objects, FXS_MAX_CROPS each */
     uint32_t count, gaussians;              /* objects; Gaussians of all objects after packing */
     double low[3], high[3];                 /* bounds of all centres in visible objects */
     double inner_low[3], inner_high[3];     /* bounds without outliers, for framing */

@@ -471,7 +471,7 @@ static double sun_reach(vec p)
     return smoothstep(0, 1, reach);
 }
 
-/* forest where above 0.05 */
+/* A point is in the forest if this is above 0.05. */
 static double forest(double x, double z)
 {
     return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
@@ -913,7 +913,7 @@ static void meadow_stray(const place *p, splat *s)
     add_error(s, p->key, 0.08);
 }
 
-/* In any direction, 5 to 60 units away; the first STRAYS are strays. */
+/* A Gaussian in any direction, 5 to 60 units away; the first STRAYS are strays. */
 static void meadow_outlier(place *p, splat *s)
 {
     if (p->index < STRAYS) {
@@ -1555,7 +1555,7 @@ static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* A lattice of balls, from 1/1000 of the spacing to wider than it. */
+/* A lattice of balls, with sizes from 1/1000 of the spacing to more than the spacing. */
 static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t side = lattice_side(count, 3), key = key_of(seed, i);

@@ -68,7 +68,7 @@ static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum 
     return fxs_float_scene_draw(floats, view, cutoff, out->pixels, &message) ? fail_for(&message) : 0;
 }
 
-/* Compares picture i with the original's. */
+/* Compares picture i with the original's picture. */
 static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_file_view *view)
 {
     return fxs_metrics_compare(p->pictures[i].pixels, p->pictures[1].pixels, view->width, view->height, out)

@@ -7,7 +7,7 @@
 
 typedef struct quality_view {
     char name[128];
-    long index;                     /* in the camera file */
+    long index;                     /* number of the view in the camera file */
     int width, height;              /* pixels */
     struct fxs_metrics metrics;
     double affine_psnr;             /* see fxs_metrics_affine_psnr; valid with has_affine */
@@ -20,8 +20,8 @@ typedef struct quality {
     double psnr, ssim;              /* means: psnr over the views that differ, infinity if none does; ssim over the
                                        views that have one (metrics.h), NaN if none has */
     double worst_psnr, worst_ssim;  /* lowest over the views, each by itself */
-    long worst_view;                /* in `views`: the first with worst_psnr */
-    long nudged_view;               /* in `views`: the one with the smallest nudged_psnr - psnr */
+    long worst_view;                /* index in `views` of the first with worst_psnr */
+    long nudged_view;               /* index in `views` of the smallest nudged_psnr - psnr */
     int has_nudged;                 /* 1: views have nudged_psnr */
     int has_affine;                 /* 1: views are of photographs, and have affine_psnr */
     double affine_psnr, worst_affine_psnr; /* mean, computed like psnr; lowest */
@@ -47,8 +47,8 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
 /* Computes the means and the worst values over the views. */
 void quality_sum_up(quality *q);
 
-/* The view in which nudging the Gaussians causes a quarter or more of the loss (squared error), or null. There, no
-   coding of positions can lose much less. */
+/* The view in which the nudged original differs from the original by a quarter or more of the scene's squared error, or
+   null. In such a view no coding of positions can lose much less. */
 const quality_view *quality_nudged(const quality *q);
 
 void quality_print_text(const quality *q);

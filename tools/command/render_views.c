@@ -48,10 +48,10 @@ static void name_file(char *name, size_t size, const char *pattern, long index)
 typedef struct drawn_view {
     picture picture;
     int status, unwritten, unexpected;
-    fxs_message why;                        /* message for unwritten or unexpected */
+    fxs_message why;                        /* message if the view is unwritten or unexpected */
     fxs_stats stats;
     uint64_t hash;
-    double range;                           /* of depths, as written */
+    double range;                           /* range of depths in the file written */
     fxs_encoded encoded;
     char depth_name[4096];
 } drawn_view;

@@ -10,7 +10,7 @@ typedef struct attribute_stats {
     const char *name;
     uint64_t count, not_finite;             /* finite values, which the statistics cover; the others */
     double least, median, mean, most;       /* 0 if count is 0 */
-    uint64_t bins[STATS_BINS];              /* of equal width, from least to most */
+    uint64_t bins[STATS_BINS];              /* histogram with bins of equal width, from least to most */
 } attribute_stats;
 
 typedef struct scene_stats {

@@ -55,7 +55,7 @@ int is_folder(const char *path);
 /* Makes a folder unless it exists. Returns 0, or prints the reason and returns EXIT_FAILED. */
 int make_folder(const char *path);
 
-/* The same, with its parent folders. */
+/* As make_folder, but also makes the folder's parent folders. */
 int make_folders(const char *path);
 
 /* Removes a folder and its files, but no subfolders. For a link, removes only the link. */

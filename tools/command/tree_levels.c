@@ -88,7 +88,7 @@ static uint64_t bytes_of(const scene_levels *l, int level)
     return (uint64_t)l->levels[level].chunks * (l->chunk_bytes + (level ? l->node_bytes : 0));
 }
 
-/* From the coarsest level down. */
+/* Prints the levels, the coarsest first. */
 void levels_print_text(const scene_levels *l)
 {
     puts("level      leaves     nodes   Gaussians         bytes        error         size");

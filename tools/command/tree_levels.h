@@ -11,14 +11,14 @@ enum { LEVELS_MOST = 64 };
 typedef struct scene_level {
     uint32_t chunks;
     uint64_t gaussians;
-    double error;                  /* sum of squared errors that their children remove, colours^2 units^2 */
+    double error;                  /* sum over nodes: squared error that their children remove, colours^2 units^2 */
     double size;                   /* geometric mean of the sigma of the details left out, units */
 } scene_level;
 
 typedef struct scene_levels {
     scene_level levels[LEVELS_MOST];
     int count;                     /* 0: no tree */
-    uint32_t chunk_bytes;          /* of a chunk with its header; node_bytes: of a node's record in the tree */
+    uint32_t chunk_bytes;          /* size of a chunk with its header; node_bytes: size of a node's record */
     uint32_t node_bytes;
 } scene_levels;
 

@@ -316,7 +316,7 @@ static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_v
     return 0;
 }
 
-/* The view without a camera file. */
+/* Makes the view when no camera file is given. */
 static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
 {
     const int width = width_of(options), height = height_of(options);

@@ -11,7 +11,7 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* OUT.cameras, if its cameras were reconstructed; else null */
+    char *found;                    /* OUT.cameras, if the cameras were reconstructed; else null */
     uint32_t frames;
     int quality;                    /* row of by_quality, if given */
     int cameras_only, crops;
@@ -20,7 +20,7 @@ typedef struct fit_command {
     uint32_t block, blocks;         /* blocks 0: the whole set */
     uint64_t save_every, metrics_every;   /* steps; 0: never */
     int preview;
-    uint64_t port;                  /* of the preview */
+    uint64_t port;                  /* port of the preview */
     const fit_watcher *watcher;     /* null: no preview */
     int json;
     char **argv;                    /* the command's, to print the command that resumes */

@@ -18,7 +18,7 @@ typedef struct frames {
     task *t;
     unsigned char grey[SIDE * SIDE];
     size_t filled;
-    uint64_t *sharpness;           /* of each frame */
+    uint64_t *sharpness;           /* sharpness of each frame */
     size_t count, room;
     int no_memory;
     int is_damaged;                /* the film ends early */

@@ -35,7 +35,7 @@ static void say_left_out(void *argument, const char *why)
         note("left out: %s", why);
 }
 
-/* A bar on a terminal, otherwise a line every ten seconds. */
+/* Shows how far reading is: a bar on a terminal, otherwise a line every ten seconds. */
 static int show_reading(void *argument, double done)
 {
     static char label[] = "reading";

@@ -12,7 +12,7 @@ enum { FIT_STAGES = 6 };
 typedef struct fit_progress {
     uint32_t first, steps;          /* first step of this run; number of all steps */
     uint32_t counted, reports;      /* last step counted; number of reports */
-    uint32_t saved;                 /* the step saved in OUT.fit; 0: none of this fit */
+    uint32_t saved;                 /* the step saved in OUT.fit; 0: this fit was not saved */
     uint64_t start, last, shown;    /* nanoseconds: start of the run, last step, last line */
     size_t gaussians;               /* after the last step counted */
     double pace, loss;              /* seconds a step, and loss; running means over about 50 steps */

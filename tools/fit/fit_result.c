@@ -53,7 +53,7 @@ static int copy(fxs_scene_writer *writer, fxs_scene_file *file, fxs_message *mes
     return 0;
 }
 
-/* The filter includes its upper bounds, a block excludes its own. */
+/* A filter includes its upper bounds, a block excludes its upper bounds. */
 static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
 {
     for (int k = 0; k < 3; k++) {

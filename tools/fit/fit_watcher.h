@@ -28,8 +28,8 @@ typedef struct fit_watcher {
     /* After a measurement of the scene against its photographs, at that step. */
     void (*measured)(uint32_t step, const quality *q);
 
-    /* After the scene was written. `measured` is the same scene, or the uncropped one. Sets their start views and
-       checksums. */
+    /* After the scene was written. `measured` is the same scene, or the uncropped one. Sets the start views and
+       checksums of both scenes. */
     void (*written)(fxs_packed_scene *packed, fxs_packed_scene *measured);
 
     /* A signal has stopped the fit. */

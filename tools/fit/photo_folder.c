@@ -69,7 +69,7 @@ int photographs_list(photographs *p, const char *path)
 /* ---- Files for COLMAP -------------------------------------------------------------------------------------------- */
 
 typedef struct conversion {
-    const char *folder, *to, *const *names;        /* of a batch */
+    const char *folder, *to, *const *names;        /* source and target folder, and names of a batch */
     fxs_message messages[BATCH];
     int errors[BATCH];
 } conversion;

@@ -35,7 +35,7 @@ typedef struct work {
     photographs photos;
     char threads[16];
     uint64_t looked_at;            /* photographs with features, until now */
-    uint32_t points;               /* points of the model and its error in pixels; 0: COLMAP did not print them */
+    uint32_t points;               /* points of the model; error: its error, pixels; 0: COLMAP printed none */
     double error;
 } work;
 
@@ -213,8 +213,8 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* Runs COLMAP once for each lens: it assumes one camera in a call, with the focal length from the first photograph's
-   EXIF data. */
+/* Runs COLMAP once for each lens, because COLMAP assumes one camera in a call, with the focal length from the first
+   photograph's EXIF data. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {

@@ -8,7 +8,7 @@
 typedef struct reconstruct_options {
     const char *in;                /* a film, or a folder of photographs */
     const char *out;               /* output of the fit; everything made here goes to the folder OUT.cameras */
-    uint32_t frames;               /* of a film; 0: chosen by the program */
+    uint32_t frames;               /* frames to take of a film; 0: chosen by the program */
     uint32_t threads;
     int skip_bad;                  /* leaves out unreadable photographs */
     const char *masks;             /* folder of masks; empty: none; null: IN/masks if it exists */

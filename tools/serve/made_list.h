@@ -14,7 +14,7 @@ typedef struct made_list {
    removed. */
 void made_list_add(made_list *list, const char *path);
 
-/* The same for a folder and its parent folders. */
+/* As made_list_add, for a folder and its parent folders. */
 void made_list_add_folders(made_list *list, const char *path);
 
 /* Removes the recorded files and folders, the last first. A folder with other files stays. */

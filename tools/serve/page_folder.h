@@ -8,7 +8,7 @@ enum { PAGE_PATH = 4096 };
    not found and returns EXIT_FAILED. */
 int page_folder_find(char folder[PAGE_PATH]);
 
-/* The same without messages. Returns 1 if found, else 0. */
+/* As page_folder_find, without messages. Returns 1 if found, else 0. */
 int page_folder_look(char folder[PAGE_PATH]);
 
 #endif

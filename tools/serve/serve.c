@@ -18,7 +18,7 @@
 
 typedef struct site {
     fxs_http_site served;
-    fxs_http_file *files;                   /* of the scenes, then the views and the list, if any */
+    fxs_http_file *files;                   /* files of the scenes, then of the views and of the list, if any */
     const char **starts;                    /* start pages: of the only scene, or of the list and then each scene */
     scene_list list;
     served_options how;

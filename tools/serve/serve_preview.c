@@ -24,7 +24,7 @@
 enum {
     SCENE_SECONDS = 3,              /* least time between two scenes */
     SHARE = 40,                     /* packing scenes takes at most 1/SHARE of the time; so does measuring points */
-    POINTS = 20,                    /* of the curve, in a whole fit */
+    POINTS = 20,                    /* points of the quality curve of a whole fit */
     MEASURED_MOST = 4,              /* photographs that a point is measured by */
     PAGE_SECONDS = 3,               /* a page silent for this time is gone */
     GOODBYE_SECONDS = 5             /* longest wait at the end, until the page has loaded the last scene */
@@ -63,11 +63,11 @@ static struct preview {
     fit_now now;
     uint64_t began, told, packed;   /* times in nanoseconds: start of the fit, last numbers served, last scene served */
     uint64_t spent_on_scenes, spent_on_points;
-    uint32_t version;               /* of the scene, from 1; 0: no scene yet */
+    uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
     uint32_t measured;              /* last step measured */
     point *points;
     size_t point_count, point_room;
-    quality result;                 /* of all photographs, at the end: count and means only */
+    quality result;                 /* measurement of all photographs, at the end: count and means only */
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
 
 /* ---- Served files ------------------------------------------------------------------------------------------------ */
@@ -177,8 +177,8 @@ static void tell_views(struct preview *p)
 
 /* ---- The scene --------------------------------------------------------------------------------------------------- */
 
-/* Sets the start view to the first held-out photograph's, or else the first photograph's, if it can be one. Up is
-   the mean of the fitted photographs'. */
+/* Sets the start view to the view of the first held-out photograph, or else of the first photograph, if that can be a
+   start view. The up direction is the mean over the fitted photographs. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
@@ -241,7 +241,7 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->spent_on_points += fxs_clock(0) - start;
 }
 
-/* At the first scene, at the final one, and between them as the time share allows. */
+/* True if a point of the curve is due: at the first scene, at the final one, and between as the time share allows. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;

@@ -38,7 +38,7 @@ typedef struct served_scene {
     char *path;                             /* absolute path with links resolved */
     char *names[FILES];                     /* addresses: versions, facts, picture */
     int number, is_twice;                   /* is_twice: another scene has the same base name */
-    fxs_file_facts taken, seen;             /* of the file: when served, and at the last check */
+    fxs_file_facts taken, seen;             /* facts of the file: when served, and at the last check */
     uint64_t seen_at;
 
     /* Guarded by the lock: */

@@ -29,8 +29,8 @@ int scenes_add(served_scenes *all, const char *path, int is_sure);
 const char *scenes_address(const served_scenes *all, int scene);
 const char *scenes_title(const served_scenes *all, int scene);
 
-/* The files that the server sends, valid until scenes_free: SCENE_FILES for each scene, and one about all. `files`
-   must have room for scenes_file_count of them. */
+/* The files that the server sends, valid until scenes_free: SCENE_FILES for each scene, and one about all scenes.
+   `files` must have room for scenes_file_count of them. */
 enum { SCENE_FILES = 4 };
 int scenes_file_count(const served_scenes *all);
 void scenes_files(served_scenes *all, fxs_http_file *files);

@@ -64,7 +64,7 @@ struct viewer {
     fxs_worker *drawer, *loader;
 
     request requests[REQUESTS_MOST];
-    int request_count, given;               /* given: the drawer has the first request */
+    int request_count, given;               /* given: the drawer (renderer's thread) has the first */
     renderer renderer;                      /* owned by the drawer while requests wait, as are world, opened,
                                                cropped, drawn */
     frame_options opened;                   /* the options that the renderer was opened with */
@@ -92,7 +92,7 @@ struct viewer {
 
     int changed, moving, exposed;           /* since the last frame: needs a frame; the camera moves; needs a repaint */
     int flying, coarse;                     /* a flight key is down; the last frame had a reduced size */
-    int divisor;                            /* of width and height, while the camera moves */
+    int divisor;                            /* divides width and height while the camera moves */
     enum viewer_picture shown;
     uint64_t clock, moved;                  /* time of the last step and of the last motion, nanoseconds */
     uint64_t hint;                          /* when the hint disappears; 0: no hint */
@@ -104,12 +104,12 @@ struct viewer {
     uint64_t filmed;                        /* time of the next frame, nanoseconds */
 
     crop_box crop;                          /* keeps its sides while off */
-    int face, dragged;                      /* face: handle under the pointer, or CROP_NONE; dragged: it is being
-                                               dragged */
+    int face, dragged;                      /* face: handle under the pointer, or CROP_NONE; dragged: this
+                                               handle is being dragged */
     int crop_written;                       /* a cropped scene is being written */
 
     int graph, help, rate, light, quit, status;
-    int measuring, ends;                    /* measuring: measuring is on; ends: number of measured ends */
+    int measuring, ends;                    /* measuring: 1: distances are measured; ends: ends picked */
     double end[2][3];
     fxs_frame_times times;
     uint32_t gaussians, missing;            /* Gaussians in the last frame; chunks that it lacked, not loaded yet */

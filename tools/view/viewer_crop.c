@@ -7,7 +7,7 @@
 
 /* ---- The box ----------------------------------------------------------------------------------------------------- */
 
-/* Rounded so that few digits print it exactly. */
+/* A side of the crop box, rounded so that few digits print it exactly. */
 static double crop_side(double x)
 {
     return fabs(x) < 4096 ? (double)(float)x : floor(x * 1024 + 0.5) / 1024;

@@ -473,7 +473,7 @@ static void write_cropped(viewer *v, request *r)
         r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);
 }
 
-/* Prints the convert command that writes the same file. */
+/* Prints the convert command that writes the same cropped file. */
 static void print_conversion(const viewer *v, const request *r)
 {
     const load_options *o = &v->options.load;

@@ -182,7 +182,7 @@ static void add_bar(panels *p, double done)
         fxs_draw_rectangle(&panel->picture, 0, 0, (int)(width * fmin(done, 1)), height, p->theme->mark);
 }
 
-/* Shown until the first frame of a scene. */
+/* Adds the panel that is shown until the first frame of a scene. */
 static void add_loading(panels *p, const viewer *v)
 {
     const world_options *o = &v->loading.options.world;
@@ -335,7 +335,7 @@ static void add_graph(panels *p, const viewer *v)
         fxs_draw_frame_times(&panel->picture, &v->times, p->scale, p->theme, p->words);
 }
 
-/* Frame rate; with levels of detail also the number of Gaussians drawn. */
+/* Adds the frame rate; with levels of detail also the number of Gaussians drawn. */
 static void add_rate(panels *p, const viewer *v)
 {
     char text[160];
@@ -348,7 +348,7 @@ static void add_rate(panels *p, const viewer *v)
     add_words(p, TOP_RIGHT, text);
 }
 
-/* The budget on a logarithmic scale from BUDGET_LEAST to the largest. */
+/* Adds the budget's slider, on a logarithmic scale from BUDGET_LEAST to the largest budget. */
 static void add_slider(panels *p, const viewer *v)
 {
     const double most = viewer_budget_most(v), budget = v->options.render.budget ? v->options.render.budget : most;

@@ -1,5 +1,5 @@
 /* Counts neighbours in grids, one for each cell width that occurs. Cells are in a hash table. An entry stores the first
-   Gaussian of its cell, whose cell is compared, so counts are exact. */
+   Gaussian of its cell. A look-up compares the cell of this Gaussian, so counts are exact. */
 #include "floaters_internal.h"
 
 #include <math.h>
@@ -13,8 +13,8 @@ enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1
 
 #define LOG2_E 1.4426950408889634
 
-/* For each strength: how many powers of two a cell may be wider than that of the median Gaussian, for a faint and an
-   opaque Gaussian; and whether both ends need neighbours too. */
+/* For each strength: by how many powers of two the cells of a faint and of an opaque Gaussian may be wider than those
+   of the median Gaussian; and whether both ends of a Gaussian need neighbours too. */
 static const struct {
     int wider[2], ends;
 } strengths[FXS_FLOATER_STRENGTHS + 1] = {
@@ -53,7 +53,7 @@ static int level_of(const fxs_gaussian *g)
     return (int)fmin(fmax(ceil(most * LOG2_E + 2), LEAST_LEVEL), MOST_LEVEL);
 }
 
-/* sigma times the longest axis; sigma is limited to e^40, beyond any scene */
+/* `end`: the longest axis times its sigma, which is limited to e^40, larger than any scene */
 static void find_end(float end[3], const fxs_gaussian *g)
 {
     const float *q = g->rotation, *s = g->scale;
@@ -142,7 +142,7 @@ static int has_neighbours(const grid *g, const fxs_floater *item, int part)
     return count > FXS_FLOATER_NEIGHBOURS;
 }
 
-/* ---- All of them ------------------------------------------------------------------------------------------------- */
+/* ---- All Gaussians ----------------------------------------------------------------------------------------------- */
 
 static int least_level(const fxs_floaters *f)
 {

@@ -21,7 +21,7 @@ typedef struct part {
     fxs_transform turn;            /* rotates SH */
     double log_scale;
     double inner[3];               /* origin of the file's stream while this part is read */
-    int moves;                     /* 1: that origin can be chosen */
+    int moves;                     /* 1: `inner` can be chosen */
     double middle[3];              /* approximate centre in the world */
     double shift[3];               /* position = rows * position in the file + shift */
     int is_moved, is_turned, is_tinted;
@@ -330,8 +330,8 @@ static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info
     return 0;
 }
 
-/* Sets the origin of the part's stream to the point that maps to the common origin, if it can be chosen and the point
-   is far from 0. Positions are then rounded only once, after the addition. */
+/* Sets the origin of the part's stream to the point that maps to the common origin, if the stream's origin can be
+   chosen and the point is far from 0. Positions are then rounded only once, after the addition. */
 static void set_inner(const merge_reader *r, part *p)
 {
     const double square = p->placement.scale * p->placement.scale;

@@ -38,7 +38,7 @@ typedef struct decimated {
     const fxs_allocator *allocator;
     fxs_gaussian *gaussians;
     uint32_t count, next;
-    /* Used during merging only. */
+    /* The fields below are used during merging only. */
     shape *shapes;
     fxs_order_entry *entries;
     pair *pairs;

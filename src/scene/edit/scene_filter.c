@@ -12,7 +12,7 @@
 typedef struct filter_reader {
     const fxs_reader *reader;   /* the file's own reader */
     void *data;
-    const fxs_allocator *allocator;   /* used by both readers */
+    const fxs_allocator *allocator;   /* used by the file's reader and the filtering one */
     double origin[3];                 /* origin of the stream */
     fxs_scene_filter filter;
     fxs_scene_filter_report report;   /* counts since the last rewind */
@@ -57,7 +57,7 @@ static int is_in_shapes(const fxs_scene_filter *filter, const double position[3]
     return asked == found;
 }
 
-/* NaN passes the first tests and is left to the later ones. */
+/* NaN counts as inside; the tests that follow decide. */
 static int is_inside(const fxs_scene_filter *filter, const double position[3])
 {
     for (int i = 0; i < 3; i++)

@@ -18,7 +18,7 @@ typedef struct fxs_file_reader {
     fxs_crc32_table crc;
     fxs_scene scene;                     /* without pointers to its bytes, except the palette */
     uint64_t rows_at;                    /* offset of the first chunk's rows in the file, bytes */
-    uint32_t slots, holes;               /* of the whole file */
+    uint32_t slots, holes;               /* slots and empty slots in the whole file */
     uint32_t next, passed;               /* the next slot; holes before it */
     fxs_chunk chunk;                     /* chunk of the next slot, and its rows */
     unsigned char rows[MOST_ROWS];
@@ -79,7 +79,7 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
-/* Uses chunks spread over the whole file, which contain about equal numbers of Gaussians. */
+/* Chooses the origin from chunks spread over the whole file, as chunks hold about equal numbers of Gaussians. */
 static int choose_origin(const fxs_file_reader *r, fxs_message *message)
 {
     double places[FXS_ORIGIN_SAMPLE][3];

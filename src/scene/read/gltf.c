@@ -95,9 +95,9 @@ typedef struct part {
 
 typedef struct gltf {
     const fxs_scene_source *source;
-    fxs_message *message;        /* of the current call */
+    fxs_message *message;        /* message of the current call */
     double frame[3][4];          /* from the file's axes to the Gaussians' axes */
-    list lists[LISTS];           /* valid only during opening, like the next three */
+    list lists[LISTS];           /* valid only during opening, like the next three fields */
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */
@@ -230,7 +230,7 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-/* Allows files in the same folder only. */
+/* Opens a buffer's file, which must be in the folder of the .gltf. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
     char *name = allocate(g, strlen(uri) + 1, 1);
@@ -322,7 +322,7 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 
 /* ---- Accessors ------------------------------------------------------------------------------------------------- */
 
-/* Types as bits: plain at 2 type, normalized at 2 type + 1. */
+/* Component types as bits of a mask: a plain type is bit 2 type, a normalized one bit 2 type + 1. */
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 

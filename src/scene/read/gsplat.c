@@ -1,5 +1,5 @@
-/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute; for each of its
-   bytes a .png with one pixel per Gaussian; shN.npz with a palette of SH. Values are spaced evenly between their
+/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute; for each byte of
+   an attribute a .png with one pixel per Gaussian; shN.npz with a palette of SH. Values are spaced evenly between their
    bounds. Axes and meaning are as in a .ply, except that positions are stored as sign(x) ln(1 + |x|). */
 #include <string.h>
 
@@ -69,7 +69,7 @@ static int fail(const gsplat *g, const char *fault, fxs_message *message)
 
 /* ---- meta.json --------------------------------------------------------------------------------------------------- */
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_sh(gsplat *g, const cJSON *shn)
 {
     const cJSON *low = member(shn, "mins"), *high = member(shn, "maxs"), *shape = member(shn, "shape");

@@ -54,7 +54,7 @@ static section parse_section(const ksplat_reader *reader, const uint8_t *header)
     return s;
 }
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *check_section(const ksplat_reader *reader, const section *s)
 {
     const uint64_t file_size = reader->source->input.size;

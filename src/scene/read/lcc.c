@@ -1,7 +1,7 @@
 /* Reads .lcc of XGRIDS: a JSON file, and next to it index.bin (the Gaussians of each cell and level), data.bin and
    shcoef.bin (32 and 64 bytes per Gaussian) and optionally environment.bin. Layout: XGRIDS, "LCC Data Organization
    Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from XGRIDS).
-   Points that it leaves open (axes, SH of files without "fileType") follow PlayCanvas's splat-transform. */
+   Points that the paper leaves open (axes, SH of files without "fileType") follow PlayCanvas's splat-transform. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -77,7 +77,7 @@ static int read_bounds(const cJSON *root, const char *name, const char *environm
     return 1;
 }
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_meta(lcc_reader *r, const cJSON *root)
 {
     const cJSON *levels = member(root, "totalLevel");

@@ -75,8 +75,8 @@ double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding enco
 /* Reads the next value of a row. Returns 0, or FXS_ERR_FILE with the fault in `bytes`. */
 int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
 
-/* Call before and after the values of a row. In text files, they skip blanks and newlines before the row, and blanks
-   and the newline after it. */
+/* Call them before and after the values of a row. In text files, fxs_ply_begin_row skips blanks and newlines, and
+   fxs_ply_end_row skips blanks and the newline. */
 void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 

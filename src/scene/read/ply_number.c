@@ -104,7 +104,8 @@ static int is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\r';
 }
 
-/* Leaves the newline unread. At the end of the file, accepts a number that may be cut short. */
+/* Reads a number of a text row; leaves the newline unread. At the end of the file, accepts a number that may be cut
+   short. */
 static int read_ascii_number(fxs_byte_reader *bytes, double *value)
 {
     char text[MAX_NUMBER + 1];

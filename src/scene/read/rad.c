@@ -123,7 +123,7 @@ static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t e
     return result;
 }
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_meta(rad_reader *r, const cJSON *root)
 {
     const char *type = fxs_json_string(root, "type");

@@ -58,7 +58,7 @@ typedef struct sog_scene {
     size_t count;
     int sh_degree, antialiased;
     size_t palette;            /* entries */
-    double mins[3], maxs[3];   /* of sign(x) ln(1 + |x|) */
+    double mins[3], maxs[3];   /* bounds of the coded positions, sign(x) ln(1 + |x|) */
     table scale[3], colour[4], sh;
     fxs_text files[IMAGES];    /* encoded images, until they are decoded */
     int widths[IMAGES], heights[IMAGES];   /* pixels */
@@ -192,7 +192,7 @@ static void take_model(sog_scene *s, const char *model)
         s->scale[2][code] = FXS_FLAT_SCALE;
 }
 
-/* Returns null or the fault. */
+/* Returns null, or the fault in words. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");

@@ -37,7 +37,7 @@ const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1}
 struct fxs_spz {
     const fxs_scene_source *source;
     uint64_t offset, size;                          /* position of the .spz in the source, bytes */
-    fxs_message *message;                           /* of the current call */
+    fxs_message *message;                           /* message of the current call */
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
     enum fxs_axes axes;

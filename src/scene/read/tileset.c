@@ -31,10 +31,10 @@ typedef struct matrix {
 
 typedef struct content {
     char *name;                /* path from the folder of the first tileset */
-    matrix up, tile;           /* up: from its axes to the tile's; tile: from there to the tileset's axes, z up */
+    matrix up, tile;           /* up: from the content's axes to the tile's; tile: then to the tileset's, z up */
     int nesting, is_tileset;
     size_t parent;             /* 1 + index of the tileset that names it; 0: the first tileset */
-    uint64_t device, inode;    /* for a file opened by its path; else 0 */
+    uint64_t device, inode;    /* identify a file opened by its path; else 0 */
     uint64_t count;
     fxs_scene_source source;
     void *reader;              /* while open; else null */
@@ -42,7 +42,7 @@ typedef struct content {
 
 typedef struct tileset {
     const fxs_scene_source *source;
-    fxs_message *message;      /* of the current call */
+    fxs_message *message;      /* message of the current call */
     content *contents;
     size_t count, capacity;
     uint64_t repeated;         /* bytes of repeated contents */
@@ -59,8 +59,8 @@ typedef struct index_file {
     size_t folder;             /* length of the folder part of the name */
     const char *name;
     int nesting;
-    size_t itself;             /* 1 + its index as a content, or 0 */
-    matrix up;                 /* from contents' axes to tiles' axes */
+    size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
+    matrix up;                 /* rotates contents' axes to tiles' axes */
 } index_file;
 
 static int fail(const tileset *t, const char *path, const char *fault)

@@ -6,8 +6,8 @@
 
 enum { FXS_LEVELS_MOST = 40, FXS_LEVEL_SET = 256 };
 
-/* Level 0: the held Gaussians in their order, in sets of FXS_LEVEL_SET. A set of a higher level is two sets of the
-   previous level merged; if that level has one set, half of it. */
+/* Level 0: the held Gaussians in their order, in sets of FXS_LEVEL_SET. A set of a higher level merges two sets of the
+   previous level. If the previous level has only one set, the Gaussians of this set are merged to half their number. */
 typedef struct fxs_level {
     fxs_held_gaussian *gaussians;  /* gaussians and sh: null for level 0 */
     int16_t *sh;

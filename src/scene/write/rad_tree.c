@@ -1,7 +1,7 @@
 /* fxs_levels chooses, level by level, which Gaussians are merged. A node has the moments of its children, weighted by
    opacity times area, and the opacity A that preserves the sum of opacity times area; A may exceed 1. As in Spark's
-   bhatt_lod.rs, inner nodes that are hardly larger than their descendants are left out. As in its chunk_tree.rs, the
-   file stores large nodes first and then the rest by regions, so that one page holds nodes needed together. */
+   bhatt_lod.rs, inner nodes that are hardly larger than their descendants are left out. As in Spark's chunk_tree.rs,
+   the file stores large nodes first and then the rest by regions, so that one page holds nodes needed together. */
 #include "rad_tree_internal.h"
 
 #include <math.h>
@@ -44,8 +44,8 @@ typedef struct builder {
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
     float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D; Spark chooses nodes by it */
-    uint32_t *reps;                /* for each Gaussian of the current level: its node */
-    moments *moments;              /* and that node's moments */
+    uint32_t *reps;                /* node of each Gaussian of the current level */
+    moments *moments;              /* moments of these nodes */
     sums sums[FXS_LEVEL_SET];
 } builder;
 

@@ -108,7 +108,7 @@ static int pad(rad_writer *w, bytes *b)
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-/* 0 to 1; for A > 1, 1 to 2 */
+/* The code of an opacity A: A up to 1; for A > 1, a code from 1 to 2. */
 static double code_of_opacity(double opacity)
 {
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
@@ -221,7 +221,7 @@ static uint32_t code_of(const rad_writer *w, int property, int encoding, double 
     }
 }
 
-/* Stores the dimensions one after the other; f32_lebytes stores all lowest bytes first. */
+/* Stores a column one dimension after the other; encoding f32_lebytes stores the lowest bytes of all numbers first. */
 static uint8_t *fill_column(const rad_writer *w, int column, uint32_t first, uint32_t count, uint8_t *to)
 {
     const int property = columns[column].property, encoding = columns[column].encoding;

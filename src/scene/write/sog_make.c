@@ -42,7 +42,7 @@ struct fxs_sog {
     const fxs_sog_source *from;
     double low[3], high[3];              /* bounds of the coded positions */
     float scales[FXS_BOOK], colours[FXS_BOOK], sh[FXS_BOOK];
-    uint32_t entries, *labels;           /* of the palette */
+    uint32_t entries, *labels;           /* palette: number of entries; entry of each Gaussian */
     fxs_sh_palette_vector *palette;
     image images[IMAGES];
     char *json;

@@ -274,7 +274,7 @@ static size_t piece_of(size_t left)
 }
 #endif
 
-/* Both writers keep errors in the output. */
+/* write_gzip and write_zstd keep errors in the output. */
 
 #ifdef FXS_WITH_ZLIB
 static int deflate_bytes(spz_writer *w, z_stream *stream, const uint8_t *bytes, size_t size, int flush,
