@@ -74,8 +74,8 @@ void fxs_program_become(const char *path, char **argv)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* The program gets its own process group. */
-static int start(const char *const *arguments, int output, int log, pid_t *child)
+/* The program gets its own process group and this signal mask. */
+static int start(const char *const *arguments, int output, int log, const sigset_t *mask, pid_t *child)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -87,7 +87,8 @@ static int start(const char *const *arguments, int output, int log, pid_t *child
         posix_spawn_file_actions_destroy(&actions);
         return error;
     }
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setsigmask(&attributes, mask);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
     error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
@@ -100,19 +101,15 @@ static int start(const char *const *arguments, int output, int log, pid_t *child
 }
 
 /* Starts a process that kills the program's group if the write end of `life` closes before a byte arrives, which
-   happens when this process ends, even by SIGKILL. The guard blocks all signals and has its own process group. */
+   happens when this process ends, even by SIGKILL. The caller has blocked all signals, so the guard has too; it has its
+   own process group. */
 static pid_t start_guard(const int life[2], pid_t group)
 {
-    sigset_t all, before;
     char byte;
     ssize_t size;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     const pid_t guard = fork();
-    if (guard) {
-        pthread_sigmask(SIG_SETMASK, &before, 0);
+    if (guard)
         return guard;
-    }
     setpgid(0, 0);
     close(life[1]);
     do
@@ -186,10 +183,9 @@ static void close_pipe(const int ends[2])
 }
 
 /* Passes the program's output on until it ends. Returns its exit status. */
-static int attend(pid_t child, const int life[2], int from, fxs_program_said_fn *said, void *argument)
+static int attend(pid_t child, pid_t guard, const int life[2], int from, fxs_program_said_fn *said, void *argument)
 {
     struct sigaction before;
-    const pid_t guard = start_guard(life, child);
     listen_to_stops(child, &before);
     hear_all(from, said, argument);
     const int status = wait_for(child);
@@ -204,6 +200,7 @@ static int attend(pid_t child, const int life[2], int from, fxs_program_said_fn 
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument)
 {
     int ends[2], life[2], status = -1;
+    sigset_t all, before;
     pid_t child;
     fflush(log);
     if (make_pipe(ends))
@@ -212,10 +209,15 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
         close_pipe(ends);
         return -1;
     }
-    const int error = start(arguments, ends[1], fileno(log), &child);
-    close(ends[1]);
+    /* A signal that ends this process waits until the guard is there to end the program. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = start(arguments, ends[1], fileno(log), &before, &child);
+    close(ends[1]);                    /* the guard would keep it open */
+    const pid_t guard = error ? -1 : start_guard(life, child);
+    pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)
-        status = attend(child, life, ends[0], said, argument);
+        status = attend(child, guard, life, ends[0], said, argument);
     close(ends[0]);
     close_pipe(life);
     errno = error ? error : errno;
