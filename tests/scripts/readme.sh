@@ -28,7 +28,7 @@ offscreen\ mapper\ * | offscreen\ *.use_gpu\ 0\ *) echo "$1" ;;
 esac
 END
 chmod +x "$work/bin/colmap"
-sed -n '/^By hand/,/^`pictures`/s/^    //p' docs/fit.md | grep -v '^fixsplat ' >"$work/commands"
+sed -n '/^To run COLMAP by hand/,/^`pictures`/s/^    //p' docs/fit.md | grep -v '^fixsplat ' >"$work/commands"
 check "docs/fit.md: COLMAP without a display" equal \
     "$(cd "$work/phone" && unset QT_QPA_PLATFORM && PATH=$work/bin:$PATH sh -e ../commands | tr '\n' ' ')" \
     "feature_extractor exhaustive_matcher mapper "
