@@ -7,6 +7,7 @@
 #include <fixsplat/backends.h>
 #ifdef FXS_WITH_CUDA
 #include <fixsplat/cuda.h>
+#include "src/core/targets.h"
 #endif
 
 #ifdef FXS_WITH_CUDA
@@ -74,6 +75,8 @@ static int check_request(const fxs_request *r, fxs_message *why)
     if (r->eyes == 2 && (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
                          r->cameras[0].projection != r->cameras[1].projection))
         return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
+    if (r->eyes == 2 && fxs_targets_collide(&r->targets[0], &r->targets[1], r->cameras[0].width, r->cameras[0].height))
+        return fxs_fail_as(FXS_ERR_TARGET, why, "the targets of two eyes overlap");
     return 0;
 }
 

@@ -1149,6 +1149,9 @@ static void test_table(void)
     request.eyes = 2;
     request.cameras[1].width++;
     CHECK(b->render(self, &request, 0, &why) == FXS_ERR_SIZE);
+    request.cameras[1].width--;
+    request.targets[1] = request.targets[0];
+    CHECK(b->render(self, &request, 0, &why) == FXS_ERR_TARGET);
     for (int i = 0; i < SCENES; i++)
         b->forget(self, &w.scenes[i]);
     b->close(self);
