@@ -12,8 +12,11 @@ VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/f
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
 # Public headers <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
-CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h kernels.h)
-HEADERS := $(wildcard src/include/fixsplat/*.h)
+CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h backend.h \
+    $(addprefix internal/,packed.h stage.h pixel.h fixed.h kernels.h))
+PUBLIC_HEADERS := $(wildcard src/include/fixsplat/*.h)
+INTERNAL_HEADERS := $(wildcard src/include/fixsplat/internal/*.h)
+HEADERS := $(PUBLIC_HEADERS) $(INTERNAL_HEADERS)
 
 PACKAGES := libcjson-dev libexpat1-dev libstb-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libheif-dev \
             libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libsdl2-dev libsdl2-ttf-dev \

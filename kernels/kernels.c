@@ -1,5 +1,5 @@
 /* Declares the versions of the stages per processor, and chooses among them at run time. */
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 
 /* Instruction sets per processor: SET(flag, name, its versions). Later ones are faster. */

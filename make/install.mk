@@ -23,11 +23,12 @@ $(B)/share/made: $(B)/fixsplat tools/scripts/man.sh tools/scripts/completions.sh
 	@touch $@
 
 install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries, headers, the page where it is built: DESTDIR, PREFIX (/usr/local)
-	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(CMAKE) $(INCLUDE))
+	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(CMAKE) $(INCLUDE)/internal)
 	install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 $(ARCHIVES) $(SHARED_LIBRARY) $(DESTDIR)$(LIBDIR)/
 	$(if $(SHARED),for f in $(SONAME_LINKS); do ln -sf libfixsplat.so.$(VERSION) $(DESTDIR)$(LIBDIR)/$$f || exit 1; done)
-	install -m 644 $(HEADERS) $(DESTDIR)$(INCLUDE)/
+	install -m 644 $(PUBLIC_HEADERS) $(DESTDIR)$(INCLUDE)/
+	install -m 644 $(INTERNAL_HEADERS) $(DESTDIR)$(INCLUDE)/internal/
 	@for f in $(PC_FILES); do $(call fill,$(LIBDIR)/pkgconfig); done
 	@for f in $(CMAKE_FILES); do $(call fill,$(CMAKE)); done
 	$(if $(WINDOW),install -d $(DESTDIR)$(ICONS) $(DESTDIR)$(APPLICATIONS))
@@ -53,8 +54,8 @@ uninstall: ## remove what install put there
 	    $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FILES)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/,libfixsplat-core.a libfixsplat.a libfixsplat.so.$(VERSION) $(SONAME_LINKS)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \
-	    $(addprefix $(DESTDIR)$(INCLUDE)/,$(notdir $(HEADERS)))
-	for f in $(DESTDIR)$(CMAKE) $(DESTDIR)$(INCLUDE) \
+	    $(HEADERS:src/include/fixsplat/%=$(DESTDIR)$(INCLUDE)/%)
+	for f in $(DESTDIR)$(CMAKE) $(DESTDIR)$(INCLUDE)/internal $(DESTDIR)$(INCLUDE) \
 	    $(addprefix $(DESTDIR),$(addprefix $(PAGE)/,$(shell printf '%s\n' $(filter-out .,$(PAGE_FOLDERS)) | sort -r)) $(PAGE) $(PREFIX)/share/fixsplat); do \
 	    [ ! -d $$f ] || rmdir $$f || exit 1; done
 

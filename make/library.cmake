@@ -59,7 +59,7 @@ endfunction()
 
 fixsplat_files(sources ${SOURCES_LIBRARY} ${SOURCES_${SYSTEM}} ${SOURCES_PORT} ${THREADED_${SYSTEM}}
     ${STAGES_${KERNEL_FOLDER}})
-fixsplat_files(headers src/include/fixsplat/*.h)
+fixsplat_files(headers src/include/fixsplat/*.h src/include/fixsplat/internal/*.h)
 fixsplat_made(declarations.c tools/scripts/declarations.sh -c ${headers})
 if(FXS_WITH_GLES IN_LIST FOUND)
     foreach(name GLES EGL OSMESA)

@@ -25,7 +25,7 @@ SOURCES_EGL := port/gl/egl.c
 SOURCES_OSMESA := port/gl/osmesa.c
 
 # Shaders, which become shaders.h of these folders (tools/scripts/shaders.sh).
-SHADERS_gles := src/include/fixsplat/pixel.h kernels/gl/*.vert kernels/gles/*.vert kernels/gl/*.frag kernels/gles/*.frag
+SHADERS_gles := src/include/fixsplat/internal/pixel.h kernels/gl/*.vert kernels/gles/*.vert kernels/gl/*.frag kernels/gles/*.frag
 SHADERS_compute := kernels/compute/generated/*.comp kernels/compute/*.frag kernels/compute/*.glsl \
                    kernels/gl/*.vert kernels/gl/*.frag
 

@@ -38,7 +38,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
-WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl.c %/gl/state.c %/compute/plan.c \
+WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/base/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
@@ -140,7 +140,7 @@ FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quote
     /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
     /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
 $(PACKAGE): src/scene/formats.c
-$(WEB)/stages.js: tools/scripts/stages.mjs src/include/fixsplat/pixel.h $(wildcard kernels/compute/*.wgsl)
+$(WEB)/stages.js: tools/scripts/stages.mjs src/include/fixsplat/internal/pixel.h $(wildcard kernels/compute/*.wgsl)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< $@
 $(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/scripts/inline.mjs

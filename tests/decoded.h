@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "src/core/chunk.h"
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "check.h"
 #include "rotation_word.h"
 

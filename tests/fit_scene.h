@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #include "src/fit/model.h"
 #include "check.h"
 

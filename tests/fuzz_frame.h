@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/kernels.h>
-#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/kernels.h>
 #include "one_scene.h"
 #include "random_scene.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/pack.h>
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -1,7 +1,7 @@
 /* Fuzzes the pager: a scene with levels of detail, damaged or not, in a small pool, from a source that fails, corrupts
    bytes or states a wrong size. A sound scene is drawn like the whole once no chunk is missing. */
-#include <fixsplat/message.h>
 #include <fixsplat/pager.h>
+#include <fixsplat/internal/message.h>
 
 #include "fuzz_frame.h"
 #include "random_tree.h"

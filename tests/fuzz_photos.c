@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fixsplat/photos.h>
+#include <fixsplat/fit.h>
 
 enum { FILES = 4 };
 

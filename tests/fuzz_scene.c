@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

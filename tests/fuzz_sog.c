@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 static struct file { const char *name; const uint8_t *data; size_t size; } files[] = {
     {"a.sog", NULL, 0}, {"meta.json", NULL, 0}, {"lod-meta.json", NULL, 0}, {"0", NULL, 0}, {"1", NULL, 0},

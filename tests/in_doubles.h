@@ -34,7 +34,7 @@ static inline struct reference_object object_in_doubles(const fxs_object *object
     return o;
 }
 
-/* Decodes Gaussian `index` by src/include/fixsplat/packed.h, in the default profile. */
+/* Decodes Gaussian `index` by src/include/fixsplat/internal/packed.h, in the default profile. */
 static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
     const unsigned char *rows = fxs_rows(scene, index / FXS_CHUNK);

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "port/board/cortexm/board.h"
+#include "port/board/cortexm/firmware.h"
 #include "port/board/cortexm/console.h"
 
 int test_main(int argc, char **argv);

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "check.h"
 
 typedef struct packed_scene {

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include <fixsplat/photos.h>
+#include <fixsplat/fit.h>
 #include "folder.h"
 
 static fxs_message message;

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include <fixsplat/message.h>
 #include <fixsplat/pack.h>
+#include <fixsplat/internal/message.h>
 #include "tools/command/procedural.h"
 
 /* *report may be null. Returns 0 and a *packed for fxs_packed_scene_free, or -1 and a message. */

@@ -272,7 +272,7 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
 /* ---- Versions of the stages -------------------------------------------------------------------------------------- */
 
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 
 enum { WORLD_VERSIONS = 6 };
 

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <fixsplat/camera_file.h>
-#include <fixsplat/scene_file.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/scene.h>
 
 enum reference_cutoff {
     REFERENCE_MAHALANOBIS,   /* distance squared <= 9 */

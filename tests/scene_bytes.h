@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 #include "check.h"
 
 enum { MAX_FILE = 1 << 21 };

@@ -2,7 +2,7 @@
 #ifndef SCENE_WRITER_H
 #define SCENE_WRITER_H
 
-#include <fixsplat/scene_write.h>
+#include <fixsplat/scene.h>
 
 static inline int open_writer(const char *format, const char *path, uint64_t count, int sh_degree, int antialiased,
                               fxs_scene_writer **writer, fxs_message *message)

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 
 /* u or v of a pixel before truncation to 32 bits: the value with these low bits that is nearest to `about`. */
 static inline int64_t unwrap_q24(uint32_t low_bits, int64_t about_q24)

@@ -3,11 +3,11 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "one_scene.h"
 #include "packed_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

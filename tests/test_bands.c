@@ -1,10 +1,10 @@
 /* Frames in less memory than fxs_frame_bytes: bands and slices give the same bytes down to the minimum of the view, on
  * any number of threads. One byte less is refused without writing. */
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };

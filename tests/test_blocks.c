@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <fixsplat/blocks.h>
+#include "src/fit/blocks.h"
 #include "check.h"
 
 enum { POINTS = 5000 };

@@ -1,6 +1,6 @@
 /* Exported cameras of other programs: equal cameras in each convention, faults, truncated files. */
 #include "photo_folder.h"
-#include <fixsplat/blocks.h>
+#include "src/fit/blocks.h"
 #include "src/camera/camera_internal.h"
 
 enum { CAMERAS = 9, WIDE = 64, HIGH = 48 };

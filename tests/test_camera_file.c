@@ -1,11 +1,10 @@
 /* Camera files: one camera in every format, faults, real files. */
 #include <fixsplat/camera.h>
-#include <fixsplat/camera_file.h>
 #include <fixsplat/fit.h>
-#include <fixsplat/message.h>
-#include <fixsplat/packed.h>
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
 #include <fixsplat/world.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 
 #include <math.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 
 #include "src/fit/coarse.h"
 #include "src/fit/random.h"
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "folder.h"
 
 enum { PHOTOS = 3, WIDTH = 40, HEIGHT = 24, POINTS = 90, SAVED_AT = 611, LATE = 671, STEPS = 705 };

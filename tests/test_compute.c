@@ -22,7 +22,7 @@ int main(void)
 }
 #else
 
-#include <fixsplat/egl.h>
+#include <fixsplat/gl.h>
 #include "kernels/compute/gl31.h"
 #include "losing_gl.h"
 

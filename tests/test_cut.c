@@ -3,9 +3,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 #include "check.h"

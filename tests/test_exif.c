@@ -3,7 +3,7 @@
 #include "heif_bytes.h"
 #include "jpeg_bytes.h"
 #include "src/image/photograph.h"
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 static uint8_t *rgba;
 static int width, height;

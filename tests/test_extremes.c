@@ -1,5 +1,5 @@
 /* Frames at the limits of the public header: objects, orthographic cameras, targets, pairs of eyes. */
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #include "one_scene.h"
 #include "random_scene.h"
 

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/kernels.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/kernels.h>
 #include "check.h"
 #include "procedural_scene.h"
 #include "src/camera/first_view.h"

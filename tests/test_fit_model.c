@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/kernels.h>
 #include <fixsplat/fit.h>
+#include <fixsplat/internal/kernels.h>
 #include "src/fit/model.h"
 #include "src/fit/nearest.h"
 #include "src/fit/random.h"

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/kernels.h>
 #include <fixsplat/camera.h>
+#include <fixsplat/internal/kernels.h>
 #include "src/fit/model.h"
 #include "src/fit/profile.h"
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "check.h"
 #include "decoded.h"
 #include "one_scene.h"

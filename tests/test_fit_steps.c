@@ -2,7 +2,7 @@
  * for all instruction sets and several thread counts, against constant hashes (see tests/scripts/fit_same.sh).
  * -DFXS_FIT_FEW: fewer steps, for an emulator. test_fit_steps --cuda: on a GPU. */
 #include <fixsplat/fit.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "fit_scene.h"
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */

@@ -1,7 +1,7 @@
 /* The error bounds stated in fixed.h, over strided mantissas and edge cases. */
 #include <math.h>
 
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "check.h"
 
 enum { STRIDE = 251 };   /* prime */

@@ -5,7 +5,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "src/fit/float_scene.h"
 #include "tools/command/procedural.h"
 #include "tools/command/metrics.h"

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/foveate.h>
+#include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/foveate.h>
+#include <fixsplat/system.h>
 #include "check.h"
 #include "one_scene.h"
 #include "procedural_scene.h"

@@ -5,10 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/pack.h>
-#include <fixsplat/scene_file.h>
 #include <fixsplat/fixsplat.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/scene.h>
 #include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"

@@ -10,11 +10,11 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/pack.h>
-#include <fixsplat/map.h>
 #include <fixsplat/fixsplat.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/packed.h>
 #include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"

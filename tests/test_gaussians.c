@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include <fixsplat/pack.h>
-#include <fixsplat/packed.h>
-#include <fixsplat/scene_filter.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/packed.h>
 #include "scene_writer.h"
 #include "folder.h"
 

@@ -13,9 +13,8 @@
 #include "losing_gl.h"
 #include <GLES3/gl31.h>
 
-#include <fixsplat/compute.h>
-#include <fixsplat/gles.h>
-#include <fixsplat/pixel.h>
+#include <fixsplat/gl.h>
+#include <fixsplat/internal/pixel.h>
 
 
 /* Checks the range that weight.frag promises to compilers. */
@@ -32,10 +31,8 @@ static int FACTOR(int x)
 #undef min
 #endif
 #ifdef FXS_WITH_EGL
-#include <fixsplat/egl.h>
 #endif
 #ifdef FXS_WITH_OSMESA
-#include <fixsplat/osmesa.h>
 #endif
 
 #ifndef FXS_WITH_GLES

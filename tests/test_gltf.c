@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 #include "check.h"
 #include "spz_bytes.h"
 

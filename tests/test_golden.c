@@ -5,9 +5,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include <fixsplat/backends.h>
+#include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 #include "tools/command/metrics.h"
 #include "check.h"
 #include "one_scene.h"

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/map.h>
-#include <fixsplat/stage.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/stage.h>
 #include "port/board/ili9341.h"
 #include "port/board/turntable.h"
 #include "one_scene.h"

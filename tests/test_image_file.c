@@ -1,6 +1,5 @@
 /* Image files: round trips, and failures that keep the old file. Metrics: values computed by hand. */
-#include <fixsplat/film_file.h>
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 #include <dirent.h>
 #include <math.h>

@@ -12,7 +12,7 @@
 #define TICK "ns"                      /* 0 without a clock */
 #endif
 
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #include "src/core/chunk.h"
 #include "one_scene.h"
 #include "packed_scene.h"

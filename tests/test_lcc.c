@@ -1,6 +1,6 @@
 /* Reads .lcc files made here by an own encoder: with SH and without, levels, an environment; and faulty ones.
    `--write FOLDER SCENE [SKY]` writes a scene as FOLDER/scene.lcc, for tests/scripts/convert.sh. */
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 #include <math.h>
 #include <stdint.h>

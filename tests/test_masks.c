@@ -258,7 +258,7 @@ static void transforms(void)
 #endif
 
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 /* Transparent pixels are ignored, the rest is opaque. With a mask, both must count a pixel. A mask's transparent
    pixels are black. */

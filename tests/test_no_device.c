@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
+#include <fixsplat/backend.h>
 #include "check.h"
 #ifdef FXS_WITH_CUDA
 #include <fixsplat/cuda.h>

@@ -1,6 +1,6 @@
 /* Frames of several objects. They are compared with the double-precision reference of the merged scene and, if the
  * integers agree, byte for byte with frames of one scene. */
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #include "random_world.h"

@@ -12,11 +12,11 @@
 #include "src/pack/order.h"
 #include "src/pack/pack_stage.h"
 #include "src/base/run.h"
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
 #include <fixsplat/fixsplat.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/packed.h>
 #include "src/core/chunk.h"
 #include "tools/command/procedural.h"
 #include "scene_writer.h"

@@ -10,10 +10,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <fixsplat/clock.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/packed.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/packed.h>
 
 #include "folder.h"
 #include "one_scene.h"

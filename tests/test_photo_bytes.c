@@ -3,7 +3,7 @@
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 
 /* Hash of everything read from the folder. */
 #define EXPECTED 0xac8c35eeu

@@ -2,8 +2,8 @@
    points, bad input, and the real sets if present. */
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
-#include <fixsplat/blocks.h>
-#include <fixsplat/pool.h>
+#include "src/fit/blocks.h"
+#include <fixsplat/system.h>
 #include <time.h>
 
 /* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
@@ -1050,7 +1050,7 @@ static void inria(void)
 /* ---- Alpha ------------------------------------------------------------------------------------------------------- */
 
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 /* Colour * alpha + background * (1 - alpha), before averaging, rounded once. */
 static void alpha(void)

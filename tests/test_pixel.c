@@ -5,7 +5,7 @@
 #include "check.h"
 
 #define FXS_FN static inline
-#include <fixsplat/pixel.h>
+#include <fixsplat/internal/pixel.h>
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)

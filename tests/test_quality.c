@@ -10,11 +10,11 @@
 #include <unistd.h>
 
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include <fixsplat/world.h>
 #include "src/gaussian/transform_internal.h"
 #include "src/core/frame.h"

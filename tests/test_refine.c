@@ -3,11 +3,11 @@
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/kernels.h>
+#include <fixsplat/fit.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
-#include <fixsplat/refine.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/kernels.h>
 #include "src/core/chunk.h"
 #include "scene_bytes.h"
 

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/fxs_file.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/scene.h>
 #include "check.h"
 
 enum { COUNT = 40, WIDTH = 64, HEIGHT = 48 };

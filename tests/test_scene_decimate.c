@@ -1,6 +1,6 @@
 /* Merged scenes: their counts, the moments a merge keeps, and errors. */
 #include <fixsplat/pack.h>
-#include <fixsplat/scene_decimate.h>
+#include <fixsplat/scene.h>
 #include "scene_bytes.h"
 
 enum { COUNT = 2000 };

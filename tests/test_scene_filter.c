@@ -1,5 +1,6 @@
 /* Filtered scene files: the remaining Gaussians, their count before reading, and the same filter through fxs_pack. */
-#include <fixsplat/scene_filter.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/scene.h>
 #include "scene_writer.h"
 #include "scene_bytes.h"
 

@@ -1,5 +1,7 @@
 /* Every format gives the same Gaussians from a file, from memory and by functions. Every failed allocation or read
    is an error without a leak, and opening allocates little. */
+#include <fixsplat/internal/allocator.h>
+
 #include "every_format_bytes.h"
 
 enum { MOST = 64 };

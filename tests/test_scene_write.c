@@ -4,8 +4,7 @@
 
 #include "src/base/number.h"
 #include "src/scene/write/codebook_internal.h"
-#include <fixsplat/formats.h>
-#include <fixsplat/scene_write.h>
+#include <fixsplat/scene.h>
 #include "scene_bytes.h"
 
 enum { COUNT = 300 };

@@ -10,7 +10,7 @@
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 enum {

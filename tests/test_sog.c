@@ -1,6 +1,6 @@
 /* Reads .sog files made here: both versions, every SH degree, as a zip and as a folder; streamed; faulty; and a real
    one. */
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 #include <math.h>
 #include <stdint.h>

@@ -2,11 +2,11 @@
  * any memory. */
 #include <inttypes.h>
 
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, CASES = 80 };

@@ -1,7 +1,7 @@
 /* Frames stopped at every place that polls the stop callback: FXS_ERR_STOPPED, and no other damage. A callback that
  * always says no leaves the bytes unchanged. --threads runs only the test of several threads, for ThreadSanitizer. */
-#include <fixsplat/strip.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/board.h>
+#include <fixsplat/system.h>
 #include "check.h"
 #include "one_scene.h"
 #include "random_scene.h"

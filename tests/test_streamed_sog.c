@@ -1,8 +1,7 @@
 /* Written streamed SOG: its levels read back, its index, and that errors leave no files. */
 #include <sys/stat.h>
 
-#include <fixsplat/formats.h>
-#include <fixsplat/scene_write.h>
+#include <fixsplat/scene.h>
 #include "scene_bytes.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON) && defined(FXS_WITH_ZIP)

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/strip.h>
+#include <fixsplat/board.h>
 #include "port/board/turntable.h"
-#include <fixsplat/map.h>
-#include <fixsplat/stage.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/stage.h>
 #include "one_scene.h"
 #include "check.h"
 #include "random_scene.h"

@@ -5,7 +5,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "fit_scene.h"
 
 enum { PHOTOS = 12, POINTS = 600 };

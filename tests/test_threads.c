@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <fixsplat/kernels.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/kernels.h>
 #include "check.h"
 #include "one_scene.h"
 #include "random_scene.h"

@@ -1,7 +1,7 @@
 /* Reads tilesets made here: refinement, transforms, nesting, the globe; faulty ones; limits of the import. */
 #include <math.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 #include "spz_bytes.h"
 #include "folder.h"
 

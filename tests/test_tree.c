@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
 #include "src/core/chunk.h"
 #include "src/gaussian/attributes.h"
 #include "src/pack/coarsen.h"

@@ -3,12 +3,11 @@
 #include <limits.h>
 #include <sys/stat.h>
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/image_file.h>
-#include <fixsplat/packed.h>
-#include <fixsplat/photos.h>
+#include <fixsplat/image.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/packed.h>
 #include "every_format_bytes.h"
 #include "jpeg_bytes.h"
 #include "packed_scene.h"

@@ -2,7 +2,7 @@
 #include <fixsplat/camera.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "check.h"
 
 #include <libgen.h>
@@ -317,8 +317,8 @@ static void test_graph_shows_the_times(void)
 #ifdef FXS_WITH_SDL
 #include <SDL2/SDL.h>
 
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
+#include <fixsplat/scene.h>
 #include "tools/view/viewer.h"
 
 /* Replaces SDL's function: a screen with several pixels per point. */

@@ -3,8 +3,8 @@
 #define TREE_SCENE_H
 
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
 #include <fixsplat/pack.h>
+#include <fixsplat/internal/message.h>
 
 #include "check.h"
 #include "tools/command/procedural.h"

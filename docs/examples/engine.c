@@ -12,10 +12,9 @@
 #include <GLES3/gl3.h>
 #include <SDL.h>
 
-#include <fixsplat/compute.h>
-#include <fixsplat/gles.h>
-#include <fixsplat/kernels.h>
+#include <fixsplat/gl.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 640, HEIGHT = 360 };
 enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* two for the mesh, three for the picture with the scene */

@@ -4,8 +4,8 @@
 
 #include <GLES3/gl31.h>
 
-#include <fixsplat/compute.h>
-#include "kernels/gl/gl.h"
+#include <fixsplat/gl.h>
+#include "kernels/gl/gl_functions.h"
 #include "plan.h"
 
 /* F(type's name, function's name) for each function that is not in kernels/gl. */

@@ -2,7 +2,7 @@
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
 
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 
 /* Programs in the order of a frame: F(entry point) */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \

@@ -13,13 +13,13 @@
 
 #define FXS_STAGE __host__ __device__
 #define static static __host__ __device__
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 /* this copy is internal */
 #undef FXS_API
 #define FXS_API
 namespace {
-#include <fixsplat/fixed.h>
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/fixed.h>
+#include <fixsplat/internal/stage.h>
 #include "src/core/view.c"
 #include "src/core/object.c"
 #include "src/core/chunk.c"

@@ -1,5 +1,5 @@
 /* Saves the state of a context, sets it for a draw, and restores it. */
-#include "gl.h"
+#include "gl_functions.h"
 #include "src/core/memory.h"
 
 /* all but the last are off for a draw */

@@ -2,10 +2,10 @@
 #ifndef FXS_GLES_DEVICE_H
 #define FXS_GLES_DEVICE_H
 
-#include <fixsplat/packed.h>
-#include <fixsplat/stage.h>
-#include "kernels/gl/gl.h"
-#include <fixsplat/gles.h>
+#include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/stage.h>
+#include "kernels/gl/gl_functions.h"
+#include <fixsplat/gl.h>
 
 #define FXS_GLES_SIDE 2048         /* texels; every device supports this: 2 M records */
 #define FXS_GLES_MOST 8192         /* pixels; a target of this size has 1 GiB, which fits in 32 bits */

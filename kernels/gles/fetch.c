@@ -1,7 +1,7 @@
 /* Draws the picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
  * shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and writes the next state. A
  * second draw over the whole picture resolves the states. */
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/lister.h"
 #include "device.h"

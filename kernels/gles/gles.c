@@ -1,6 +1,6 @@
 /* Objects of the back end: functions, programs, textures and buffers; reading back; rendering to the caller's
  * target. */
-#include <fixsplat/gles.h>
+#include <fixsplat/gl.h>
 
 #include "src/core/memory.h"
 #include "device.h"

@@ -1,5 +1,5 @@
 /* Shared by tiles.c and fetch.c: windows of a picture, the caller's pictures as textures, draws to a surface. */
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "device.h"
 
 void fxs_gles_set(const fxs_gles *g)

@@ -3,7 +3,7 @@
  * one record per list, which saves an indirection per fetch and a pass over the lists. A first draw finds the blocks of
  * 4x4 pixels that each splat may touch, so that a pixel skips the other splats. Tiles are drawn in order of their
  * lists' length, longest first: in picture order an H200 takes up to 3.5 times as long. */
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/trace.h"
 #include "device.h"

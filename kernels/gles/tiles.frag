@@ -1,4 +1,4 @@
-// blend and resolve for one pixel, with the arithmetic of src/include/fixsplat/pixel.h. FETCHED: only resolve. TRACED:
+// blend and resolve for one pixel, with the arithmetic of src/include/fixsplat/internal/pixel.h. FETCHED: only resolve. TRACED:
 // also depth and id.
 uniform highp usampler2D lists;      // per tile: first record, end, first chunk; (1, 0): not drawn now
 uniform highp usampler2D masks;      // per chunk; see masks.frag

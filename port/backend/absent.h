@@ -3,7 +3,7 @@
 #define FXS_ABSENT_H
 
 #include <fixsplat/backend.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
 {

@@ -2,13 +2,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/clock.h>
-#include <fixsplat/message.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
 #if defined(FXS_WITH_GLES) && defined(FXS_WITH_EGL)
 #define HERE 1
-#include <fixsplat/compute.h>
-#include <fixsplat/egl.h>
+#include <fixsplat/gl.h>
 #endif
 
 #ifdef HERE

@@ -2,9 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
-#include <fixsplat/clock.h>
-#include <fixsplat/backends.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
 #ifdef FXS_WITH_CUDA
 #include <fixsplat/cuda.h>
 #include "src/core/targets.h"

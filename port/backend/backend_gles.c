@@ -5,25 +5,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/backends.h>
 #include "processor_internal.h"
 #include "without.h"
 
 #ifdef FXS_WITH_GLES
-#include <fixsplat/gles.h>
+#include <fixsplat/gl.h>
 #else
 typedef int fxs_gl_load_fn;
 #endif
 #ifdef FXS_WITH_EGL
-#include <fixsplat/egl.h>
 #define EGL fxs_egl_open, fxs_egl_load, fxs_egl_use, fxs_egl_close
 #else
 #define EGL 0, 0, 0, 0
 #endif
 #ifdef FXS_WITH_OSMESA
-#include <fixsplat/osmesa.h>
 #define OSMESA fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_use, fxs_osmesa_close
 #else
 #define OSMESA 0, 0, 0, 0

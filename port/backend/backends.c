@@ -1,4 +1,4 @@
-#include <fixsplat/backends.h>
+#include <fixsplat/backend.h>
 
 #include <string.h>
 

@@ -1,13 +1,13 @@
 /* Chooses the engine of a fit: the stages for this processor's instruction sets, or CUDA. */
-#include <fixsplat/backends.h>
-#include <fixsplat/message.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/fit/fit_internal.h"
 #ifdef FXS_WITH_CUDA
 #include "kernels/fit/cuda/cuda_fit.h"
 #endif
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)

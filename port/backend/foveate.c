@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
 
 enum { TILE = 16, ROWS = 16 /* rows of a job */, OPAQUE = 256 };
 

@@ -1,7 +1,7 @@
 /* Chooses the packing stages for this processor's instruction sets. */
 #include "src/pack/pack_stage.h"
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 #if defined(FXS_WITH_KERNELS) && (defined(__x86_64__) || defined(__i386__))

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,

@@ -3,8 +3,8 @@
 #define FXS_PROCESSOR_INTERNAL_H
 
 #include <fixsplat/backend.h>
-#include <fixsplat/message.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
 
 typedef struct fxs_processor {
     fxs_context context;

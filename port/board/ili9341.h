@@ -10,7 +10,7 @@
 #ifndef FXS_ILI9341_H
 #define FXS_ILI9341_H
 
-#include <fixsplat/strip.h>
+#include <fixsplat/board.h>
 
 #ifdef __cplusplus
 extern "C" {

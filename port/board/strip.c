@@ -1,7 +1,7 @@
 /* Renders a picture in strips: blends tile by tile to the strip's pixels, and calls rows_done for each full strip. */
-#include <fixsplat/strip.h>
+#include <fixsplat/board.h>
 
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 
 static int is_valid(const fxs_strip *s, const fxs_view *view)
 {

@@ -1,7 +1,7 @@
 /* Turns a scene in front of a camera that frames it. */
 #include "turntable.h"
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 
 #define COS_18_Q30 1021189159
 #define SIN_18_Q30 331804471

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 struct fxs_http_gzipped {
     fxs_http_gzipped *next;

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 /* timeouts of a connection without a request, and during an answer */
 enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };

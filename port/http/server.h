@@ -7,7 +7,7 @@
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 typedef struct fxs_http_file {
     const char *name;                       /* name in the URL: "/scenes/0/room.ply" */

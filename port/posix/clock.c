@@ -1,4 +1,4 @@
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
 
 #include <time.h>
 

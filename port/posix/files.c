@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/try_internal.h"
 

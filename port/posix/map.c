@@ -1,7 +1,7 @@
 /* Maps files read-only. A file that is cut short while mapped gives zeros instead of SIGBUS, and fxs_map_check reports
    it. */
 #define _DEFAULT_SOURCE            /* MAP_ANONYMOUS */
-#include <fixsplat/map.h>
+#include <fixsplat/system.h>
 
 #include <errno.h>
 #include <fcntl.h>

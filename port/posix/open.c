@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/map.h>
-#include <fixsplat/message.h>
-#include <fixsplat/packed.h>
-#include <fixsplat/pool.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 
 #include "src/base/files_internal.h"
 #include "src/base/try_internal.h"

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fixsplat/output.h>
+#include <fixsplat/system.h>
 #include "src/base/opened.h"
 
 enum { LINKS_MOST = 40,        /* the limit of Linux */

@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
-#include <fixsplat/message.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 
 #include "src/base/crc32.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/scene/fxs_file_internal.h"
 #include "timed_wait.h"

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/opened.h"
 

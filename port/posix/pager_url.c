@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 int fxs_pager_is_url(const char *path)
 {

@@ -4,7 +4,7 @@
 #include <sys/mman.h>
 
 #include "src/base/pages_internal.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 void *fxs_aligned_allocate(size_t bytes)
 {

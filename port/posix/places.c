@@ -1,12 +1,12 @@
 /* Finds the user's state folder and a font of the system. */
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 static void make_folders(char *path)
 {

@@ -1,6 +1,6 @@
 /* Thread pool. Each call of fxs_pool_run puts a batch of jobs in a list; the caller and all threads of the pool take
    jobs by an atomic counter. */
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 
 #include <pthread.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include <sched.h>
 #endif
 
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 /* Starts programs with posix_spawnp, opens a browser, and handles requests to end (signals). */
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 #include <dlfcn.h>
 #include <errno.h>

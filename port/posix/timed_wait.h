@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <time.h>
 
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
 
 #if defined(_WIN32) || defined(__APPLE__)
 #define BY_TIME_OF_DAY

@@ -5,14 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/kernels.h>
-#include <fixsplat/packed.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/allocator.h>
-#include <fixsplat/message.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
 #include <fixsplat/world.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 #include "src/camera/first_view.h"
 #include "web.h"
 

@@ -1,5 +1,5 @@
 /* A module has no files: opening one by its path fails with a message. Scenes come from memory. */
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/files_internal.h"
 

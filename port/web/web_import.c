@@ -5,11 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/allocator.h>
-#include <fixsplat/message.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/exponential.h"
 #include "src/scene/formats_internal.h"
 #include "web.h"

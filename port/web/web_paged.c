@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 #include "src/core/chunk.h"
 #include "src/scene/fxs_file_internal.h"
 #include "web.h"

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kernels/gl/gl.h"
-#include <fixsplat/gles.h>
+#include "kernels/gl/gl_functions.h"
+#include <fixsplat/gl.h>
 #include "web.h"
 
 #define IMPORT(type, name) \

@@ -7,7 +7,7 @@
 #include <windows.h>
 #include <stdio.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 /* Converts a UTF-8 path to UTF-16 for Windows, for free(). Paths of more than about 240 characters become absolute and
    get the prefix \\?\. Returns null and errno on failure. */

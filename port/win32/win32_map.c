@@ -3,8 +3,8 @@
 #include <errno.h>
 #include <string.h>
 
-#include <fixsplat/map.h>
-#include <fixsplat/message.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/opened.h"
 

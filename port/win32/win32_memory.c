@@ -3,8 +3,7 @@
 #include <malloc.h>
 #include <stdlib.h>
 
-#include <fixsplat/clock.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 
 #include "src/base/pages_internal.h"
 

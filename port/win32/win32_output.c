@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/output.h>
+#include <fixsplat/system.h>
 #include "src/base/opened.h"
 #include "src/base/output_internal.h"
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
 #include <fixsplat/pager.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/opened.h"
 

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 enum { PATH_MOST = 4096 };
 

@@ -4,7 +4,7 @@
 #ifndef FXS_MOTION_H
 #define FXS_MOTION_H
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 
 /* Turns the camera about the pivot, as if a drag to the right and down turned the scene by these angles. Stops before
    the view is parallel to `up`. */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "src/base/output_internal.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 enum { PATH_MOST = 4096 };
 

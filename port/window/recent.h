@@ -3,7 +3,7 @@
 #ifndef FXS_RECENT_H
 #define FXS_RECENT_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 enum { FXS_RECENT_MOST = 10 };
 

@@ -7,7 +7,7 @@
 
 #include <SDL2/SDL.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 #ifndef SDL_HINT_VIDEODRIVER        /* before SDL 2.0.22 */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"

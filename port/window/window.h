@@ -4,7 +4,7 @@
 #ifndef FXS_WINDOW_H
 #define FXS_WINDOW_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "overlay.h"
 
 typedef struct fxs_window fxs_window;

@@ -6,7 +6,7 @@
 #ifdef FXS_WITH_TTF
 #include <SDL2/SDL_ttf.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 struct fxs_words {
     TTF_Font *font;

@@ -3,7 +3,7 @@
 #ifndef FXS_WORDS_H
 #define FXS_WORDS_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "overlay.h"
 
 /* Returns 0 and words to close with fxs_words_close, or -1, null and a message. */

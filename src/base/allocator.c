@@ -1,4 +1,4 @@
-#include <fixsplat/allocator.h>
+#include <fixsplat/internal/allocator.h>
 
 #include <stdint.h>
 #include <stdlib.h>

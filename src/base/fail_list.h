@@ -4,7 +4,7 @@
 
 #include <stdarg.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 /* As fxs_fail_as, with a va_list. */
 int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments) FXS_PRINTF(3, 0);

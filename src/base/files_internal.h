@@ -7,7 +7,7 @@
 
 #include <fixsplat/fixsplat.h>
 
-#include "system.h"
+#include "os_calls.h"
 
 /* Opens a regular file for reading, and fills in *facts, which may be null. Refuses a FIFO or device without opening
    it. Returns 0, or an error and a message. */

@@ -1,3 +1,5 @@
+#include <fixsplat/internal/allocator.h>
+
 #include "inflate_internal.h"
 
 #include <string.h>

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #ifdef __cplusplus
 extern "C" {

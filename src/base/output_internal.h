@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "try_internal.h"
 
 typedef struct fxs_output {

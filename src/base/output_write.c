@@ -4,9 +4,9 @@
 #include <errno.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
-#include "system.h"
+#include "os_calls.h"
 
 int fxs_output_fail(const char *path, int error, fxs_message *message)
 {

@@ -1,11 +1,11 @@
 /* Converts a scene's up direction and start view between doubles and the fields of the packed header. Up is stored
  * as two 15-bit codes by the octahedral map. */
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
 
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 
 /* The tangent of half the field of view: 11.5 for 170 degrees, 0.0087 for 1 degree. */
 #define TANGENT_MOST 12.0

@@ -1,3 +1,5 @@
+#include <fixsplat/internal/allocator.h>
+
 #include "source_internal.h"
 
 #include <inttypes.h>

@@ -2,7 +2,7 @@
 #ifndef FXS_SOURCE_INTERNAL_H
 #define FXS_SOURCE_INTERNAL_H
 
-#include <fixsplat/input.h>
+#include <fixsplat/scene.h>
 #include "text_internal.h"
 
 /* Totals over all sources of one scene, for the limits in the options. */

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)

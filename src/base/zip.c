@@ -1,3 +1,5 @@
+#include <fixsplat/internal/allocator.h>
+
 #include "zip_internal.h"
 
 #ifdef FXS_WITH_ZIP

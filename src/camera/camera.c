@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/try_internal.h"
 #include "camera_internal.h"
 

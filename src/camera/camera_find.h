@@ -2,7 +2,7 @@
 #ifndef FXS_CAMERA_FIND_H
 #define FXS_CAMERA_FIND_H
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 
 enum { FXS_CAMERA_PATH = 4096 };   /* characters with the final zero */
 

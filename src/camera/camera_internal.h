@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 #include "camera_find.h"
 #include "lens.h"
 #include "src/base/text_internal.h"

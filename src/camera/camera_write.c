@@ -1,5 +1,5 @@
 /* Writes cameras.json, as camera_json.c reads it. */
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 #include "src/base/output_internal.h"
 #include "view_print.h"
 

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/allocator.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 #include "camera_internal.h"
 #include "ground.h"
 #include "within.h"

@@ -2,7 +2,7 @@
 #ifndef FXS_FIRST_VIEW_H
 #define FXS_FIRST_VIEW_H
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 
 typedef struct fxs_first_choice {
     double up[3];                    /* length 1 */

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/allocator.h>
+#include <fixsplat/internal/allocator.h>
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
 #define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close to an axis */

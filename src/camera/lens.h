@@ -3,7 +3,7 @@
 #ifndef FXS_LENS_H
 #define FXS_LENS_H
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 
 /* The place in the photograph of a point x, y in the pinhole picture. Coordinates are in focal lengths from the
    principal point; r^2 = x^2 + y^2, theta = atan r. The tangential and thin prism terms (p, s) at u, v, with t^2 = u^2

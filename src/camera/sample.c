@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/allocator.h>
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/fixed.h>
 #include "src/base/tilt.h"
 #include "src/core/codes.h"
 

@@ -3,7 +3,7 @@
 #define FXS_SAMPLE_H
 
 #include <fixsplat/fixsplat.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #define FXS_SAMPLE_MOST 20480u       /* most Gaussians that are drawn */
 #define FXS_SAMPLE_POINTS (3 * FXS_SAMPLE_MOST)

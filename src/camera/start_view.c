@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/message.h>
 #include "camera_internal.h"
 
 int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *message)

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 
 void fxs_view_print(FILE *to, const fxs_file_view *view);
 

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include <fixsplat/allocator.h>
+#include <fixsplat/internal/allocator.h>
 
 enum { FACE = 6, BINS = 6 * FACE * FACE };    /* bins of directions: squares on the faces of a cube */
 enum { GRID = 7, PLACES = GRID * GRID * GRID };

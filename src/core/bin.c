@@ -2,7 +2,7 @@
  * breadth sqrt(r^2 - v^2), v between the row's first and last pixel row; the ellipse's leftmost and rightmost points
  * are at v = +- r shear / sqrt(A), A being the variance of x. A margin of 1/8 pixel and 1/256 of the ellipse's size
  * covers rounding, so a list never misses a pixel that passes the test in pixel.h. */
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "lister.h"
 #include "memory.h"
 

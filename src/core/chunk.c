@@ -1,7 +1,7 @@
 /* The part of project that runs once per chunk: transforms the chunk's box to camera space and culls it. */
 #include "chunk.h"
 
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
 const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {

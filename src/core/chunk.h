@@ -2,8 +2,8 @@
 #ifndef FXS_CHUNK_H
 #define FXS_CHUNK_H
 
-#include <fixsplat/packed.h>
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/stage.h>
 
 /* Constants of project. */
 #define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */

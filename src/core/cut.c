@@ -10,7 +10,7 @@
  * nodes would limit how many nodes are opened, and the number of opened nodes would limit how many fade. */
 #include "cut.h"
 
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 #include "sight.h"
 

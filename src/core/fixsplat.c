@@ -1,7 +1,7 @@
 /* The table of the C kernels, and the functions of fixsplat.h that do not render: error texts, names, defaults,
  * setup. */
 #include "memory.h"
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 
 const fxs_kernels fxs_kernels_c = {
     {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_spans_c, fxs_note_c,

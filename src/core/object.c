@@ -4,7 +4,7 @@
 #include "object.h"
 
 #include "codes.h"
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
 #define SCALE_LEAST_Q32 (FXS_ONE_Q32 >> 16)

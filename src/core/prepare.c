@@ -1,7 +1,7 @@
 /* Stages project, shade and bin, for a chunk, a block of chunks, and all blocks. Blocks are independent jobs. Each
  * block has its own slots, so splats come out in the order of the chunks. */
 #include "chunk.h"
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 #include "bands.h"
 #include "prepare.h"

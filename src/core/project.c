@@ -2,7 +2,7 @@
  * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is stored in fixed point, in
  * units of 2^E pixels, with E from the Gaussian's size. */
 #include "codes.h"
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 

@@ -1,7 +1,7 @@
 /* shade: quantised SH and view direction -> colour = max(0, 0.5 + sum basis * coefficient). Basis functions and signs
  * as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting, "Calculating color". */
 #include "codes.h"
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))

@@ -9,7 +9,7 @@
  * keeps mass and mean, so little of its error remains when the merged Gaussian is smaller than a pixel. */
 #include "sight.h"
 
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
 #define BLUR 4                     /* below a size of BLURRED_Q8, the error falls with this power of the size */

@@ -1,7 +1,7 @@
 /* sort: radix sort by depth, then slot, least significant digit first. One job sorts a macro tile's list. Several jobs
  * sort all splats of a band for a back end without lists: each has a part of the keys. Keys with the same digit are
  * placed in the order of the parts, so the result does not depend on the number of jobs. */
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 #include "sort.h"
 

@@ -2,7 +2,7 @@
  * depend on the Gaussian. */
 #include "view.h"
 
-#include <fixsplat/fixed.h>
+#include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
 #define POSITION_LIMIT_Q32 ((int64_t)1 << 60)   /* 2^28 units */

@@ -2,7 +2,7 @@
 #ifndef FXS_VIEW_H
 #define FXS_VIEW_H
 
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 
 /* The camera in world space. Returns 0, FXS_ERR_CAMERA or FXS_ERR_SIZE. */
 int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options);

@@ -1,13 +1,13 @@
 /* Divides a large set into blocks that are fitted one after the other: chooses each block's bounds, photographs, and
  * points or Gaussians of the coarse fit. Bounds come from repeated splits of the points' box along its widest axis.
  * A photograph belongs to a block if it sees the block's points and stands near them, or sees at least 1/20 of them. */
-#include <fixsplat/blocks.h>
+#include "blocks.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "coarse.h"
 #include "photo_pixels.h"
 #include "photos_internal.h"

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/files_internal.h"
 #include "src/base/output_internal.h"
 #include "coarse.h"

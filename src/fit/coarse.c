@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "random.h"
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */

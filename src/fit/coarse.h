@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H
 
-#include <fixsplat/blocks.h>
+#include "blocks.h"
 #include "src/camera/camera_internal.h"
 #include "fit_internal.h"
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "exposure.h"
 #include "pose.h"
 #include "random.h"

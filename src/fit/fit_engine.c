@@ -1,7 +1,7 @@
 /* The CPU engine: works directly on the fit's model. */
 #include <stdlib.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "fit_internal.h"
 
 static int fail(int error, fxs_message *message)

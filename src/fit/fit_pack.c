@@ -1,5 +1,5 @@
 /* Returns and packs the Gaussians of a fit, and runs its last phase (profile.h). */
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/run.h"
 #include "src/base/try_internal.h"
 #include "fit_internal.h"

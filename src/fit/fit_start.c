@@ -2,8 +2,8 @@
    elevation angle. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
-#include <fixsplat/message.h>
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/message.h>
 #include <math.h>
 #include <string.h>
 

@@ -7,10 +7,10 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/packed.h>
-#include "src/base/system.h"
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
+#include "src/base/os_calls.h"
 #include "fit_internal.h"
 #include "planes.h"
 #include "random.h"

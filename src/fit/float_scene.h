@@ -3,8 +3,8 @@
 #ifndef FXS_FLOAT_SCENE_H
 #define FXS_FLOAT_SCENE_H
 
-#include <fixsplat/camera_file.h>
-#include <fixsplat/gaussian.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/scene.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "src/base/run.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "curve.h"
 #include "nearest.h"
 #include "planes.h"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/files_internal.h"
 #include "src/image/photograph.h"
 

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_PHOTO_LIST_H
 #define FXS_FIT_PHOTO_LIST_H
 
-#include <fixsplat/photos.h>
+#include <fixsplat/fit.h>
 #include "src/camera/camera_internal.h"
 
 enum { FXS_PHOTO_PATH = FXS_CAMERA_PATH };

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/image_file.h>
-#include <fixsplat/message.h>
+#include <fixsplat/image.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/files_internal.h"
 
 /* ---- Which files ------------------------------------------------------------------------------------------------- */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "src/camera/colmap_internal.h"
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/scene/read/ply_header.h"
 #include "random.h"
 

@@ -1,13 +1,13 @@
 /* Reads a set of photographs (photos.h): pixels in batches on the thread pool, then the points. Sets without points
  * start with random ones in a cube around the cameras. */
-#include <fixsplat/photos.h>
+#include <fixsplat/fit.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/run.h"
 #include "photo_list.h"
 #include "photo_pixels.h"

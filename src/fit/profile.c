@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 #include "src/base/tilt.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/pack/order.h"
 #include "model.h"

@@ -7,14 +7,14 @@
  * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
  * a node is the node's error minus its children's errors, times (distance / focal length)^2 as in src/core/cut.c,
  * averaged over the views that see the node. */
-#include <fixsplat/refine.h>
+#include <fixsplat/fit.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 #include "src/base/exponential.h"
 #include "src/core/chunk.h"
 #include "src/gaussian/origin_internal.h"

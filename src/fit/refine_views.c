@@ -9,9 +9,9 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/message.h>
-#include <fixsplat/packed.h>
-#include "src/base/system.h"
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
+#include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/camera/camera_internal.h"
 #include "src/camera/first_view.h"

@@ -2,7 +2,7 @@
 #ifndef FXS_REFINE_VIEWS_H
 #define FXS_REFINE_VIEWS_H
 
-#include <fixsplat/refine.h>
+#include <fixsplat/fit.h>
 #include "stepper.h"
 
 /* Two sizes of each view; large ones only if there are steps. */

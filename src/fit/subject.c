@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/try_internal.h"
 #include "fit_internal.h"
 #include "fit_lanes.h"

@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 
 #include "attributes.h"
 

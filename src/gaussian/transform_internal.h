@@ -2,7 +2,7 @@
 #ifndef FXS_TRANSFORM_INTERNAL_H
 #define FXS_TRANSFORM_INTERNAL_H
 
-#include <fixsplat/gaussian.h>
+#include <fixsplat/scene.h>
 
 typedef struct fxs_transform {
     double linear[3][3], shift[3];

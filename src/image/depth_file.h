@@ -2,7 +2,7 @@
 #ifndef FXS_DEPTH_FILE_H
 #define FXS_DEPTH_FILE_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,4 +1,4 @@
-#include <fixsplat/film_file.h>
+#include <fixsplat/image.h>
 
 #include <errno.h>
 #include <stdlib.h>

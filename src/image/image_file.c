@@ -1,6 +1,6 @@
 /* Decodes .png, .jpg, .webp, HEIF and .ppm, chosen by the first bytes. A picture is read completely or refused.
  * Limits on pixels per byte of the file and on scans keep small files from taking much memory or time. */
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 #include <ctype.h>
 #include <errno.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/files_internal.h"
 #include "src/base/foreign.h"
 #include "src/base/opened.h"

@@ -3,7 +3,7 @@
 #ifndef FXS_PANORAMA_H
 #define FXS_PANORAMA_H
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 
 #ifdef __cplusplus
 extern "C" {

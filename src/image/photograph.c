@@ -5,8 +5,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include <fixsplat/image_file.h>
-#include <fixsplat/message.h>
+#include <fixsplat/image.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/try_internal.h"
 
 #ifdef FXS_WITH_EXIF

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/image_file.h>
-#include <fixsplat/message.h>
+#include <fixsplat/image.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/output_internal.h"
 #include "png_internal.h"
 #include "src/base/try_internal.h"

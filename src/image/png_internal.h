@@ -2,7 +2,7 @@
 #ifndef FXS_PNG_INTERNAL_H
 #define FXS_PNG_INTERNAL_H
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 /* Bits per channel and colour type of IHDR. */
 enum { FXS_PNG_GREY_16 = 16 << 8 | 0, FXS_PNG_RGB = 8 << 8 | 2, FXS_PNG_RGBA = 8 << 8 | 6 };

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include <fixsplat/gaussian.h>
+#include <fixsplat/scene.h>
 
 enum { FXS_MERGE_MOST = 512 };         /* capacity of a set, Gaussians */
 

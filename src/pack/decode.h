@@ -2,8 +2,8 @@
 #ifndef FXS_DECODE_H
 #define FXS_DECODE_H
 
-#include <fixsplat/gaussian.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/packed.h>
 
 /* Decodes slot g of a chunk. The header is in this processor's byte order. From `scene`, only profile, degree and
    palette are used. */

@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "palette.h"
-#include <fixsplat/gaussian.h>
+#include <fixsplat/scene.h>
 #include "src/gaussian/attributes.h"
 
 #define FXS_LOG2_E 1.4426950408889634

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include <fixsplat/gaussian.h>
+#include <fixsplat/scene.h>
 
 #define FXS_SEEN_MOST 16384          /* capacity of a sample, Gaussians */
 

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "coarsen.h"
 
 enum {

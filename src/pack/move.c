@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 
 static void move_chunks(unsigned char *headers, uint32_t count, const int64_t by_q32[3])
 {

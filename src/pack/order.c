@@ -10,7 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/packed.h>
 
 enum {
     BINS = 32,                       /* bins of a histogram; cuts are tried at their borders */

@@ -11,9 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "src/base/exponential.h"
-#include <fixsplat/message.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/pages_internal.h"
 #include "src/base/run.h"
 #include "src/base/try_internal.h"

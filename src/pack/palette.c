@@ -2,6 +2,8 @@
  * entries, then the entries of each group, so that a search compares with few vectors. After all stages, joint rounds
  * move the entries of all stages towards the sums that Gaussians actually choose. Last, entries are quantised to 8 bits
  * with one step. Vectors are int16 in units of 2^-unit_exponent. */
+#include <fixsplat/internal/allocator.h>
+
 #include "palette.h"
 
 #include <float.h>

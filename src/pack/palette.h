@@ -7,9 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <fixsplat/packed.h>
-#include <fixsplat/message.h>
 #include <fixsplat/pack.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 
 /* SH of a Gaussian, waiting for the scene's palette; 64 bytes. */
 typedef struct fxs_sh_item {
@@ -84,7 +84,7 @@ typedef struct fxs_sh_loss {
 } fxs_sh_loss;
 
 /* Codes the SH of a chunk of `count` Gaussians. Writes the chunk's mean, and a record per Gaussian
-   (src/include/fixsplat/packed.h), records `stride` bytes apart. The error of a Gaussian is diffused to later
+   (src/include/fixsplat/internal/packed.h), records `stride` bytes apart. The error of a Gaussian is diffused to later
    Gaussians of the chunk that overlap it. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);

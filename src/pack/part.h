@@ -22,7 +22,7 @@
 #define FXS_PART_H
 
 #include <fixsplat/pack.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "src/base/crc32.h"
 #include "tree.h"
 

@@ -6,6 +6,8 @@
    A part of a scene has a run of the chunks, and builds the nodes with all leaves in this run: their shape needs the
    boxes of all chunks, their contents only the run. Building the nodes above needs, from each part, the sums of its
    nodes and the merged Gaussians, as floats, of its topmost nodes. */
+#include <fixsplat/internal/allocator.h>
+
 #include "tree.h"
 
 #include <float.h>

@@ -3,7 +3,7 @@
 #define FXS_TREE_H
 
 #include <fixsplat/pack.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "coarsen.h"
 #include "palette.h"
 

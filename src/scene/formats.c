@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/foreign.h"
 
 /* FXS_TO_PACK: a build that only packs what it reads. It has no writers, no reader of packed scenes and no

@@ -2,8 +2,7 @@
 #ifndef FXS_FORMATS_INTERNAL_H
 #define FXS_FORMATS_INTERNAL_H
 
-#include <fixsplat/formats.h>
-#include <fixsplat/scene_write.h>
+#include <fixsplat/scene.h>
 
 #include "src/gaussian/stream_internal.h"
 

@@ -1,12 +1,12 @@
 /* Checks and writes .fxs files. Checksums are CRC-32: one each for the header, the palette, the tree, and every chunk
    header with its rows. */
-#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene.h>
 
 #include <stdint.h>
 #include <string.h>
 
 #include <fixsplat/fixsplat.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 #include "src/base/output_internal.h"
 #include "src/base/try_internal.h"
 #include "src/core/codes.h"

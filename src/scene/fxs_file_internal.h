@@ -3,7 +3,7 @@
 #ifndef FXS_FXS_FILE_INTERNAL_H
 #define FXS_FXS_FILE_INTERNAL_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/crc32.h"
 

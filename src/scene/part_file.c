@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 
 #include "fxs_file_internal.h"
 #include "src/base/files_internal.h"

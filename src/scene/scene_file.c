@@ -1,10 +1,11 @@
 /* Opens scene files and memory: finds the format by the content and starts its reader. */
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 #include <stdio.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 
 #include "formats_internal.h"
 #include "src/base/files_internal.h"

@@ -1,11 +1,11 @@
 /* Passes Gaussians to the writer of a format, chosen by its name or the path's ending. */
-#include <fixsplat/scene_write.h>
+#include <fixsplat/scene.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #include "formats_internal.h"
 #include "src/gaussian/origin_internal.h"

@@ -1,5 +1,6 @@
 /* Placements of scenes in a world: checks them, and converts them to objects, matrices and boxes. */
 #include <fixsplat/world.h>
+#include <fixsplat/internal/message.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 #!/bin/sh
-# src/include/fixsplat/pixel.h compiles as three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C
+# src/include/fixsplat/internal/pixel.h compiles as three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C
 # (nvcc, if installed).
 cd "$(dirname "$0")/../.." || exit 1
-header=src/include/fixsplat/pixel.h
+header=src/include/fixsplat/internal/pixel.h
 use=tests/gates/pixel_use.inc
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

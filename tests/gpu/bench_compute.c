@@ -9,12 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
+#include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/clock.h>
-#include <fixsplat/egl.h>
-#include <fixsplat/map.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/gl.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/packed.h>
 #include "kernels/compute/gl31.h"
 
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */

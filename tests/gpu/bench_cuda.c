@@ -11,8 +11,8 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/map.h>
-#include <fixsplat/packed.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/packed.h>
 #include "peek.h"
 
 enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };

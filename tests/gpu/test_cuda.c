@@ -2,10 +2,10 @@
  * --quick: few random frames, for the sanitizers. */
 #include <inttypes.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/foveate.h>
+#include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/map.h>
+#include <fixsplat/foveate.h>
+#include <fixsplat/system.h>
 #include "src/core/frame.h"
 #include "src/core/targets.h"
 #include "tests/one_scene.h"

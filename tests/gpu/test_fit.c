@@ -2,7 +2,7 @@
  * [--quick]`; --quick: few small ones, for the sanitizers. test_fit_steps --cuda tests whole fits. */
 #include "src/fit/stepper.c"
 
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "tests/fit_scene.h"
 #include "peek_fit.h"
 

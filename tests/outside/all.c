@@ -2,8 +2,8 @@
    C++17. */
 #include "picture.h"
 
-#include <fixsplat/fxs_file.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/scene.h>
 
 int main(int argc, char **argv)
 {

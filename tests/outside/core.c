@@ -1,7 +1,7 @@
 /* core PACKED: draws a packed scene with the core alone. */
 #include "picture.h"
 
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 
 int main(int argc, char **argv)
 {

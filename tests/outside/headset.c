@@ -11,12 +11,10 @@
 #include <GLES3/gl3.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/compute.h>
-#include <fixsplat/egl.h>
-#include <fixsplat/gles.h>
-#include <fixsplat/kernels.h>
+#include <fixsplat/gl.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
 #define NEAR_PLANE 0.1f            /* of the depth images; the far plane is at 100 */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/fixsplat.h>
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 160, HEIGHT = 120 };
 

@@ -17,7 +17,7 @@ files() { (cd "$1" && find . ! -type d | sort | tr '\n' ' '); }
 
 check "make install" make_ install
 [ -d "$include" ] || { cat "$work/log"; finish; exit 1; }
-headers=$(make -s --no-print-directory headers | sed 's|.*/||' | sort)
+headers=$(make -s --no-print-directory headers | sed 's|^src/include/fixsplat/||' | sort)
 shared=$(ls "$library" | grep 'so\.')
 
 # ---- Installed files -------------------------------------------------------------------------------------------------
@@ -50,7 +50,7 @@ check "modes" equal "$(find "$prefix" -type f ! -perm 644 | sort | tr '\n' ' ')"
 # each COMPILER LANGUAGE STANDARD: compiles a program of each header alone.
 mkdir "$work/alone"
 for header in $headers; do
-    echo "#include <fixsplat/$header>" >"$work/alone/${header%.h}.c"
+    echo "#include <fixsplat/$header>" >"$work/alone/$(basename "$header" .h).c"
 done
 each() {
     if echo 'int main(void) { return 0; }' | "$1" -x "$2" -std="$3" -fsyntax-only - 2>/dev/null; then

@@ -87,7 +87,7 @@ check "convert lod-meta.json: the same folder" diff -r windows linux
 # Headers after windows.h, as Windows programs include them.
 {
     echo '#include <windows.h>'
-    ls "$root/src/include/fixsplat" | sed 's|.*|#include <fixsplat/&>|'
+    (cd "$root/src/include" && find fixsplat -name '*.h') | sed 's|.*|#include <&>|'
     sed -n -e 's/^\(fxs_[a-z0-9_]*\) \([0-9]*\) bytes$/_Static_assert(sizeof(\1) == \2, "\1");/p' \
         -e 's/^\(fxs_[a-z0-9_]*\)\.\([a-zA-Z0-9_]*\) \([0-9]*\) .*/_Static_assert(offsetof(\1, \2) == \3, "\1.\2");/p' \
         "$root/tests/outside/layout-1.0"

@@ -6,13 +6,12 @@
 #include <stdlib.h>
 #include <windows.h>
 
-#include <fixsplat/backends.h>
+#include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/camera_file.h>
-#include <fixsplat/declarations.h>
-#include <fixsplat/map.h>
 #include <fixsplat/renderer.h>
+#include <fixsplat/system.h>
 #include <fixsplat/world.h>
+#include <fixsplat/internal/declarations.h>
 
 static HMODULE library;
 

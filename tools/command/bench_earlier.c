@@ -19,7 +19,7 @@ int bench_earlier_read(bench_earlier *earlier, const char *path, const bench_fac
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 #define FILE_MOST 65536
 

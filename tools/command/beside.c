@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "command.h"
 
 #ifdef FXS_WITH_SDL

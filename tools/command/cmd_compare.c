@@ -2,8 +2,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <fixsplat/formats.h>
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
+#include <fixsplat/scene.h>
 #include "command.h"
 #include "command_line.h"
 #include "file_guard.h"

@@ -5,14 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/formats.h>
-#include <fixsplat/kernels.h>
+#include <fixsplat/fit.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
-#include <fixsplat/refine.h>
-#include <fixsplat/scene_write.h>
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/kernels.h>
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"

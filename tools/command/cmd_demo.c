@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 #include "command.h"
 #include "command_line.h"
 

@@ -2,10 +2,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/formats.h>
-#include <fixsplat/pool.h>
-#include "src/base/system.h"
+#include <fixsplat/backend.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include "src/base/os_calls.h"
 #include "beside.h"
 #include "drawing.h"
 #include "tools/serve/page_folder.h"

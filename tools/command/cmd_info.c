@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/strip.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/board.h>
 #include "port/board/turntable.h"
-#include <fixsplat/pool.h>
-#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
 #include "tree_levels.h"
 #include "quality.h"
 #include "stats.h"

@@ -3,8 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/formats.h>
-#include <fixsplat/scene_write.h>
+#include <fixsplat/scene.h>
 #include "command.h"
 #include "command_line.h"
 #include "procedural.h"

@@ -4,10 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/formats.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/map.h>
-#include "src/base/system.h"
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include "src/base/os_calls.h"
 #include "cmd_render.h"
 #include "file_guard.h"
 #include "tools/serve/made_list.h"

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/formats.h>
-#include "src/base/system.h"
+#include <fixsplat/backend.h>
+#include <fixsplat/scene.h>
+#include "src/base/os_calls.h"
 #include "src/image/depth_file.h"
 
 enum { FRAMES_MOST = 100000 };              /* frames of a film */

@@ -2,7 +2,7 @@
 #ifndef CMD_RENDER_H
 #define CMD_RENDER_H
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 #include "drawing.h"
 
 typedef struct render_options {

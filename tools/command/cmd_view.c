@@ -2,7 +2,7 @@
    page. */
 #include <string.h>
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 #include "beside.h"
 #include "cmd_view.h"
 #include "views.h"

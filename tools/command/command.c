@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "src/base/fail_list.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 /* ---- Errors and notes -------------------------------------------------------------------------------------------- */
 

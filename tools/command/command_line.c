@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "command.h"
 
 /* ---- Common options -------------------------------------------------------------------------------------------- */

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/fixed.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/internal/fixed.h>
 
 enum { WAIT_NS = 100000000, TRIES = 6 };
 

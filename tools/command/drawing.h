@@ -3,7 +3,7 @@
 #define DRAWING_H
 
 #include <fixsplat/foveate.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "frame_options.h"
 
 /* Targets besides colour. */

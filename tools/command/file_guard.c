@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/output.h>
+#include <fixsplat/system.h>
 #include "src/base/opened.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "command.h"
 
 /* A regular file, existing or not. */

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/system.h>
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 /* ---- Taking ------------------------------------------------------------------------------------------------------ */

@@ -7,12 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
-#include <fixsplat/map.h>
-#include <fixsplat/message.h>
-#include <fixsplat/packed.h>
-#include <fixsplat/scene_decimate.h>
-#include "src/base/system.h"
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
+#include "src/base/os_calls.h"
 #include "file_guard.h"
 
 #define LARGE ((size_t)64 << 20)    /* bytes from which paging an .fxs is worthwhile */

@@ -3,7 +3,7 @@
 #define SCENE_H
 
 #include <fixsplat/renderer.h>
-#include <fixsplat/scene_filter.h>
+#include <fixsplat/scene.h>
 #include "command.h"
 
 typedef struct loaded_scene {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene.h>
 
 #include "command_line.h"
 

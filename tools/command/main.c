@@ -1,10 +1,10 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/formats.h>
-#include <fixsplat/output.h>
-#include "src/base/system.h"
+#include <fixsplat/backend.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include "src/base/os_calls.h"
 #include "file_guard.h"
 #include "drawing.h"
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 
 #define WINDOW 11
 #define SIGMA 1.5

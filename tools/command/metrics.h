@@ -2,7 +2,7 @@
 #ifndef METRICS_H
 #define METRICS_H
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 struct fxs_metrics {
     double mse;    /* mean squared error, in levels of 0..255 */

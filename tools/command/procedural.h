@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 typedef struct fxs_procedural_scene {
     const char *name;

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <fixsplat/fxs_file.h>
 #include <fixsplat/pack.h>
-#include "src/base/system.h"
+#include <fixsplat/scene.h>
+#include "src/base/os_calls.h"
 #include "command.h"
 
 #define WORTH_SAYING 1.5           /* smallest ratio of sizes to report */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/map.h>
+#include <fixsplat/system.h>
 #include "command.h"
 #include "publish_scene.h"
 #include "tools/serve/scene_pages.h"

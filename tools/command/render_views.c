@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "src/image/depth_file.h"
-#include <fixsplat/film_file.h>
+#include <fixsplat/image.h>
 #include "src/image/panorama.h"
 #include "src/camera/lens_warp.h"
 #include "file_guard.h"

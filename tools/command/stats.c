@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 #include "src/gaussian/attributes.h"
 #include "command.h"
 

@@ -2,7 +2,7 @@
 #ifndef STATS_H
 #define STATS_H
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 enum { STATS_BINS = 40, STATS_MOST = 13 };
 

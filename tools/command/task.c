@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
 #include "command.h"
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 
 enum { TASK_LINE = 512, TO_INSTALL = 64 };
 

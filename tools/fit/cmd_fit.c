@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
 #include "tools/command/beside.h"
 #include "tools/command/file_guard.h"
 #include "fit_result.h"

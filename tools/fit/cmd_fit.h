@@ -2,7 +2,7 @@
 #ifndef CMD_FIT_H
 #define CMD_FIT_H
 
-#include <fixsplat/blocks.h>
+#include "src/fit/blocks.h"
 #include "fit_progress.h"
 
 typedef struct fit_command {

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 #include "tools/command/command.h"
 
 enum { SIDE = 256, LEAST = 3 };

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "fit_result.h"
 
 /* ---- Printing ---------------------------------------------------------------------------------------------------- */

@@ -5,8 +5,8 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
-#include "src/base/system.h"
+#include <fixsplat/system.h>
+#include "src/base/os_calls.h"
 #include "tools/command/command.h"
 
 /* ---- Progress ---------------------------------------------------------------------------------------------------- */

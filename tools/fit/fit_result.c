@@ -7,10 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/image_file.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/scene_write.h>
-#include "src/base/system.h"
+#include <fixsplat/image.h>
+#include <fixsplat/scene.h>
+#include "src/base/os_calls.h"
 #include "tools/command/file_guard.h"
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */

@@ -2,7 +2,7 @@
 #ifndef FIT_RESULT_H
 #define FIT_RESULT_H
 
-#include <fixsplat/blocks.h>
+#include "src/fit/blocks.h"
 #include "tools/command/quality.h"
 
 /* Checks that result_write knows the name's ending and that the file can be written. Returns 0, or prints the reason

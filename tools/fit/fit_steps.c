@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
-#include "src/base/system.h"
+#include <fixsplat/system.h>
+#include "src/base/os_calls.h"
 #include "fit_result.h"
 
 /* ---- Saves ------------------------------------------------------------------------------------------------------- */

@@ -2,7 +2,7 @@
 #ifndef FIT_WATCHER_H
 #define FIT_WATCHER_H
 
-#include <fixsplat/photos.h>
+#include <fixsplat/fit.h>
 #include "tools/command/quality.h"
 
 typedef struct fit_now {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/pool.h>
+#include <fixsplat/system.h>
 #include "tools/command/command.h"
 #include "src/image/photograph.h"
 

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/camera_file.h>
-#include <fixsplat/image_file.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/image.h>
 #include "src/camera/camera_find.h"
 #include "src/fit/photo_points.h"
 #include "src/fit/photo_masks.h"

@@ -1,6 +1,6 @@
 // node tools/scripts/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in
 // GLSL ES 3.10 without unneeded white space (stored in kernels/compute/generated); and STAGE.wgsl, complete for WebGPU, if FOLDER is another one. Sources:
-// kernels/compute/*.wgsl and src/include/fixsplat/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
+// kernels/compute/*.wgsl and src/include/fixsplat/internal/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
 import { writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";

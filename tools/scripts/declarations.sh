@@ -36,7 +36,7 @@ declarations() { printf '%s\n' "$text" | awk '
 }
 
 [ "$as_c" ] || { declarations; exit; }
-echo '#include <fixsplat/declarations.h>'
+echo '#include <fixsplat/internal/declarations.h>'
 echo 'static const char text[] = {'
 declarations | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'
 echo '0};'

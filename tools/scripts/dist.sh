@@ -146,11 +146,11 @@ windows() {
     folder=$build/zip/$name-windows-x86_64
     make -s windows B=build CFLAGS=-O2 WINDOWS_LIBRARIES="$libraries"
     rm -rf "$folder"
-    mkdir -p "$folder/bin" "$folder/lib" "$folder/include/fixsplat" "$folder/share/fixsplat"
+    mkdir -p "$folder/bin" "$folder/lib" "$folder/include" "$folder/share/fixsplat"
     cp build/windows/fixsplat.exe build/windows/fixsplat-view.exe build/windows/fixsplat-web.exe \
         build/windows/libfixsplat-*.dll "$folder/bin"
     cp build/windows/libfixsplat*.a "$folder/lib"
-    cp $(make -s headers) "$folder/include/fixsplat"
+    cp -r src/include/fixsplat "$folder/include"
     cp -r build/web/package "$folder/share/fixsplat/web"
     complete "$folder/lib/libfixsplat.a" /usr/$machine/lib/libz.a "$libraries"/lib/*.a
     documents

@@ -1,4 +1,4 @@
-// Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/pixel.h.
+// Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/internal/pixel.h.
 // node tools/scripts/stages.mjs FILE writes the module stages.js of the npm package: the parts' texts without comments, and the
 // names of each stage's parts.
 import { readFileSync, writeFileSync } from "node:fs";
@@ -10,7 +10,7 @@ export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "
 // pixel.h uses so small a subset of C that these replacements turn it into WGSL.
 function pixelHeader()
 {
-    return readFileSync("src/include/fixsplat/pixel.h", "utf8")
+    return readFileSync("src/include/fixsplat/internal/pixel.h", "utf8")
         .replace(/\/\*[^]*?\*\//g, "")
         .replace(/[ \t]+$/gm, "")
         .replace(/^#define (\w+) (\d+)$/gm, "const $1: i32 = $2;")

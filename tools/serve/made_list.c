@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "tools/command/task.h"
 
 void made_list_add(made_list *list, const char *path)

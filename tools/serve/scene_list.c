@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/formats.h>
-#include "src/base/system.h"
+#include <fixsplat/scene.h>
+#include "src/base/os_calls.h"
 #include "tools/command/command.h"
 #include "tools/fit/reconstruct.h"
 #include "tools/command/task.h"

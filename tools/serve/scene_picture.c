@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 static int render(const fxs_opened *opened, int width, int height, const uint8_t background[3], uint32_t threads,
                   uint8_t *pixels, fxs_message *message)

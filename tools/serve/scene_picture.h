@@ -2,7 +2,7 @@
 #ifndef SCENE_PICTURE_H
 #define SCENE_PICTURE_H
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/image.h>
 #include <fixsplat/renderer.h>
 
 enum { PICTURE_WIDTH = 1280, PICTURE_HEIGHT = 720, PICTURE_QUALITY = 85 };

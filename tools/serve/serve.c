@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/camera.h>
 #include "port/http/server.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/camera/view_print.h"
 #include "tools/command/cmd_view.h"
 #include "page_folder.h"

@@ -5,9 +5,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
-/* Closes a temporary file and returns a descriptor (src/base/system.h) of its content. Returns -1 and sets errno if
+/* Closes a temporary file and returns a descriptor (src/base/os_calls.h) of its content. Returns -1 and sets errno if
    the file is null, or writing it failed. */
 int keep_written(FILE *file);
 

@@ -2,7 +2,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "tools/command/command.h"
 #include "serve.h"
 

@@ -7,12 +7,10 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/clock.h>
-#include <fixsplat/fxs_file.h>
-#include <fixsplat/output.h>
-#include <fixsplat/start.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
 #include "port/http/server.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/camera/view_print.h"
 #include "tools/command/file_guard.h"
 #include "tools/fit/fit_result.h"

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
-#include <fixsplat/fxs_file.h>
-#include "src/base/system.h"
+#include <fixsplat/scene.h>
+#include <fixsplat/system.h>
+#include "src/base/os_calls.h"
 #include "scene_picture.h"
 #include "serve.h"
 

@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/clock.h>
+#include <fixsplat/system.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "tools/command/views.h"
-#include <fixsplat/packed.h>
+#include <fixsplat/internal/packed.h>
 
 enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
        FILM_NS = 1000000000 / FILM_RATE };

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backends.h>
-#include <fixsplat/film_file.h>
-#include <fixsplat/clock.h>
+#include <fixsplat/backend.h>
+#include <fixsplat/image.h>
+#include <fixsplat/system.h>
 #include "port/window/motion.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "tools/command/cmd_convert.h"
-#include <fixsplat/formats.h>
+#include <fixsplat/scene.h>
 
 #include "viewer.h"
 

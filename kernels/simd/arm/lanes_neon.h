@@ -7,7 +7,7 @@
 #define ISA neon
 #define LANES 4
 #include "src/core/memory.h"
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 #include "kernels/simd/lanes/vectors.h"
 
 typedef vi mask;                   /* -1 or 0 */
@@ -217,7 +217,7 @@ static inline vu top_half(wide x, vi shift)
                             (vw)vshlq_u64((uint64x2_t)x.high, vmovl_high_s32((int32x4_t)shift))});
 }
 
-/* As in src/include/fixsplat/fixed.h. Result is below 2^31. */
+/* As in src/include/fixsplat/internal/fixed.h. Result is below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - high_half(mul_wide_u(m, (vu)all(2021161081)));

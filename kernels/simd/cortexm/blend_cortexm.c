@@ -1,6 +1,6 @@
 /* blend for Cortex-M without vectors. Same arithmetic as src/core/blend.c on fewer pixels: on each row only the pixels
  * that the splat can reach, and no rows with all pixels closed. */
-#include <fixsplat/pixel.h>
+#include <fixsplat/internal/pixel.h>
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
 

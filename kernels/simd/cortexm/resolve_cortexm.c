@@ -1,8 +1,8 @@
 /* resolve for Cortex-M without vectors, to RGB565, the format of displays; the C version handles other formats. A pixel
  * without splats is the background, converted once. */
 #include "src/core/memory.h"
-#include <fixsplat/packed.h>
-#include <fixsplat/pixel.h>
+#include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/pixel.h>
 #include "kernels/simd/lanes/stages.h"
 
 /* (most c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */

@@ -1,6 +1,6 @@
 /* Declares the versions of the stages. FXS_BLEND(avx2) expands to the function head of fxs_blend_avx2, to be followed
    by a body or a semicolon. Each version gives the same results as the C version, declared in
-   src/include/fixsplat/stage.h. */
+   src/include/fixsplat/internal/stage.h. */
 #ifndef FXS_STAGES_H
 #define FXS_STAGES_H
 

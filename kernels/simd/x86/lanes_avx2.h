@@ -6,7 +6,7 @@
 #define LANES 8
 #define V __m256i
 #define MM(name) _mm256_##name
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 #include "common.h"
 
 typedef vi mask;                   /* -1 or 0 */

@@ -6,7 +6,7 @@
 #define LANES 16
 #define V __m512i
 #define MM(name) _mm512_##name
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 #include "common.h"
 
 typedef __mmask16 mask;

@@ -7,7 +7,7 @@
 #define V __m128i
 #define MM(name) _mm_##name
 #include "src/core/memory.h"
-#include <fixsplat/stage.h>
+#include <fixsplat/internal/stage.h>
 #include "common.h"
 
 typedef vi mask;                   /* -1 or 0 */

@@ -102,7 +102,7 @@ static inline vi round_shift(vi x, const int shift)
     return (x + half) >> shift;
 }
 
-/* Newton's steps as in src/include/fixsplat/fixed.h, on the low halves of 64-bit numbers, so that no step has to
+/* Newton's steps as in src/include/fixsplat/internal/fixed.h, on the low halves of 64-bit numbers, so that no step has to
    narrow. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {

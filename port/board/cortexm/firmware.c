@@ -1,14 +1,14 @@
 /* Renders a turning scene from flash in strips. Prints time, memory and the hash of each picture; the hash is the same
  * on every machine. With display=1 on the command line, strips also go to a panel with a file as its bus
  * (recorder.c). */
-#include "board.h"
+#include "firmware.h"
 #include "console.h"
 #include "recorder.h"
-#include <fixsplat/strip.h>
+#include <fixsplat/board.h>
 #include "port/board/turntable.h"
 
 #ifdef FXS_WITH_KERNELS
-#include <fixsplat/kernels.h>
+#include <fixsplat/internal/kernels.h>
 #endif
 
 #define WIDTH_MOST 480

@@ -1,5 +1,5 @@
 /* Cortex-M: vector table, start-up code and clock. */
-#include "board.h"
+#include "firmware.h"
 
 #include <stdint.h>
 #include <string.h>

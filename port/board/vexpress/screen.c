@@ -2,9 +2,9 @@
  * be sent to a display. A complete picture then replaces the visible one. */
 #include <string.h>
 
-#include <fixsplat/strip.h>
+#include <fixsplat/board.h>
 #include "port/board/turntable.h"
-#include "port/board/cortexm/board.h"
+#include "port/board/cortexm/firmware.h"
 #include "port/board/cortexm/console.h"
 
 #define WIDTH 640

@@ -1,7 +1,4 @@
-/* A back end: one way to render frames, on the processor or on a GPU, which a program selects by name. backends.h lists
- * the library's back ends; other programs may fill in the same table for their own.
- *
- * Not stable: may change with every version, except fxs_backend_can and fxs_backend_options. */
+/* Back ends: ways to render frames on the processor or on a GPU, chosen by name. */
 #ifndef FXS_BACKEND_H
 #define FXS_BACKEND_H
 
@@ -10,6 +7,11 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- A back end -------------------------------------------------------------------------------------------------- */
+
+/* A back end: one way to render frames, on the processor or on a GPU, which a program selects by name. backend.h lists
+   the library's back ends; other programs may fill in the same table for their own. */
 
 /* Features of a back end besides colour targets. A request that needs a missing feature ends with FXS_ERR_UNSUPPORTED;
    every other request gets the same bytes as on the processor. The processor has all features except
@@ -26,7 +28,7 @@ typedef struct fxs_backend_options {
     int device;                    /* number of a device that the back end lists */
     uint64_t max_memory;           /* most bytes of working memory or device memory; 0: no limit */
     uint32_t threads;              /* threads on the processor, 1 to 64; 0: one per processor */
-    unsigned without_cpu;          /* instruction sets to avoid: FXS_CPU_* of kernels.h */
+    unsigned without_cpu;          /* instruction sets to avoid: FXS_CPU_* of internal/kernels.h */
 } fxs_backend_options;
 
 /* The functions return 0 or an FXS_ERR_*. After an error, *why has a message; `why` must not be null. */
@@ -66,6 +68,35 @@ typedef struct fxs_backend {
     int (*pick)(void *self, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
                 fxs_message *why);
 } fxs_backend;
+
+/* ---- The list of back ends --------------------------------------------------------------------------------------- */
+
+/* The library's back ends, by name. A program that renders on the processor:
+
+       const fxs_backend *cpu = fxs_backend_find("cpu");
+       void *self;
+       if (cpu->open(&self, &options, &why)) ...            options: all fields 0
+       cpu->render(self, &request, NULL, &why);
+       cpu->close(self); */
+
+/* The message of the back end "cuda" in a build without nvcc. */
+#ifdef _WIN32
+#define FXS_WITHOUT_CUDA "not in the build for Windows"
+#else
+#define FXS_WITHOUT_CUDA "this build is without nvcc, the compiler of the CUDA toolkit"
+#endif
+
+
+/* A back end by number, from 0 on, the processor first; null beyond the last. The list is the same in every build: for
+   a back end that the build lacks, `device` and `open` report the reason. */
+FXS_API const fxs_backend *fxs_backend_at(int index);
+
+/* A back end by name: cpu, auto (also the processor), gles, gles-fetch, gles-compute, osmesa, cuda; null for other
+   names. */
+FXS_API const fxs_backend *fxs_backend_find(const char *name);
+
+FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_compute,
+                         fxs_backend_osmesa, fxs_backend_cuda;
 
 #ifdef __cplusplus
 }

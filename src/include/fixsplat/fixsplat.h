@@ -90,9 +90,17 @@ typedef struct fxs_message {
     uint64_t bytes_needed;         /* for FXS_ERR_MEMORY: the memory that would be enough, if known; else 0 */
 } fxs_message;
 
+/* Memory for reading and packing scenes. A null allocator stands for malloc and free. fxs_pack calls the functions from
+   any thread of the pool, one call at a time. */
+typedef struct fxs_allocator {
+    void *(*allocate)(void *argument, size_t bytes);   /* 1 byte or more, aligned as by malloc; null on failure */
+    void (*release)(void *argument, void *block);      /* frees a block that allocate returned, never null */
+    void *argument;                                    /* first argument of both */
+} fxs_allocator;
+
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
-/* A packed scene as the renderer sees it (layout: packed.h). It points into the caller's bytes. */
+/* A packed scene as the renderer sees it (layout: internal/packed.h). It points into the caller's bytes. */
 
 enum fxs_profile {                 /* bytes per Gaussian of a large scene, SH degree 3: */
     FXS_PROFILE_DEFAULT = 0,       /* 63.5 */
@@ -135,7 +143,7 @@ FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile p
    Nothing is copied: `data` must stay in place and unchanged while the scene is in use. If another program changes the
    bytes, as it can in a mapped file, a frame ends with FXS_ERR_SCENE or mixes old and new bytes; the renderer never
    reads or writes outside the caller's memory. The caller must prevent memory from vanishing (SIGBUS when a mapped file
-   is truncated), or catch the signal as map.h does.
+   is truncated), or catch the signal as system.h does.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 FXS_API int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
@@ -239,7 +247,7 @@ typedef struct fxs_options {
     fxs_stop_fn *stop;             /* null: a frame is always finished */
     void *stop_argument;
 
-    /* Level of detail, for scenes with a tree (packed.h): a coarse chunk replaces all chunks below it. Budget and
+    /* Level of detail, for scenes with a tree (internal/packed.h): a coarse chunk replaces all chunks below it. Budget and
        detail_q8 both 0: the leaves are drawn, as in scenes without a tree. */
     uint32_t budget;               /* most Gaussians to draw, counted in whole chunks of 256; 0: no limit. The root of
                                       each tree and objects without a tree are always drawn, even beyond the budget */
@@ -284,7 +292,7 @@ typedef struct fxs_image {
 /* A pixel of an id target, 8 bytes. Both fields are FXS_NOTHING if no Gaussian contributes. */
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* slot in the packed scene; without empty slots in between (holes, packed.h), the
+    uint32_t gaussian;             /* slot in the packed scene; without empty slots in between (holes, internal/packed.h), the
                                       Gaussian's number. An empty slot appears only if a damaged scene has codes there.
                                       256 * chunk_count and above: a coarse Gaussian of the tree */
 } fxs_id;
@@ -326,7 +334,7 @@ typedef void fxs_run_fn(void *pool, void (*job)(void *argument, uint32_t i), voi
 /* A monotonic clock, in nanoseconds. */
 typedef uint64_t fxs_clock_fn(void *clock);
 
-/* Draws a run of tiles (stage.h) instead of blend and resolve, on the thread that called fxs_render. Returns 0, or an
+/* Draws a run of tiles (internal/stage.h) instead of blend and resolve, on the thread that called fxs_render. Returns 0, or an
    FXS_ERR_* that ends the frame and that fxs_render returns. */
 struct fxs_tile_run;
 typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
@@ -349,7 +357,7 @@ enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOL
 /* The name of a stage: "project", "shade", ... */
 FXS_API const char *fxs_stage_name(enum fxs_stage stage);
 
-/* The function of each stage. Each works on one chunk or one tile; stage.h defines the records. fxs_init fills in the
+/* The function of each stage. Each works on one chunk or one tile; internal/stage.h defines the records. fxs_init fills in the
    plain C versions; faster versions with the same results may replace them. */
 struct fxs_view;
 struct fxs_splat;

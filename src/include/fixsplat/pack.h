@@ -1,31 +1,18 @@
-/* Packs the Gaussians of a scene file into a packed scene (packed.h).
+/* Packs the Gaussians of a scene file into a packed scene (internal/packed.h).
  *
  * To pack Gaussians in memory, open them with fxs_scene_file_open_gaussians. Several threads may pack scenes at the
- * same time, each from its own file.
- *
- * Stable from version 1.0 on. */
+ * same time, each from its own file. */
 #ifndef FXS_PACK_H
 #define FXS_PACK_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "fixsplat.h"
-#include "allocator.h"
-#include "gaussian.h"
+#include "scene.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Gaussians that cannot be drawn and are dropped: their number by reason, and the weights of the dropped and of the
-   kept Gaussians. */
-typedef struct fxs_pack_dropped {
-    uint64_t not_finite;      /* a value is NaN or infinite; only ln(sigma) may be minus infinity */
-    uint64_t rotation;        /* the quaternion is zero */
-    uint64_t transparent;     /* the opacity is minus infinity, exactly 0 after the sigmoid: not a fault of the file */
-    double weight, kept;      /* sums of fxs_weight over the dropped Gaussians and over the others */
-} fxs_pack_dropped;
 
 /* Differences between the Gaussians of the file and those in the packed scene. */
 typedef struct fxs_pack_error {

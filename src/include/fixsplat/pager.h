@@ -1,4 +1,4 @@
-/* Streams a packed scene with levels of detail (packed.h, version 6): a pool in memory holds a part of the scene's
+/* Streams a packed scene with levels of detail (internal/packed.h, version 6): a pool in memory holds a part of the scene's
  * rows. Headers, palette and tree are read when the scene is opened, rows when frames want them. The bytes come from a
  * file, a server or callbacks.
  *

@@ -9,12 +9,12 @@
 #ifndef FXS_RENDERER_H
 #define FXS_RENDERER_H
 
-#include "backends.h"
+#include "backend.h"
 #include "camera.h"
-#include "image_file.h"
+#include "image.h"
 #include "pack.h"
 #include "pager.h"
-#include "scene_file.h"
+#include "scene.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,7 +28,7 @@ typedef struct fxs_opened {
     const fxs_scene_file_info *info;   /* the file's format, count and SH degree */
     const fxs_pack_report *report;     /* counts and bounds; packing losses too, unless the file is an .fxs */
     /* The packed scene, `bytes` long. For an .fxs file: the file's bytes. For other formats: packed by fxs_open; its
-       checksums are 0 until fxs_file_write or fxs_file_seal. With a pager: only the header (packed.h). */
+       checksums are 0 until fxs_file_write or fxs_file_seal. With a pager: only the header (internal/packed.h). */
     const void *data;
     size_t bytes;
     fxs_pager *pager;                  /* null, unless the scene was opened with a pager */
@@ -56,7 +56,7 @@ typedef struct fxs_open_options {
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
    mapping; a damaged chunk is drawn as it is, which is safe, unless check_all refuses the file. If other programs may
-   truncate the file, call fxs_map_guard (map.h) once before fxs_open. Files of other formats are packed. `options` may
+   truncate the file, call fxs_map_guard (system.h) once before fxs_open. Files of other formats are packed. `options` may
    be null; for an .fxs only max_gaussians, check_all, the allocator and the pager apply. With a pager, the path may be
    an http(s) address. fxs_close frees *opened, which is null after an error.
    Errors: as fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
@@ -67,12 +67,12 @@ FXS_API int fxs_open(const char *path, const fxs_open_options *options, fxs_open
 FXS_API int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_open_options *options,
                             fxs_opened **opened, fxs_message *message);
 
-/* fxs_open for an open stream of Gaussians (gaussian.h), which is packed. The stream is closed, also after an error. */
+/* fxs_open for an open stream of Gaussians (scene.h), which is packed. The stream is closed, also after an error. */
 FXS_API int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_file_info *info,
                                const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 
 /* Checks, after a frame, that the scene's file is unchanged, since another program may write to a mapped file or
-   truncate it (map.h). Returns 0, or FXS_ERR_FILE and a message if it changed. */
+   truncate it (system.h). Returns 0, or FXS_ERR_FILE and a message if it changed. */
 FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 
 /* Chooses a first view of objects without cameras: renders small pictures from many sides and from inside, and takes
@@ -102,7 +102,7 @@ FXS_API void fxs_close(fxs_opened *opened);
 
 typedef struct fxs_renderer fxs_renderer;
 
-/* Creates a renderer with the named back end (backends.h); null means "auto". `options` may be null.
+/* Creates a renderer with the named back end (backend.h); null means "auto". `options` may be null.
    fxs_renderer_destroy frees *renderer, which is null after an error. Errors: FXS_ERR_ARGUMENT (the name, or an
    option), FXS_ERR_DEVICE, FXS_ERR_UNSUPPORTED, FXS_ERR_MEMORY. */
 FXS_API int fxs_renderer_create(const char *backend, const fxs_backend_options *options, fxs_renderer **renderer,

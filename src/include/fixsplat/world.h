@@ -1,12 +1,9 @@
 /* Places scene files in a world, in doubles. Rounds the placements to objects of the renderer, or merges the files into
- * one stream of Gaussians.
- *
- * Stable from version 1.0 on. */
+ * one stream of Gaussians. */
 #ifndef FXS_WORLD_H
 #define FXS_WORLD_H
 
-#include "message.h"
-#include "scene_file.h"
+#include "scene.h"
 
 #ifdef __cplusplus
 extern "C" {

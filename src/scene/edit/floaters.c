@@ -5,8 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
-#include <fixsplat/scene_filter.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/message.h>
 #include "src/gaussian/attributes.h"
 
 enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1 };

@@ -2,7 +2,7 @@
 #ifndef FXS_FLOATERS_INTERNAL_H
 #define FXS_FLOATERS_INTERNAL_H
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 typedef struct fxs_floater {
     float position[3];

@@ -2,6 +2,7 @@
    every Gaussian is moved, rotated with its SH, scaled and tinted. Far from 0, positions are relative to a common
    origin near the largest part. */
 #include <fixsplat/world.h>
+#include <fixsplat/internal/allocator.h>
 
 #include <math.h>
 #include <stddef.h>

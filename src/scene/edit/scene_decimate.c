@@ -1,7 +1,8 @@
 /* Reduces the number of Gaussians by merging pairs. Each round orders them in space, finds for every Gaussian the
    neighbour in its chunk with the least loss, and merges the best quarter of the pairs. Loss: change of the
    covariances' log-determinants and of the colour, weighted by opacity times area. */
-#include <fixsplat/scene_decimate.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/allocator.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,8 @@
 /* Filters the stream of a file. The filtering reader replaces the file's own reader and drops Gaussians while it reads.
    A first pass counts, and a second one if floaters are removed. */
-#include <fixsplat/scene_filter.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/scene.h>
+#include <fixsplat/internal/allocator.h>
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,7 @@
 /* Reads PlayCanvas's compressed .ply: 32-bit words that code Gaussians relative to the bounds of their chunk of 256.
    Layout: gsplat-compressed-data.js of the engine. */
+#include <fixsplat/internal/allocator.h>
+
 #include "ply_header.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/message.h>
+#include <fixsplat/internal/message.h>
 
 #include "src/base/crc32.h"
 #include "src/gaussian/origin_internal.h"

@@ -1,6 +1,8 @@
 /* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. Converts to the
    axes of a .ply, y down, by negating x and y. Converts linear colours to sRGB. Also reads drafts of the extension:
    SCALE as logarithms (February 2026); _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+#include <fixsplat/internal/allocator.h>
+
 #include <math.h>
 #include <string.h>
 

@@ -2,6 +2,8 @@
    "The Streamed SOG Format". If PlayCanvas's code differs from these (order of quaternions, logarithms of scales, width
    of a degree 1 palette), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, like PlayCanvas's
    splat-transform. */
+#include <fixsplat/internal/allocator.h>
+
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -31,7 +33,7 @@ static int is_lcc2(const fxs_head *head, fxs_message *message)
 
 #include "src/base/exponential.h"
 #include "src/base/fail_list.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"
 #include "src/base/zip_internal.h"

@@ -2,6 +2,8 @@
  *
  * The axes are right, up, back, unless an extension says otherwise. splat-transform 3 writes the axes of a .ply
  * without saying so. Header and Gaussians of such a file look like any other, so the caller sets the option `axes`. */
+#include <fixsplat/internal/allocator.h>
+
 #include "spz_internal.h"
 
 #include <errno.h>

@@ -2,7 +2,7 @@
 #ifndef FXS_SPZ_INTERNAL_H
 #define FXS_SPZ_INTERNAL_H
 
-#include <fixsplat/gaussian.h>
+#include <fixsplat/scene.h>
 
 #include "src/base/source_internal.h"
 

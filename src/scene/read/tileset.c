@@ -5,6 +5,8 @@
    A tileset is z up and its contents are y up. The Gaussians get the axes that a content read alone would have. A
    tileset on the globe is moved to the frame of its first tile there, because floats resolve only half a metre at the
    Earth's radius. */
+#include <fixsplat/internal/allocator.h>
+
 #include <string.h>
 
 #include "src/scene/formats_internal.h"

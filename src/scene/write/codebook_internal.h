@@ -2,7 +2,7 @@
 #ifndef FXS_CODEBOOK_INTERNAL_H
 #define FXS_CODEBOOK_INTERNAL_H
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/scene.h>
 
 #define FXS_BOOK 256
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "src/base/number.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/gaussian/attributes.h"
 #include "scene_write_internal.h"
 #include "src/gaussian/origin_internal.h"

@@ -14,7 +14,7 @@
 
 #include "src/base/exponential.h"
 #include "src/base/number.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "src/gaussian/attributes.h"
 #include "rad_tree_internal.h"
 #include "src/scene/read/rad_internal.h"

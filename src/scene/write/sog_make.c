@@ -12,7 +12,7 @@
 
 #include "src/base/exponential.h"
 #include "src/base/number.h"
-#include "src/base/system.h"
+#include "src/base/os_calls.h"
 #include "codebook_internal.h"
 
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES, JSON = IMAGES };

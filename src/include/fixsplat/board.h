@@ -11,8 +11,11 @@
  *     fxs_render(&context, &request, memory, sizeof memory, 0);
  *
  * It allocates nothing. One frame at a time. */
-#ifndef FXS_STRIP_H
-#define FXS_STRIP_H
+#ifndef FXS_BOARD_H
+#define FXS_BOARD_H
+
+#include <stddef.h>
+#include <stdint.h>
 
 #include "fixsplat.h"
 

@@ -9,17 +9,11 @@
 
 #include <stddef.h>
 
-#include "fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef struct fxs_allocator {
-    void *(*allocate)(void *argument, size_t bytes);   /* 1 byte or more, aligned as by malloc; null on failure */
-    void (*release)(void *argument, void *block);      /* frees a block that allocate returned, never null */
-    void *argument;                                    /* first argument of both */
-} fxs_allocator;
 
 /* Allocates count * size bytes. Returns null if memory ran out or the product exceeds SIZE_MAX. */
 FXS_API void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);

@@ -1,5 +1,5 @@
 /* Functions, extensions, programs and errors of OpenGL ES, and checks of the caller's target. */
-#include "gl.h"
+#include "gl_functions.h"
 #include "src/core/memory.h"
 
 const char *fxs_gl_load(fxs_gl *table, fxs_gl_load_fn *load, void *argument)

@@ -1,10 +1,6 @@
-/* Image files: 8-bit RGBA, rows from the top, no padding between rows.
- *
- * Several threads may read and write files at the same time.
- *
- * Stable from version 1.0 on. */
-#ifndef FXS_IMAGE_FILE_H
-#define FXS_IMAGE_FILE_H
+/* Images and films: reads and writes pictures, and sequences of pictures. */
+#ifndef FXS_IMAGE_H
+#define FXS_IMAGE_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -15,7 +11,13 @@
 extern "C" {
 #endif
 
-/* FXS_IMAGE_RAW: only the RGBA bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (film_file.h). */
+/* ---- Images ------------------------------------------------------------------------------------------------------ */
+
+/* Image files: 8-bit RGBA, rows from the top, no padding between rows.
+
+   Several threads may read and write files at the same time. */
+
+/* FXS_IMAGE_RAW: only the RGBA bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (image.h). */
 enum fxs_image_format {
     FXS_IMAGE_UNKNOWN, FXS_IMAGE_PNG, FXS_IMAGE_PPM, FXS_IMAGE_RAW, FXS_IMAGE_JPG, FXS_IMAGE_WEBP, FXS_IMAGE_Y4M,
     FXS_IMAGE_RGBA
@@ -46,7 +48,7 @@ FXS_API int fxs_image_encode(enum fxs_image_format format, int quality, const ui
                              fxs_encoded *encoded, fxs_message *message);
 FXS_API void fxs_encoded_free(fxs_encoded *encoded);
 
-/* Writes the bytes to a temporary file next to `path` and renames it (output.h), so an existing file is unchanged after
+/* Writes the bytes to a temporary file next to `path` and renames it (system.h), so an existing file is unchanged after
    an error. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
 FXS_API int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
 
@@ -78,6 +80,31 @@ FXS_API int fxs_image_file_known(const char *path);
    FXS_ERR_FILE; FXS_ERR_UNSUPPORTED if this was built without the library (.png: libpng, .jpg: libjpeg-turbo, .webp:
    libwebp, HEIF: libheif) or if libheif is not installed; FXS_ERR_MEMORY. */
 FXS_API int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
+
+/* ---- Films ------------------------------------------------------------------------------------------------------- */
+
+/* Writes films: a sequence of pictures of one size to a file, a FIFO or standard output.
+
+   - .y4m (YUV4MPEG2, read by ffmpeg, mpv and encoders): 4:4:4, 8 bits, BT.709, limited range; the format cannot state
+     the matrix.
+   - .rgba: only the RGBA bytes of each frame.
+   - Any other image format: the image files of the frames, concatenated, as ffmpeg's image2pipe reads them. */
+
+typedef struct fxs_film fxs_film;
+
+/* Begins a film of `width` x `height` pixels and `rate` frames a second (each at least 1), in a file as system.h says;
+   the path "-" is standard output. The format is FXS_IMAGE_Y4M or FXS_IMAGE_RGBA, or on standard output any image
+   format. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null: FXS_ERR_ARGUMENT for
+   another format, size or rate, FXS_ERR_FILE or FXS_ERR_MEMORY. */
+FXS_API int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height,
+                          int rate, fxs_message *message);
+
+/* Adds a frame from fxs_image_encode, in the film's format. Returns 0, or an error and a message. */
+FXS_API int fxs_film_write(fxs_film *film, const fxs_encoded *frame, fxs_message *message);
+
+/* Ends a film and frees it; null is allowed. With `complete` 0 the film is discarded, and an existing file of its name
+   is unchanged. Returns 0, or an error and a message. */
+FXS_API int fxs_film_close(fxs_film *film, int complete, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -1,11 +1,10 @@
 /* Divides a fit that is too large for one machine: chooses the photographs and the initial Gaussians of one block of
  * space, from the points of the reconstruction or from a coarse fit of the whole.
- *
- * Not stable: may change with every version. */
+ */
 #ifndef FXS_FIT_BLOCKS_H
 #define FXS_FIT_BLOCKS_H
 
-#include "photos.h"
+#include <fixsplat/fit.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,7 +40,7 @@ typedef struct fxs_fit_block {
    The block uses the pixels of `whole`. fxs_fit_block_free frees the block; call it before `whole` is freed. Errors:
    FXS_ERR_ARGUMENT (`number`, `blocks`), FXS_ERR_FILE if the block has no point or no photograph to fit,
    FXS_ERR_MEMORY. */
-FXS_API int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_block *block,
+int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_block *block,
                                  fxs_message *message);
 
 /* fxs_fit_block_choose for a set of files: reads all cameras and points, but only the photographs that the block gets.
@@ -55,27 +54,27 @@ FXS_API int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint3
    photographs. Errors: as fxs_photos_read and fxs_fit_block_choose, FXS_ERR_FILE if the coarse fit belongs to other
    photographs, and FXS_ERR_UNSUPPORTED if the file states neither an angle nor a size (Bundler, and RealityCapture's
    .csv). */
-FXS_API int fxs_fit_block_read(const char *path, const fxs_photos_options *options, const fxs_fit_coarse *coarse,
+int fxs_fit_block_read(const char *path, const fxs_photos_options *options, const fxs_fit_coarse *coarse,
                                uint32_t number, uint32_t blocks, fxs_fit_block *block, fxs_message *message);
-FXS_API void fxs_fit_block_free(fxs_fit_block *block);
+void fxs_fit_block_free(fxs_fit_block *block);
 
 /* Reads a saved fit (fxs_fit_save) of all photographs, of any size. fxs_fit_coarse_free frees *coarse, which is null
    after an error. Errors as fxs_fit_resume, except for other photographs. */
-FXS_API int fxs_fit_coarse_read(fxs_fit_coarse **coarse, const char *path, fxs_message *message);
-FXS_API void fxs_fit_coarse_free(fxs_fit_coarse *coarse);     /* null is allowed */
-FXS_API uint32_t fxs_fit_coarse_steps(const fxs_fit_coarse *coarse);
-FXS_API uint64_t fxs_fit_coarse_number(const fxs_fit_coarse *coarse);   /* a checksum of the file */
+int fxs_fit_coarse_read(fxs_fit_coarse **coarse, const char *path, fxs_message *message);
+void fxs_fit_coarse_free(fxs_fit_coarse *coarse);     /* null is allowed */
+uint32_t fxs_fit_coarse_steps(const fxs_fit_coarse *coarse);
+uint64_t fxs_fit_coarse_number(const fxs_fit_coarse *coarse);   /* a checksum of the file */
 
 /* Begins the fit of a block with a number of 1 or more: at the step where the coarse fit ended, with the coarse fit's
    Gaussians, Adam moments and extent, and with its exposures, which stay fixed. options->block, options->blocks and
    options->coarse must be those of `block` and `coarse`. Errors: as fxs_fit_create, and FXS_ERR_ARGUMENT unless
    options->steps exceeds the coarse fit's steps. */
-FXS_API int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_fit_block *block,
+int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_fit_block *block,
                                  const fxs_fit_options *options, fxs_message *message);
 
 /* The block's Gaussians of the coarse fit, for fxs_scene_file_open_gaussians; valid until the block or the coarse fit
    is freed. */
-FXS_API void fxs_fit_block_gaussians(const fxs_fit_block *block, fxs_gaussian_source *gaussians);
+void fxs_fit_block_gaussians(const fxs_fit_block *block, fxs_gaussian_source *gaussians);
 
 #ifdef __cplusplus
 }

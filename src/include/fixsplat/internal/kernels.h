@@ -3,7 +3,7 @@
 #ifndef FXS_KERNELS_H
 #define FXS_KERNELS_H
 
-#include "fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,7 +1,7 @@
 /* Operating system functions other than files and outputs. Implemented in port/posix and port/win32. Paths are UTF-8
    with / between folders. */
-#ifndef FXS_SYSTEM_H
-#define FXS_SYSTEM_H
+#ifndef FXS_OS_CALLS_H
+#define FXS_OS_CALLS_H
 
 #include <stddef.h>
 #include <stdint.h>

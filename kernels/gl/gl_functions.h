@@ -1,11 +1,11 @@
 /* Shared by the back ends for OpenGL ES: a table of pointers to the functions of OpenGL ES 3.0 that they call;
  * programs, errors, and the state of a context. */
-#ifndef FXS_GL_H
-#define FXS_GL_H
+#ifndef FXS_GL_FUNCTIONS_H
+#define FXS_GL_FUNCTIONS_H
 
 #include <GLES3/gl3.h>
 
-#include <fixsplat/gl_target.h>
+#include <fixsplat/gl.h>
 
 /* F(type's name, function's name) for each function */
 #define FXS_GL_FUNCTIONS(F) \

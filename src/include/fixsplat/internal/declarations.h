@@ -5,7 +5,7 @@
 #ifndef FXS_DECLARATIONS_H
 #define FXS_DECLARATIONS_H
 
-#include "fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #ifdef __cplusplus
 extern "C" {

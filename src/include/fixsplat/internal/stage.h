@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "fixed.h"
-#include "fixsplat.h"
+#include <fixsplat/fixsplat.h>
 #include "pixel.h"
 
 #if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end compiles its own copies */

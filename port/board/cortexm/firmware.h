@@ -1,6 +1,6 @@
 /* Functions and memory that a board provides to the firmware. */
-#ifndef FXS_BOARD_H
-#define FXS_BOARD_H
+#ifndef FXS_FIRMWARE_H
+#define FXS_FIRMWARE_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,0 +1,457 @@
+/* Scene files and streams of Gaussians: reads every format, filters, decimates and writes. */
+#ifndef FXS_SCENE_H
+#define FXS_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "fixsplat.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Called from time to time with the finished share of the work, 0 to 1. A nonzero return stops the work; the function
+   at work then returns FXS_ERR_STOPPED. */
+typedef int fxs_progress_fn(void *argument, double done);
+
+/* ---- Formats ----------------------------------------------------------------------------------------------------- */
+
+/* The list of scene file formats, for help texts, file dialogs and other languages. */
+
+typedef struct fxs_scene_format {
+    const char *name;      /* as in fxs_scene_file_info: "spz" */
+    const char *endings;   /* endings of file names, or whole names, separated by spaces; the first is used for
+                              writing */
+    const char *about;     /* a short description */
+    int is_read;           /* 1: files of this format can be opened, if the libraries that it needs are built in */
+    int is_written;        /* 1: files of this format can be written; fxs_file_write writes .fxs, fxs_scene_writer_open
+                              the others */
+    int sh_degree;         /* highest SH degree that is written */
+    int antialiased;       /* 1: a file records whether opacities were fitted with compensation for the renderer's
+                              dilation */
+    const char *loses;     /* precision or data lost by writing, in a few words; null: nothing beyond the precision of
+                              floats */
+    int far;               /* 1: positions beyond the precision of floats are kept: fxs_scene_write_options.origin */
+} fxs_scene_format;
+
+/* A format by number, from 0 on; null beyond the last. */
+FXS_API const fxs_scene_format *fxs_scene_format_at(int index);
+
+/* The format for the ending of a file name, or null. With `to_write`, only writable formats are considered, each by its
+   first ending. */
+FXS_API const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write);
+
+/* Writes the endings of all readable formats (with `to_write`: writable ones) as ".fxs, .ply, .spz", cut to `size`
+   bytes with the final 0. Returns the length of the whole text in bytes, without the 0. */
+FXS_API size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
+
+/* ---- Start data -------------------------------------------------------------------------------------------------- */
+
+/* The start data of a packed scene: its up direction and a start view. Both are in the header (internal/packed.h) and optional.
+   The renderer does not read them.
+
+   The functions keep no state, so several threads may call them at the same time. */
+
+/* All fields 0: nothing is known. */
+typedef struct fxs_start {
+    double up[3];         /* up direction in the scene, of length 1; all 0: unknown */
+    double tangent;       /* tangent of half the start view's vertical field of view, up to 12; 0: no start view */
+    double position[3];   /* centre of the start view's camera, scene units, within +-2^28 */
+    double rotation[4];   /* world to camera (x right, y down, z forward): unit quaternion w, x, y, z */
+} fxs_start;
+
+/* Reads the start data from the header of a packed scene at `data`, 192 bytes. Invalid data count as missing. */
+FXS_API void fxs_start_of(fxs_start *start, const void *data);
+
+/* Stores the start data in the header of a packed scene at `data`; call fxs_file_write or fxs_file_seal afterwards.
+   `up` may have any length, and is rounded to a direction within 0.01 degrees of it. Values out of range are not
+   stored. */
+FXS_API void fxs_start_to(void *data, const fxs_start *start);
+
+/* ---- Input ------------------------------------------------------------------------------------------------------- */
+
+/* The source of a scene file's bytes, and the limits on reading it. */
+
+/* Default limits. A scene may have one Gaussian for each byte of its files (including files that a .gltf or .sog refers
+   to) plus FXS_GAUSSIANS_ALWAYS, but at most FXS_GAUSSIANS_CEILING. Reading it may take FXS_IMPORT_BYTES of memory for
+   each Gaussian of that limit, or of FXS_GAUSSIANS_ALWAYS if the limit is lower. Compressed captured scenes have 12
+   bytes a Gaussian and more. */
+#define FXS_GAUSSIANS_ALWAYS 1000000u
+#define FXS_GAUSSIANS_CEILING 67108864u
+#define FXS_IMPORT_BYTES 96u
+
+/* The directions of x, y and z in an .spz. FXS_AXES_OF_FILE: as the file states (right, up, back if it states nothing);
+   FXS_AXES_RUB: right, up, back; FXS_AXES_RDF: right, down, front, as in a .ply. */
+enum fxs_axes { FXS_AXES_OF_FILE, FXS_AXES_RUB, FXS_AXES_RDF };
+
+/* All fields 0: finest level, axes as the file says, malloc and free, no progress, the limits above. */
+typedef struct fxs_scene_file_options {
+    int level;                       /* level of detail; 0: the finest */
+    enum fxs_axes axes;              /* for an .spz only; other formats return FXS_ERR_ARGUMENT */
+    const fxs_allocator *allocator;  /* for the reader's own memory; null: malloc. Must outlive the file */
+    fxs_progress_fn *progress;       /* for opening a streamed SOG and the first read of an .spz; may be null */
+    void *progress_argument;
+    uint64_t max_gaussians;          /* a scene with more is an error; 0: the limit above */
+    uint64_t max_memory;             /* most bytes that reading may hold at once, without the packed scene; 0: the limit
+                                        above */
+} fxs_scene_file_options;
+
+/* A file whose bytes come from callbacks. */
+typedef struct fxs_scene_input fxs_scene_input;
+struct fxs_scene_input {
+    uint64_t size;        /* bytes */
+    /* Copies the `size` bytes at `offset`, which lie within the file, to `out`. Returns 0, or another number after an
+       error. */
+    int (*read)(void *argument, uint64_t offset, void *out, size_t size);
+    /* Opens another file: fills in *input. `name` is a path relative to the folder of this file, without "..". Returns
+       0, or another number if the file does not exist. *input needs no `beside`. Null: no other files exist. */
+    int (*beside)(void *argument, const char *name, fxs_scene_input *input);
+    void (*close)(void *argument);   /* called once, when the file is no longer needed; may be null */
+    void *argument;                  /* first argument of the functions */
+};
+
+/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
+
+/* Gaussians before packing, and streams of them, from a scene file of any format or from the program.
+
+   Functions return 0 or a count, or an error and a message: FXS_ERR_FILE if a file is damaged or changed while it was
+   open, FXS_ERR_STOPPED by a progress function, FXS_ERR_MEMORY. One thread at a time may use a stream; several threads
+   may each have their own. */
+
+/* One Gaussian, with the numbers of an Inria .ply, before quantisation. */
+typedef struct fxs_gaussian {
+    float position[3];   /* scene units, relative to the stream's origin (fxs_scene_file_info) */
+    float scale[3];      /* natural logarithm of the standard deviation, scene units */
+    float rotation[4];   /* quaternion w, x, y, z, as in the file, not normalised */
+    float opacity;       /* logit: the opacity is 1 / (1 + exp(-opacity)); infinite if the opacity is exactly 0 or 1 */
+    float dc[3];         /* SH degree 0, r g b; the colour is 0.5 + 0.28209479177387814 dc + higher degrees */
+    float sh[45];        /* SH degrees 1 to 3, coefficient-major: sh[3 * k + channel]; 0 above the file's degree */
+} fxs_gaussian;
+
+typedef struct fxs_scene_file fxs_scene_file;
+
+/* The grid of values that a file with few bits can store: `low` plus a whole multiple of `step`. Step 0: any value. */
+typedef struct fxs_grid {
+    double low, step;
+} fxs_grid;
+
+#define FXS_UNUSED_TEXT 128
+
+typedef struct fxs_scene_file_info {
+    const char *format;   /* a name of scene.h, or "gaussians" for the program's Gaussians; static */
+    uint64_t count;       /* Gaussians in the file */
+    int sh_degree;        /* 0 to 3 */
+    int stored_sh_degree; /* sh_degree, or 4 if the file has degree 4, which is not read */
+    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation */
+    int levels;           /* levels of detail that can be opened; 1 except for .lcc, .rad and streamed SOG. A leaf of a
+                             streamed SOG without the level is read at its nearest level */
+    fxs_grid colour;      /* grid of 0.5 + 0.28209479177387814 dc */
+    fxs_grid sh;          /* grid of the coefficients above degree 0 */
+    int linear_light;     /* 1: a glTF has colours in linear light, which are converted to sRGB for each Gaussian; the
+                             picture differs from linear light where different colours blend */
+    int log_scales;       /* 1: a glTF stores scales as logarithms, as in a draft of the extension; they are read as
+                             such */
+    int clamped_opacity;  /* 1: a glTF has opacities above 1, which are read as 1 */
+    char unused[FXS_UNUSED_TEXT];   /* properties of a .ply that affect other programs' pictures, but are not read */
+    fxs_start start;      /* from an .fxs: the up direction and the start view, which fxs_pack keeps */
+    double origin[3];     /* scene units: add it to a position. Nonzero only for a scene far from 0 with coordinates
+                             finer than floats there: doubles of a .ply, a far node of a glTF, a far placement */
+    double coarse;        /* 0, or the spacing of floats, scene units, at parts that lie too far from the origin */
+} fxs_scene_file_info;
+
+/* Reads the next Gaussians, at most `capacity`; some formats return fewer before the end, too. Returns their number, 0
+   at the end, or an error and a message. */
+FXS_API long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
+
+/* Goes back to the first Gaussian. Returns 0, or an error and a message. */
+FXS_API int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
+
+/* Closes the stream and frees its handle; null is allowed. */
+FXS_API void fxs_scene_file_close(fxs_scene_file *file);
+
+/* Gaussians that a program has in memory or generates on demand. */
+typedef struct fxs_gaussian_source {
+    uint64_t count;       /* Gaussians, up to FXS_MAX_COUNT */
+    int sh_degree;        /* 0 to 3 */
+    int antialiased;      /* as in fxs_scene_file_info */
+    /* Writes 1 to `capacity` Gaussians, starting with number `first`, to `out`, which is zeroed before; SH above
+       sh_degree are set to 0. Returns the number written, or a negative FXS_ERR_*. In the first call of each pass
+       `first` is 0, in the others the number after the last Gaussian of the previous call; `first` is always less than
+       `count`. Every pass must give the same Gaussians: fxs_pack makes three passes or more, a filter one or two more.
+       Calls come one at a time, but in fxs_pack from any thread of its pool. */
+    long (*read)(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity);
+    void *argument;       /* first argument of read; must stay valid until the handle is closed */
+    double origin[3];     /* origin of the positions, as in fxs_scene_file_info: within 2^26 units, 0 for positions near
+                             0 */
+} fxs_gaussian_source;
+
+/* Opens the program's Gaussians as a stream that can be filtered, packed and written like a file; *gaussians is copied.
+   The packed scene has the same bytes as one packed from a .ply with these Gaussians. For an array:
+
+       static long read_array(void *array, uint64_t first, fxs_gaussian *out, size_t capacity)
+       {
+           memcpy(out, (const fxs_gaussian *)array + first, capacity * sizeof *out);
+           return (long)capacity;
+       }
+
+       const fxs_gaussian_source source = {count, 3, 0, read_array, array, {0}};
+       if (fxs_scene_file_open_gaussians("knot", &source, NULL, &file, &info, &message) ||
+           fxs_pack(file, &info, &packed, &report, NULL, &message))
+           ...
+
+   Gaussians from `read` are checked like a file's: fxs_pack drops and counts a Gaussian with a NaN. If `read` returns a
+   number out of range, or in fxs_pack other positions than in an earlier pass, the error is FXS_ERR_FILE; an FXS_ERR_*
+   of `read` is passed on. If options->max_gaussians is 0, the limit is FXS_MAX_COUNT. Errors: FXS_ERR_ARGUMENT (no
+   `read`, the degree, the origin), FXS_ERR_FILE, FXS_ERR_MEMORY. */
+FXS_API int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
+                                          const fxs_scene_file_options *options, fxs_scene_file **file,
+                                          fxs_scene_file_info *info, fxs_message *message);
+
+/* ---- Scene files ------------------------------------------------------------------------------------------------- */
+
+/* Opens scene files of any format as streams of Gaussians (scene.h), in file order.
+
+   Functions return 0 or a count, or an error and a message: FXS_ERR_FILE for a file that is missing, damaged, of an
+   unknown format, changed while it was open, or larger than max_gaussians; FXS_ERR_STOPPED by a progress function;
+   FXS_ERR_MEMORY if memory ran out or max_memory would be exceeded (bytes_needed has the size); FXS_ERR_UNSUPPORTED if
+   fixsplat was built without a library that the format needs; FXS_ERR_ARGUMENT for a level that the scene lacks. One
+   thread at a time may use a file; several threads may each use their own. */
+
+/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog or the tileset.json of 3D Tiles. The
+   content determines the format. `options` may be null. Returns 0 and a handle that fxs_scene_file_close frees, or an
+   error and a message, with *file null. 2D Gaussians are read as 3D Gaussians with a third scale of e^-20. The
+   filter_3D of a Mip-Splatting .ply is applied. fxs_scene_file_info reports all other changes and unused data.
+
+   The header is checked completely, including the size of a binary body. Only headers are read, so *info is known
+   before large allocations. Two exceptions: a .ply with lists or text before its vertices is read up to them, and the
+   .sog files of a level are read up to their images, which stay compressed.
+
+   Memory of a reader:
+   - .fxs, .ply, .ksplat, .splat: at most 1 MiB.
+   - .lcc: 1 MiB, its JSON, and 16 bytes a cell.
+   - .spz: from the first read on, 65 bytes a Gaussian of SH degree 3 (92 of degree 4); during that read also the
+     longest stream of version 4.
+   - .rad: its JSON, a byte and a bit for each node of a tree, and the attributes of a chunk: at most 240 bytes for each
+     of its 65,536 Gaussians.
+   - .sog: its compressed images; from the first read on, 4 bytes a pixel instead.
+   - A folder of gsplat: 24 bytes a pixel, its palette and its labels.
+   - .glb, .gltf: 3 MiB, its JSON and base64, and the memory of its .spz.
+   - A tileset: 1200 bytes and the name of each content, and the memory of 33 contents.
+   cJSON, libzip, libwebp and zstd allocate their own memory with malloc; cJSON's also counts towards max_memory.
+
+   Decompressed data are kept until the file is closed, for later passes over the file; an .spz that several nodes of a
+   glTF share is kept once. If the .spz of a glTF or the files of a streamed SOG exceed max_memory together, the files
+   that fit are kept and the others are decompressed again in each pass. A tileset keeps 32 contents open and reopens
+   the others in each pass.
+
+   `path` must name a regular file or a folder as above. Files that it refers to must lie in the folder of the opened
+   file or below it: a path that leaves that folder, by ".." or a symbolic link, is refused. A \ in a file name
+   separates folders, unless a file with that exact name exists. Several tiles may share one content, but a tileset must
+   not contain itself. */
+FXS_API int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
+                                fxs_scene_file_info *info, fxs_message *message);
+
+/* fxs_scene_file_open for a file in memory, which must stay unchanged until the handle is closed. Messages begin with
+   `name`, which is copied. Scenes of several files cannot be opened from memory. */
+FXS_API int fxs_scene_file_open_memory(const char *name, const void *data, size_t size,
+                                       const fxs_scene_file_options *options, fxs_scene_file **file,
+                                       fxs_scene_file_info *info, fxs_message *message);
+
+/* fxs_scene_file_open for a file that callbacks read; *input is copied. Its `close` is called even if opening fails. */
+FXS_API int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input,
+                                      const fxs_scene_file_options *options, fxs_scene_file **file,
+                                      fxs_scene_file_info *info, fxs_message *message);
+
+/* ---- Filters ----------------------------------------------------------------------------------------------------- */
+
+/* Filters a stream of Gaussians: by position, opacity, SH degree, and for floaters. */
+
+/* Gaussians that cannot be drawn and are dropped: their number by reason, and the weights of the dropped and of the
+   kept Gaussians. */
+typedef struct fxs_pack_dropped {
+    uint64_t not_finite;      /* a value is NaN or infinite; only ln(sigma) may be minus infinity */
+    uint64_t rotation;        /* the quaternion is zero */
+    uint64_t transparent;     /* the opacity is minus infinity, exactly 0 after the sigmoid: not a fault of the file */
+    double weight, kept;      /* sums of fxs_weight over the dropped Gaussians and over the others */
+} fxs_pack_dropped;
+
+#define FXS_FLOATER_NEIGHBOURS 8
+#define FXS_FLOATER_STRENGTHS 5
+
+enum fxs_filter_kind { FXS_FILTER_BOX, FXS_FILTER_SPHERE, FXS_FILTER_CYLINDER, FXS_FILTER_KINDS };
+
+/* numbers: for a box the least x, y, z and the greatest; for a sphere the middle and the radius; for a cylinder the
+   middles of its two ends, which differ, and the radius. Scene units; surfaces count as inside. */
+typedef struct fxs_filter_shape {
+    enum fxs_filter_kind kind;
+    double numbers[7];
+} fxs_filter_shape;
+
+typedef struct fxs_scene_filter {
+    double low[3], high[3];   /* keeps centres in this box, scene units; -INFINITY to INFINITY: all */
+    double middle[3], radius; /* and in this sphere; a radius of INFINITY: all */
+    double opacity;           /* least opacity to keep, 0 to 1 */
+    int sh_degree;            /* highest SH degree to keep, 0 to 3 */
+    int drawable;             /* 1: drops the Gaussians that fxs_pack would drop */
+    int floaters;             /* strength 1 to 5: drops floaters, which are found among the Gaussians that the other
+                                 filters keep, see below; 0: keeps floaters */
+    /* For each kind with shapes: keeps centres in at least one shape of that kind. Owned by the caller; must stay valid
+       until the file is closed. */
+    const fxs_filter_shape *shapes;
+    uint32_t shape_count;
+} fxs_scene_filter;
+
+typedef struct fxs_scene_filter_report {
+    uint64_t read, kept;
+    uint64_t outside, faint;   /* dropped by position and by opacity */
+    uint64_t floaters;         /* dropped for too few neighbours */
+    fxs_pack_dropped dropped;  /* dropped because `drawable` is 1 */
+} fxs_scene_filter_report;
+
+/* Sets a filter that keeps every Gaussian. */
+FXS_API void fxs_scene_filter_default(fxs_scene_filter *filter);
+
+/* Attaches the filter to an open file. From then on, fxs_scene_file_read returns the kept Gaussians, and info->count
+   and info->sh_degree describe them. The file is read once to count them, and is at its beginning when the function
+   returns. `progress` is called with `argument`, and may be null.
+
+   A Gaussian is a floater if fewer than FXS_FLOATER_NEIGHBOURS other centres lie in the cube of 27 cells around it. The
+   grid of cells goes through the origin. The width of a cell is the least power of two that is at least 4 times the
+   Gaussian's largest sigma, but at least the width for the Gaussian of median size. So the neighbours of a large
+   background Gaussian may be farther away than the neighbours of a small one, and fine detail needs no closer
+   neighbours than the median Gaussian. The strengths:
+   - 1: as described.
+   - 2: for a Gaussian with an opacity below 0.9, the width is at most twice the width for the median Gaussian.
+   - 3: for such a Gaussian, the width is the median Gaussian's.
+   - 4: for every Gaussian, the width is the median Gaussian's.
+   - 5: as 4; a Gaussian is also a floater if one of the two places one sigma from its centre along its longest axis has
+     too few centres around it.
+   For floaters, the file is read once more, and the filter holds 28 bytes a Gaussian, 60 during the search.
+
+   Returns 0, or an error and a message; the caller must then close the file. Errors: as fxs_scene_file_read,
+   FXS_ERR_FILE if no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (degree, strength, shape),
+   FXS_ERR_MEMORY. */
+FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
+                                  fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
+                                  fxs_message *message);
+
+/* ---- Decimation -------------------------------------------------------------------------------------------------- */
+
+/* Decimates a stream of Gaussians: merges neighbours until the target number is left. */
+
+/* Reads an open file from its start and merges Gaussians until `target` are left, 1 or more. fxs_drawable must accept
+   every Gaussian of the file. From then on, fxs_scene_file_read returns the merged Gaussians, and info->count is their
+   number. A scene of at most `target` Gaussians is unchanged.
+
+   The two Gaussians of a pair are weighted by opacity times area. The merged position and covariance are the mean and
+   the covariance of the pair as one distribution; dc and SH are weighted means. The merged opacity keeps the sum of
+   opacity times area, but is at most 0.99, or the larger opacity of the two if that is higher. Each round pairs every
+   Gaussian with the neighbour of least loss, among the nearest 16 in its chunk of 256 (fxs_order). Then it merges the
+   quarter of the pairs with the least loss, skipping a pair that shares a Gaussian with an earlier pair. The loss is
+   Runnalls' bound (2007, "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of the colours.
+   The result is the same on every machine.
+
+   Memory: 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` is called with
+   `argument`, and may be null. Returns 0, or an error and a message; the caller must then close the file. Errors: as
+   fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
+FXS_API int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info,
+                                    fxs_progress_fn *progress, void *argument, fxs_message *message);
+
+/* ---- Writers ----------------------------------------------------------------------------------------------------- */
+
+/* Writes Gaussians to a scene file, in a format of scene.h: given in the options, or found from the file's ending.
+   Functions return 0, or an error and a message. One thread at a time may use a writer. */
+
+typedef struct fxs_scene_writer fxs_scene_writer;
+
+typedef struct fxs_scene_write_options {
+    uint64_t count;              /* exact number of Gaussians that will be written */
+    int sh_degree;               /* 0 to 3 */
+    int antialiased;             /* 1: opacities were fitted with compensation for the renderer's dilation */
+    float low[3], high[3];       /* bounds of the centres, for the header of a .glb; unused by other formats */
+    int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
+    const char *format;          /* a name of scene.h, such as "ply"; null: by the path's ending */
+    int spz_fine;                /* 1: an .spz gets SH in 8 bits instead of 5 and 4, and positions in all 24 bits */
+    double origin[3];            /* origin of the stream (fxs_scene_file_info), added to each position and to the
+                                    bounds */
+} fxs_scene_write_options;
+
+/* Numbers of Gaussians in an .spz with a value that was clamped by at least a step of the format. Axes too thin to be
+   seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of 1/128. */
+typedef struct fxs_spz_clamped {
+    uint32_t position, scale, dc, sh;
+    double reach;                /* scene units: a coordinate beyond +-reach is moved to +-reach */
+} fxs_spz_clamped;
+
+/* Losses in the written file. */
+typedef struct fxs_scene_write_report {
+    int lost_sh;                 /* highest SH degree that was dropped, or 0 */
+    int lost_antialiased;        /* 1: the scene is anti-aliased, but the format cannot record it */
+    fxs_spz_clamped clamped;     /* all 0 for formats other than .spz */
+    double moved;                /* scene units: largest distance that positions moved when rounded to floats far from
+                                    0; 0 if `origin` is 0, and for formats that can store the positions */
+} fxs_scene_write_report;
+
+/* Begins a file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an anti-aliased
+   scene. A .glb has KHR_gaussian_splatting with floats. If options->origin is not 0, a .ply has x, y and z as doubles,
+   a .glb a translated node, and a .csv more digits; other formats get the nearest floats.
+
+   Until it is complete, the file has a temporary name next to `path` (system.h). fxs_scene_writer_close frees *writer,
+   which is null after an error. A lod-meta.json creates folders next to it, 0_0 and so on; after an error, their new
+   content is removed.
+
+   Memory of a writer:
+   - .ply, .splat, .glb, .csv: holds no Gaussians.
+   - .spz: 44 bytes a Gaussian and 1 byte for each SH coefficient.
+   - .compressed.ply, .sog: 56 bytes a Gaussian and 2 bytes for each SH coefficient; while closing up to twice that.
+   - .rad, lod-meta.json: as .sog; while closing up to four times as much.
+   Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED if fixsplat was built without a
+   library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
+FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
+                                  fxs_message *message);
+
+/* Adds the next n Gaussians; fxs_drawable must have accepted each. Errors: FXS_ERR_FILE, and FXS_ERR_ARGUMENT for more
+   Gaussians than announced. */
+FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n,
+                                 fxs_message *message);
+
+/* Completes the file under its name, fills in *report and frees the writer. `writer`, `report` and `progress` may be
+   null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if
+   Gaussians are missing, FXS_ERR_MEMORY. After an error the new file is removed, and an existing file of that name is
+   unchanged. */
+FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, fxs_progress_fn *progress,
+                                   void *argument, fxs_message *message);
+
+/* ---- .fxs files -------------------------------------------------------------------------------------------------- */
+
+/* .fxs files: packed scenes (internal/packed.h) with their checksums filled in.
+
+   The renderer reads such a file directly from a read-only mapping. The functions need no other library. Several
+   threads may share a scene; only fxs_file_seal writes to it. */
+
+/* Writes the packed scene of `bytes` bytes at `data` (aligned to 64) to a file, as system.h says: after an error, an
+   existing file of that name is unchanged. Returns 0, or an error and a message: the error of fxs_scene_open if the
+   data are not a packed scene, FXS_ERR_FILE, FXS_ERR_MEMORY. */
+FXS_API int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message);
+
+/* Fills in the checksums of a packed scene in memory, `bytes` bytes at `data` (aligned to 64), which then equals the
+   content of an .fxs file. Returns 0, or the error of fxs_scene_open. */
+FXS_API int fxs_file_seal(void *data, size_t bytes);
+
+/* Checks the size and the header's checksum of a file of `bytes` bytes that was mapped or read to `data` (aligned to
+   64). With `all` it also checks the palette and every chunk, which reads the whole file. `path` is for the message.
+   Returns 0, or an error and a message: FXS_ERR_FILE if the file is damaged, FXS_ERR_VERSION if it has another
+   version. */
+FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
+
+/* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
+   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (internal/packed.h). Returns the
+   number of entries written, fewer than scene->count only if the scene is damaged. */
+FXS_API uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
