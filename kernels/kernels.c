@@ -92,6 +92,7 @@ PROCESSOR(DECLARE_SET, DECLARE)
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
 {
     cpu &= fxs_cpu_detect();
-    (void)kernels, (void)cpu;      /* unused on processors without versions */
+    (void)cpu;                     /* unused on processors without versions */
+    *kernels = fxs_kernels_c;
     PROCESSOR(USE_SET, USE)
 }

@@ -11,6 +11,7 @@
 #include <fixsplat/internal/kernels.h>
 #include "one_scene.h"
 #include "random_scene.h"
+#include "fastest.h"
 
 enum {
     FUZZ_GUARD = 1 << 20,          /* bytes before and after a zone */
@@ -257,7 +258,7 @@ static void fuzz_levels(fuzz_frame *f)
     for (unsigned flag = 1, mask = 1; mask <= cpu; flag *= 2, mask |= flag)
         if (cpu & flag) {
             fxs_init(&f->levels[f->level_count], NULL);
-            fxs_kernels_choose(&f->levels[f->level_count++].kernels, mask);
+            f->levels[f->level_count++].config.kernels = kernels_for(mask);
         }
 }
 

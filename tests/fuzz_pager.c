@@ -97,7 +97,7 @@ static void page(fuzz_source *s, const fxs_scene *whole, size_t pool)
 {
     const fxs_pager_source source = {.size = s->claimed, .read = read_part, .close = close_part, .argument = s,
                                      .gap = s->reads};
-    const fxs_pager_options options = {.pool_bytes = pool};
+    const fxs_pager_options options = {.size = sizeof(fxs_pager_options), .pool_bytes = pool};
     fxs_pager *pager;
     fxs_message why;
     s->reads = 0;

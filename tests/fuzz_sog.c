@@ -65,7 +65,7 @@ static long read_all(fxs_scene_file *file, uint64_t *total)
 
 static void read_scene(const char *name, int level)
 {
-    const fxs_scene_file_options options = {.level = level};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
     fxs_scene_input input;
     fxs_scene_file *file;
     fxs_scene_file_info info;

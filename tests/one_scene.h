@@ -3,6 +3,7 @@
 #define ONE_SCENE_H
 
 #include "src/core/object.h"
+#include "src/core/count.h"
 
 static inline fxs_object one_object(const fxs_scene *scene)
 {

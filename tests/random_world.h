@@ -273,6 +273,7 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
 
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/parts.h>
 
 enum { WORLD_VERSIONS = 6 };
 
@@ -280,14 +281,10 @@ enum { WORLD_VERSIONS = 6 };
 static inline int world_versions(fxs_kernels versions[WORLD_VERSIONS])
 {
     int count = 0;
-    fxs_context context;
-    fxs_init(&context, 0);
-    versions[count++] = context.kernels;
+    versions[count++] = fxs_kernels_c;
     for (unsigned flag = 1; flag <= fxs_cpu_detect(); flag *= 2)
-        if (fxs_cpu_detect() & flag) {
-            versions[count] = context.kernels;
+        if (fxs_cpu_detect() & flag)
             fxs_kernels_choose(&versions[count++], flag);
-        }
     return count;
 }
 #else
@@ -295,9 +292,7 @@ enum { WORLD_VERSIONS = 1 };
 
 static inline int world_versions(fxs_kernels versions[WORLD_VERSIONS])
 {
-    fxs_context context;
-    fxs_init(&context, 0);
-    versions[0] = context.kernels;
+    versions[0] = fxs_kernels_c;
     return 1;
 }
 #endif

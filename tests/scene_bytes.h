@@ -19,7 +19,7 @@ static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
 static fxs_scene_file_info info;
-static fxs_scene_file_options open_options;
+static fxs_scene_file_options open_options = {.size = sizeof(fxs_scene_file_options)};
 
 static inline const char *scenes_folder(void)
 {

@@ -6,6 +6,7 @@
 #include <fixsplat/system.h>
 #include "one_scene.h"
 #include "packed_scene.h"
+#include "fastest.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
 #endif
@@ -79,7 +80,7 @@ static void render_frames(uint32_t threads)
 #ifdef COUNTING
     static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0}, eye[3] = {0, 0, -4};
     fxs_pool *pool = fxs_pool_create(threads);
-    fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
+    fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = threads};
     fxs_context context;
     fxs_scene scene;
     fxs_options options;
@@ -89,7 +90,7 @@ static void render_frames(uint32_t threads)
     unsigned char *pixels = malloc(WIDTH * HEIGHT * 4);
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+    context.config.kernels = kernels_for(fxs_cpu_detect());
 #endif
     fxs_options_init(&options);
     CHECK(pool && pixels && !fxs_scene_open(&scene, packed.data, packed.bytes) &&

@@ -3,6 +3,7 @@
 #include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
+#include "fastest.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
 #endif
@@ -157,12 +158,12 @@ static void check_case(uint64_t seed, int32_t most, int height)
     draw_random(height);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_pool *pool = fxs_pool_create(threads);
-        fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
+        fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = threads};
         fxs_context context;
         fxs_init(&context, &config);
         check_limits(&context);
 #ifdef FXS_WITH_KERNELS
-        fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+        context.config.kernels = kernels_for(fxs_cpu_detect());
         check_limits(&context);
 #endif
         fxs_pool_destroy(pool);

@@ -536,7 +536,7 @@ static int open_limited(const char *name, uint64_t max_gaussians, uint64_t max_m
 {
     fxs_scene_file *file;
     fxs_gaussian one;
-    const fxs_scene_file_options options = {.max_gaussians = max_gaussians, .max_memory = max_memory};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_gaussians = max_gaussians, .max_memory = max_memory};
     int result = fxs_scene_file_open(in_folder(name), &options, &file, &info, &message);
     if (result == 0)
         result = (int)fxs_scene_file_read(file, &one, 1, &message);
@@ -606,7 +606,7 @@ static fxs_gaussian pass_read[PASSES][MOST_READ];
 /* Rewinds and reads PASSES times, with equal results, and sets `taken`. Returns the Gaussians of a pass, or -1. */
 static long read_passes(uint64_t max_memory, uint64_t from)
 {
-    const fxs_scene_file_options options = {.max_memory = max_memory};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = max_memory};
     const fxs_scene_input input = {files[0].size, read_counted, open_counted, NULL, &files[0]};
     fxs_scene_file *file;
     long count = 0;

@@ -331,7 +331,7 @@ static void metashape_components(void)
 /* Photographs match COLMAP's convention to the pixel, cameras within rounding. */
 static void photographs(void)
 {
-    const fxs_photos_options options = {.hold_out = 3};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 3};
     static const char *const files[] = {"e/cameras.csv", "e/cameras.xml"};
     fxs_photos first;
     for (int i = 0; i < CAMERAS; i++) {
@@ -385,7 +385,7 @@ static void photographs(void)
 /* Bundler models contain points; other exports have them in a separate file. */
 static void points(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (int i = 0; i < CAMERAS; i++) {
         char name[32];
         sprintf(name, "e/images/%d.ppm", i);
@@ -422,7 +422,7 @@ static void points(void)
 static void blocks(void)
 {
     static const char *const files[] = {"e/cameras.csv", "e/bundle.out"};
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     fxs_fit_block block;
     write_csv(4);
     write_bundler(0);
@@ -442,7 +442,7 @@ static void blocks(void)
    another machine are found by name. */
 static void on_earth(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     away = 4e6;
     write_metashape("chunk", "frame", "");
     away = 0;
@@ -466,7 +466,7 @@ static void on_earth(void)
 /* Far from the origin single precision cannot resolve a scene. */
 static void far_away(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (int wide = 0; wide < 2; wide++) {
         say("#name,x,y,alt,heading,pitch,roll,f\n0.ppm,500000,4000000,100,0,0,0,36\n1.ppm,%d,4000020,100,0,0,0,36\n",
             wide ? -500000 : 500010);
@@ -532,7 +532,7 @@ static void bundler_faults(void)
     put_file("e/list.txt", "a.jpg\n", 6);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
         check_fault("e/x.out", faults[i][0], faults[i][1]);
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     put_ppm("e/images/a.jpg", WIDE, HIGH, NULL);
     static const char *const counts[] = {BUNDLE "1 1e300\n70 0 0\n" UNIT,
                                          BUNDLE "1 1\n70 0 0\n" UNIT "1 2 nan\n1 2 3\n0\n",
@@ -595,7 +595,7 @@ static void metashape_faults(void)
         size += sprintf(padded + size, "<a>");
     check_fault("e/x.xml", padded, "line 1: no element found");
     put_ppm("e/images/a.jpg", 8, 6, NULL);
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     const char *unnamed = SENSOR "<f>9</f></calibration></sensor></sensors><cameras><camera sensor_id=\"0\"><transform>"
                           POSE ENDING;
     put_file("e/x.xml", unnamed, strlen(unnamed));

@@ -6,12 +6,14 @@
 #include <fixsplat/system.h>
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/parts.h>
 #endif
 
 #include "check.h"
 #include "one_scene.h"
 #include "src/core/frame.h"
 #include "tree_scene.h"
+#include "fastest.h"
 
 enum { WIDTH = TREE_WIDTH, HEIGHT = TREE_HEIGHT, PIXELS = WIDTH * HEIGHT * 4, COUNT = TREE_COUNT };
 
@@ -196,7 +198,7 @@ static void check_same(const fxs_request *first, int picture)
     fxs_request request = *first;
     fxs_context context;
     fxs_pool *pool = fxs_pool_create(3);
-    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = 3};
+    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = 3};
     fxs_frame_memory sizes;
     fxs_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, first, &sizes);
@@ -209,7 +211,7 @@ static void check_same(const fxs_request *first, int picture)
     }
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+    context.config.kernels = kernels_for(fxs_cpu_detect());
 #endif
     memset(pictures[picture], 1, PIXELS);
     draw(&context, &request, 0);

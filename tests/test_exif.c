@@ -158,7 +158,7 @@ static void lies(void)
 
 static int read_with(int camera_width, int camera_height)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     say("1 PINHOLE %d %d 25 25 12 10\n", camera_width, camera_height);
     put_text("one/cameras.txt");
     return read_photos("one", &options);

@@ -1,13 +1,15 @@
 /* Frames at the limits of the public header: objects, orthographic cameras, targets, pairs of eyes. */
 #include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/parts.h>
 #include "one_scene.h"
 #include "random_scene.h"
+#include "fastest.h"
 
 #define MOST 256                   /* pixels a side */
 #define ONE ((int64_t)1 << 32)
 
 static fxs_context plain;          /* plain C, one thread */
-static fxs_options options;
+static fxs_options options = {.size = sizeof(fxs_options)};
 static uint32_t pixels[2][MOST * MOST];
 
 /* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a box of 4 x 4 x 4 / 2^thin
@@ -78,7 +80,9 @@ static void test_faint_objects_are_listed_whole(void)
 {
     fxs_context everywhere = plain;
     fxs_camera camera = camera_at(200, -8 * ONE);
-    everywhere.kernels.bin = bin_everywhere;
+    fxs_kernels kernels = fxs_kernels_c;
+    kernels.bin = bin_everywhere;
+    everywhere.config.kernels = &kernels;
     camera.fx_q12 = camera.fy_q12 = 250 << 12;
     for (state = 1; state < 6;) {
         const uint64_t seed = state;
@@ -115,7 +119,7 @@ static void test_end_of_a_long_list(void)
     void *memory = check_aligned(bytes);
     for (int last = 0; last < 2; last++) {             /* plain C, then the best kernels */
         fxs_context context = plain;
-        fxs_kernels_choose(&context.kernels, last ? ~0u : 0);
+        context.config.kernels = kernels_for(last ? ~0u : 0);
         CHECK(!render_frame(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
         CHECK(stats.entries > 40000 && ids[SIZE + 1].object == 1);
         for (int i = CORNER * SIZE + CORNER; i < SIZE * SIZE; i++)
@@ -143,7 +147,7 @@ static void test_occluder_behind_a_long_list(void)
         fxs_context context = plain;
         fxs_stats stats;
         object.opacity_q16 = 640;
-        fxs_kernels_choose(&context.kernels, seed % 2 ? ~0u : 0);
+        context.config.kernels = kernels_for(seed % 2 ? ~0u : 0);
         const size_t bytes = fxs_frame_bytes(&plain, &object, 1, SIZE, SIZE, 0);
         void *memory = check_aligned(bytes);
         CHECK(!render_frame(&plain, &object, 1, &camera, &options, &targets, memory, bytes, &stats));
@@ -496,14 +500,14 @@ static int check_wild_frame(wild_frame *w)
     int same = CHECK(!error || error == FXS_ERR_OBJECT);
     for (size_t i = 0; i < sizeof cpus / sizeof *cpus; i++) {
         fxs_context fast = plain;
-        fxs_kernels_choose(&fast.kernels, cpus[i]);
+        fast.config.kernels = kernels_for(cpus[i]);
         same &= CHECK(draw_wild(&fast, w, 1, 0, (int)i) == error);
         same &= CHECK(!memcmp(w->bytes[0], w->bytes[1], sizeof w->bytes[0]));
     }
     if (!error)
         check_wild_pick(w);
     fxs_context fast = plain;
-    fxs_kernels_choose(&fast.kernels, ~0u);
+    fast.config.kernels = kernels_for(~0u);
     same &= check_wild_pair(w, &fast);
     free(w->scenes[0].data);
     free(w->scenes[1].data);

@@ -10,6 +10,7 @@
 #include "check.h"
 #include "procedural_scene.h"
 #include "src/camera/first_view.h"
+#include "fastest.h"
 
 enum { COUNT = 30000, WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 
@@ -129,11 +130,11 @@ static void the_same_everywhere(void)
     memcpy(wanted.low, t.low, sizeof t.low);
     memcpy(wanted.high, t.high, sizeof t.high);
     for (int i = 0; i < 4; i++) {
-        const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = 3};
+        const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = 3};
         fxs_context context;
         fxs_init(&context, i & 1 ? &config : NULL);
         if (i & 2)
-            fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+            context.config.kernels = kernels_for(fxs_cpu_detect());
         CHECK(!fxs_first_view_choose(&first[i], &context, &t.object, 1, t.low, t.high, NULL, &why));
         CHECK(!memcmp(&first[i], &wanted, sizeof wanted));
     }

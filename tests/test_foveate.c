@@ -14,7 +14,7 @@
 
 enum { GUARD = 0xa5 };
 
-static const fxs_backend_options one_thread = {.threads = 1};
+static const fxs_backend_options one_thread = {.size = sizeof(fxs_backend_options), .threads = 1};
 
 static void render(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, uint8_t *pixels,
                    ptrdiff_t stride)

@@ -56,7 +56,7 @@ static int write_ply(int count, int sh_degree)
 
 static int pack(enum fxs_profile profile, int tree)
 {
-    const fxs_pack_options options = {.profile = profile, .tree = tree};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = tree};
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_packed_scene packed;

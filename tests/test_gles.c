@@ -197,7 +197,7 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
                   ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_context c;
-    fxs_config config = {.run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
+    fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
                          .draw_unlisted = draw && draw != fxs_gles_draw};
     fxs_init(&c, &config);
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
@@ -544,7 +544,7 @@ static void fetch_eyes(void)
     for (int way = 0; way < exact_ways(gles); way++) {
         for (int drawn = 0; drawn < 2; drawn++) {
             fxs_context c;
-            const fxs_config config = {.draw = drawn ? exact[way] : 0, .draw_argument = gles,
+            const fxs_config config = {.size = sizeof(fxs_config), .draw = drawn ? exact[way] : 0, .draw_argument = gles,
                                        .draw_unlisted = drawn && way};
             fxs_targets targets[2];
             fxs_init(&c, &config);
@@ -604,7 +604,7 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
 {
     const ptrdiff_t stride = 4 * (ptrdiff_t)s->camera.width, last = (s->camera.height - 1) * stride;
     fxs_context c;
-    fxs_config config = {.draw = draw, .draw_argument = gles, .draw_unlisted = draw && draw != fxs_gles_draw};
+    fxs_config config = {.size = sizeof(fxs_config), .draw = draw, .draw_argument = gles, .draw_unlisted = draw && draw != fxs_gles_draw};
     const fxs_object object = one_object(&s->scene);
     fxs_targets t = one_target(s->format, pixels, stride);
     fxs_init(&c, &config);
@@ -1094,7 +1094,7 @@ static outputs make_outputs(void)
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
 {
     fxs_context c;
-    const fxs_config config = {.run = run_backwards, .threads = 3};
+    const fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = 3};
     fxs_object objects[2] = {one_object(&s->scene), one_object(&s->scene)};
     objects[0].id = 70000;
     objects[1].id = 9;

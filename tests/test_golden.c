@@ -24,7 +24,7 @@ typedef struct golden {
 } golden;
 
 #define RGBA8 FXS_FORMAT_RGBA8
-#define OPTIONS(of, degree, r, g, b) {.cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
+#define OPTIONS(of, degree, r, g, b) {.size = sizeof(fxs_options), .cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
 
 static const golden cases[] = {
     /* project, shade: degree 3 on an object; blend: opaque surfaces, early stop */
@@ -128,7 +128,7 @@ static void golden_image(void)
 {
     char path[128];
     fxs_message m = {.text = "render failed"};
-    const fxs_backend_options options = {.threads = 1, .without_cpu = ~0u};
+    const fxs_backend_options options = {.size = sizeof(fxs_backend_options), .threads = 1, .without_cpu = ~0u};
     void *self;
     if (backend->open(&self, &options, &m))
         SKIP(m.text);

@@ -13,7 +13,7 @@
 #include "check.h"
 #include "random_scene.h"
 
-static const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
+static const fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
 /* ---- The model --------------------------------------------------------------------------------------------------- */
 
@@ -280,8 +280,8 @@ static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_came
     unsigned char *strips = check_aligned(2 * room);
     fxs_context context;
     fxs_strip strip = {.pixels = strips, .stride = stride, .rows = rows, .format = FXS_FORMAT_RGB565_SWAPPED,
-                       .kernels = &context.kernels, .rows_done = fxs_ili9341_rows, .argument = panel};
-    const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
+                       .rows_done = fxs_ili9341_rows, .argument = panel};
+    const fxs_config config = {.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
     fxs_frame_memory sizes;
     if (((bus *)panel->bus.argument)->dma)
         panel->other = strips + room;

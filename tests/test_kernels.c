@@ -939,7 +939,7 @@ static void bench_blend(workload *w, const fxs_kernels *k)
 
 static void resolve_as(enum fxs_format format, workload *w, const fxs_kernels *k)
 {
-    static const fxs_options options;
+    static const fxs_options options = {.size = sizeof(fxs_options)};
     k->resolve(&options, format, &w->tile, FXS_TILE, FXS_TILE, (unsigned char *)w->pixels,
                fxs_pixel_bytes(format) * FXS_TILE);
 }

@@ -307,7 +307,7 @@ static void write_made(size_t sky_count, int has_sh)
 
 static void check_level(int level, size_t sky_count, int has_sh)
 {
-    const fxs_scene_file_options options = {.level = level};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
     const long count = read_scene(&options);
     long at = 0;
     if (!CHECK(count >= 0))
@@ -334,7 +334,7 @@ static void levels(void)
                 check_level(level, sky_count, has_sh);
         }
     for (int level = -1; level <= LEVELS; level += LEVELS + 1) {
-        CHECK(read_scene(&(fxs_scene_file_options){.level = level}) == FXS_ERR_ARGUMENT);
+        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = level}) == FXS_ERR_ARGUMENT);
         CHECK(strstr(message.text, ": levels of detail in this scene: 2") != NULL);
     }
 }
@@ -451,7 +451,7 @@ static void faulty_index(void)
         put(&index_bytes, cases[i].value, cases[i].size);
         put_file("index.bin", index_bytes.bytes, CELLS * UNIT);
         check_fails(cases[i].words);
-        CHECK(read_scene(&(fxs_scene_file_options){.level = 1}) > 0);   /* a level without the fault */
+        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);   /* a level without the fault */
     }
 }
 
@@ -475,10 +475,10 @@ static void same_cell_again(void)
 static void limits(void)
 {
     write_made(SKY, 1);
-    CHECK(read_scene(&(fxs_scene_file_options){.max_gaussians = COUNT + SKY}) == COUNT + SKY);
-    CHECK(read_scene(&(fxs_scene_file_options){.max_gaussians = COUNT + SKY - 1}) == FXS_ERR_FILE);
+    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = COUNT + SKY}) == COUNT + SKY);
+    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = COUNT + SKY - 1}) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "beyond the limit of 26") != NULL);
-    CHECK(read_scene(&(fxs_scene_file_options){.max_memory = 1000}) == FXS_ERR_MEMORY);
+    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_memory = 1000}) == FXS_ERR_MEMORY);
 }
 
 static void missing_files(void)

@@ -64,7 +64,7 @@ static uint8_t disc[2][PIXELS], inverse[2][PIXELS], white[PIXELS], black[PIXELS]
 /* Both naming schemes, in folders too. A photograph may lack a mask, and an all-white mask counts as none. */
 static void names(void)
 {
-    fxs_photos_options options = {0};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     const uint8_t *const of_two[VIEWS] = {disc[0], NULL, disc[1]};
     const uint8_t *const inverted[VIEWS] = {inverse[0], NULL, inverse[1]};
     const uint8_t *const nothing[VIEWS] = {NULL, NULL, NULL}, *const of_all[VIEWS] = {disc[1], disc[0], NULL};
@@ -85,7 +85,7 @@ static void names(void)
     put_grey("other/a.png", WIDTH, HEIGHT, black);         /* a.jpg.png takes precedence */
     put_grey("other/b.png", WIDTH, HEIGHT, disc[0]);
     put_grey("other/sub/c.png", WIDTH, HEIGHT, white);
-    options = (fxs_photos_options){.masks = kept_name("other"), .hold_out = 2};
+    options = (fxs_photos_options){.size = sizeof(fxs_photos_options), .masks = kept_name("other"), .hold_out = 2};
     CHECK(!read_photos("m", &options) && photos.with_mask == 3 && photos.held_out_count == 2 &&
           photos.held_out[0].mask && !photos.held_out[1].mask && photos.fit[0].mask);
     options.hold_out = 0;
@@ -95,7 +95,7 @@ static void names(void)
 /* A photograph outside the photographs' folder, or in one with the same prefix, has the mask of its own name. */
 static void from_elsewhere(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     const uint8_t *const wanted[VIEWS] = {disc[0], disc[1], NULL};
     make_folder("q");
     make_folder("q/images");
@@ -123,7 +123,7 @@ static void greys(void)
 {
     static const uint8_t colours[6][3] = {{128, 128, 128}, {127, 127, 127}, {255, 129, 0}, {255, 128, 0}, {0, 255, 255},
                                           {0, 0, 255}};
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     uint8_t rgb[3 * PIXELS];
     for (int i = 0; i < 3 * PIXELS; i++)
         rgb[i] = colours[i / 3 % 6][i % 3];
@@ -138,7 +138,7 @@ static void greys(void)
 static void smaller(void)
 {
     for (int resolution = 1; resolution <= WIDTH; resolution++) {
-        const fxs_photos_options options = {.resolution = resolution};
+        const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = resolution};
         if (!CHECK(!read_photos("m", &options)) || !CHECK(photos.fit[0].mask && photos.fit[2].mask))
             return;
         const int width = photos.fit[0].view.width, height = photos.fit[0].view.height;
@@ -163,7 +163,7 @@ static void lenses(void)
                                           "OPENCV_FISHEYE 24 20 20 20 12 10 .05 -.01 .002 .001"};
     for (int resolution = WIDTH; resolution >= 7; resolution -= 17)
         for (size_t k = 0; k < sizeof cameras / sizeof *cameras; k++) {
-            const fxs_photos_options options = {.resolution = resolution};
+            const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = resolution};
             int counts = 0, doubtful = 0;
             put_set(cameras[k]);
             put_grey("m/images/a.jpg", WIDTH, HEIGHT, disc[0]);
@@ -184,7 +184,7 @@ static void lenses(void)
 /* A lens that moves no pixel leaves the mask unchanged. */
 static void lens_of_almost_nothing(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     const uint8_t *const wanted[VIEWS] = {disc[0], NULL, disc[1]};
     put_set("SIMPLE_RADIAL 24 20 25 12 10 1e-9");
     CHECK(!read_photos("m", &options) && photos.fit[0].view.width == WIDTH && are_masks(wanted));
@@ -192,7 +192,7 @@ static void lens_of_almost_nothing(void)
 
 static void bad_masks(void)
 {
-    fxs_photos_options options = {0};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     uint8_t dark[PIXELS];
     put_set("PINHOLE 24 20 25 25 12 10");
     put_grey("m/masks/a.jpg.png", WIDTH / 2, HEIGHT / 2, disc[0]);
@@ -231,7 +231,7 @@ static void bad_masks(void)
    images/. */
 static void transforms(void)
 {
-    fxs_photos_options options = {0};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     make_folder("n");
     make_folder("n/images");
     make_folder("n/masks");
@@ -264,7 +264,7 @@ static void transforms(void)
    pixels are black. */
 static void alpha(void)
 {
-    fxs_photos_options options = {.background = {9, 9, 9}};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .background = {9, 9, 9}};
     static uint8_t rgba[4 * PIXELS];
     for (int i = 0; i < 4 * PIXELS; i++)
         rgba[i] = (uint8_t)(i % 4 == 3 ? (i / 4 * 5) % 256 : 10 + i % 200);

@@ -40,7 +40,7 @@ static void table(void)
     const int expected = FXS_ERR_UNSUPPORTED;
 #endif
     const fxs_backend *b = &fxs_backend_cuda;
-    const fxs_backend_options options = {0};
+    const fxs_backend_options options = {.size = sizeof(fxs_backend_options)};
     fxs_message why = {"", 1};
     char name[32];
     void *self = &why;

@@ -1,6 +1,7 @@
 /* Frames of several objects. They are compared with the double-precision reference of the merged scene and, if the
  * integers agree, byte for byte with frames of one scene. */
 #include <fixsplat/system.h>
+#include <fixsplat/internal/parts.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #include "random_world.h"
@@ -524,10 +525,10 @@ static void test_threads_and_versions(void)
         make_scenario(&s);
         for (uint32_t threads = 1; threads <= 8; threads++) {
             fxs_context context;
-            const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
+            const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
             fxs_init(&context, &config);
             for (int k = 0; k < count; k++) {
-                context.kernels = versions[k];
+                context.config.kernels = &versions[k];
                 CHECK(!draw(&context, s.objects, s.count, &s.camera, &s.options, 0, &s.actual, 0));
                 if (!CHECK(same_pictures(&s.expected, &s.actual)))
                     printf("  case %d, %s, %u threads\n", i, versions[k].name[FXS_BLEND], threads);
@@ -573,11 +574,11 @@ static void test_stereo(void)
         CHECK(!draw(&plain, s.objects, s.count, &cameras[1], &s.options, 0, &s.actual, 0));
         CHECK(same_pictures(&s.actual, &eyes[1]));
         for (int k = 0; k < count; k++) {
-            const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create((uint32_t)k + 1),
+            const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create((uint32_t)k + 1),
                                        .threads = (uint32_t)k + 1};
             fxs_context context;
             fxs_init(&context, &config);
-            context.kernels = versions[k];
+            context.config.kernels = &versions[k];
             CHECK(!draw_stereo(&context, &s, cameras, eyes));
             CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.actual, &eyes[1]));
             fxs_pool_destroy(config.pool);

@@ -79,7 +79,7 @@ static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progre
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pool *pool = threads ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, allocator, 0};
+    fxs_pack_options options = {sizeof(fxs_pack_options), profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, allocator, 0};
     message.text[0] = 0;
     int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
     if (!result) {
@@ -1024,7 +1024,7 @@ static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int d
 {
     static unsigned char records[2][(MAX_COUNT + FXS_CHUNK) * FXS_RECORD_BYTES];
     static fxs_palette p;
-    const fxs_pack_options options = {.run = fxs_run_here};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = fxs_run_here};
     int8_t mean[2][48];
     memset(&p, 0, sizeof p);
     p.profile = which;
@@ -1265,7 +1265,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
 {
     static fxs_order_entry entries[MAX_COUNT];
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_pack_options options = {FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0, 0};
+    const fxs_pack_options options = {sizeof(fxs_pack_options), FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0, 0};
     seed = count;
     for (uint32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++)
@@ -1317,7 +1317,7 @@ static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
     static fxs_order_entry entries[COUNT];
-    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
     for (int all = 0; all < 3; all++) {
         uint32_t seen[2] = {0, 0};
         seed = 6;
@@ -1342,7 +1342,7 @@ static void test_strays_are_apart(void)
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
     static fxs_order_entry entries[COUNT];
     static uint8_t is_stray[COUNT];
-    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
     int wide = 0;
     seed = 5;
     for (uint32_t i = 0; i < COUNT; i++) {
@@ -1367,7 +1367,7 @@ static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
     static fxs_order_entry entries[COUNT];
-    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
     uint32_t strays = 0, before = 0;
     seed = 6;
     for (uint32_t i = 0; i < COUNT; i++)
@@ -1391,7 +1391,7 @@ static void test_clusters_are_apart(void)
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
     static fxs_order_entry entries[COUNT];
     static uint8_t cluster[COUNT];
-    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
     uint32_t n = 0;
     seed = 7;
     for (uint32_t c = 0; c < CLUSTERS; c++)
@@ -1642,7 +1642,7 @@ static void test_a_file_that_changes(void)
     for (changing.changes_at = 1; changing.changes_at < 40; changing.changes_at++)
         for (int which = 0; which < 3; which++) {
             const fxs_scene_input input = {(uint64_t)changing.size, read_changing, 0, 0, 0};
-            const fxs_pack_options options = {.profile = (enum fxs_profile)which};
+            const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)which};
             fxs_scene_file *scene_file;
             fxs_scene_file_info info;
             fxs_scene scene;

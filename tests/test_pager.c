@@ -94,7 +94,7 @@ static fxs_pager_source source_of(bytes_source *s)
 static fxs_pager *open_with(bytes_source *s, uint32_t places, fxs_message *why)
 {
     const fxs_pager_source source = source_of(s);
-    const fxs_pager_options options = {.pool_bytes = (size_t)places * whole.chunk_bytes};
+    const fxs_pager_options options = {.size = sizeof(fxs_pager_options), .pool_bytes = (size_t)places * whole.chunk_bytes};
     fxs_pager *pager;
     return fxs_pager_open("made.fxs", &source, &options, &pager, why) ? 0 : pager;
 }
@@ -190,8 +190,8 @@ static void test_file(void)
     fxs_pager_state state;
     fxs_pager *pager;
     fxs_opened *opened;
-    const fxs_pager_options options = {.pool_bytes = packed.bytes / 3};
-    const fxs_open_options open = {.pager = &options};
+    const fxs_pager_options options = {.size = sizeof(fxs_pager_options), .pool_bytes = packed.bytes / 3};
+    const fxs_open_options open = {.size = sizeof(fxs_open_options), .pager = &options};
     snprintf(path, sizeof path, "%s", in_folder("made.fxs"));
     CHECK(!fxs_file_write(path, packed.data, packed.bytes, &why));
     CHECK(!fxs_open(path, &open, &opened, &why) && opened->pager && opened->scene == fxs_pager_scene(opened->pager));
@@ -392,7 +392,7 @@ static void test_path(void)
     bytes_source s = {.rate = 50000000};
     const fxs_pager_source source = source_of(&s);
     int told = 0, waited = 0, missing = 0;
-    const fxs_pager_options options = {(size_t)fxs_scene_chunks(&whole) / 3 * whole.chunk_bytes, note_arrived, &told};
+    const fxs_pager_options options = {sizeof(fxs_pager_options), (size_t)fxs_scene_chunks(&whole) / 3 * whole.chunk_bytes, note_arrived, &told};
     double longest = 0, longest_work = 0, longest_turn = 0, work = 0;
     fxs_message why;
     fxs_pager_state state;

@@ -68,7 +68,7 @@ static void put_folder(void)
 
 static void same_bytes(void)
 {
-    fxs_photos_options options = {.resolution = 17, .seed = 3};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 17, .seed = 3};
     put_folder();
     for (uint32_t threads = 1; threads <= 3; threads++) {
         options.run = threads == 1 ? NULL : fxs_pool_run;

@@ -111,7 +111,7 @@ static void put_colmap_photos(void)
 
 static void check_colmap(const char *name)
 {
-    const fxs_photos_options options = {.hold_out = 4};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 4};
     if (!CHECK(!read_photos(name, &options))) {
         printf("  %s\n", message.text);
         return;
@@ -191,7 +191,7 @@ static void check_random_points(const fxs_photos_options *options)
 
 static void bad_points(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     make_points_bin(UINT64_MAX);
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
@@ -253,7 +253,7 @@ static void left_out(void *argument, const char *why)
 
 static void bad_photos(void)
 {
-    fxs_photos_options options = {.hold_out = 4};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 4};
     remove_file("c/images/sub/5.ppm");
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/5.ppm: No such file");
     CHECK(strstr(message.text, "c/sparse/0/images.bin; skip_bad, --skip-bad, leaves such out)") != NULL);
@@ -294,7 +294,7 @@ static void bad_photos(void)
 
 static void proportions(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* one pixel off, as by rounding */
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
@@ -307,7 +307,7 @@ static void proportions(void)
 
 static void missing_folders(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     char name[5000];
     check_refused("missing", &options, FXS_ERR_FILE, "missing: No such file");
     make_folder("empty");
@@ -329,7 +329,7 @@ static void missing_folders(void)
 static void one_camera(void)
 {
     static const uint8_t black[24 * 20 * 3];
-    fxs_photos_options options = {0};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     make_folder("one");
     make_folder("one/images");
     put_ppm("one/images/a.ppm", 24, 20, black);
@@ -359,7 +359,7 @@ static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
 
 static void check_average(const uint8_t *rgb, int width, int height, int resolution)
 {
-    const fxs_photos_options options = {.resolution = resolution};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = resolution};
     put_ppm("one/images/a.ppm", width, height, rgb);
     say("1 PINHOLE %d %d 25 50 12 10\n", width, height);
     put_text("one/cameras.txt");
@@ -513,7 +513,7 @@ static void lens_formulas(void)
 
 static void check_lens(size_t number)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     static uint8_t rgb[3 * WIDE * HIGH];
     const fxs_lens lens = lens_of(number);
     for (int i = 0; i < WIDE * HIGH; i++) {
@@ -555,7 +555,7 @@ static void lens_models(void)
 static void lens_limits(void)
 {
     static uint8_t rgb[3 * WIDE * HIGH];
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (size_t i = 0; i < sizeof rgb; i++)
         rgb[i] = (uint8_t)random_number();
     put_ppm("one/images/a.ppm", WIDE, HIGH, rgb);
@@ -582,7 +582,7 @@ static void lens_widest(void)
 {
     static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
                                           "EUCM 160 120 40 40 80 60 .6 1.1", "FOV 160 120 50 50 80 60 1.5"};
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
         put_lens(cameras[i]);
         if (!CHECK(!read_photos("one", &options)))
@@ -604,7 +604,7 @@ static void lens_faults(void)
     static const char *const cameras[] = {"FOV 160 120 50 50 80 60 3.2", "FOV 160 120 50 50 80 60 1e300",
                                           "EUCM 160 120 40 40 80 60 1.1 1", "EUCM 160 120 40 40 80 60 .5 0",
                                           "EUCM 160 120 40 40 80 60 -.1 1"};
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
         put_lens(cameras[i]);
         check_refused("one", &options, FXS_ERR_FILE,
@@ -640,7 +640,7 @@ static void say_frames(const char *top, const char *format, int count)
 /* Blender's layout: no size, names without endings, a separate test list, random points. */
 static void blender(void)
 {
-    fxs_photos_options options = {.hold_out = 8, .seed = 1};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 8, .seed = 1};
     make_folder("b");
     make_folder("b/train");
     make_folder("b/test");
@@ -739,7 +739,7 @@ static void say_windows(const char *slash, const char *ending)
    though "a0\1" comes before "a\0". A real \ in a name works too. */
 static void names_of_windows(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     uint8_t mask[3 * 24 * 20];
     for (int i = 0; i < 3 * 24 * 20; i++)
         mask[i] = i / 3 % 24 < 9 ? 255 : 0;
@@ -763,7 +763,7 @@ static void names_of_windows(void)
     CHECK(!rename(in_folder("w/a/2.ppm"), in_folder("w/a/2.PPM")));
     CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() == hash);
     char said[256] = "";
-    const fxs_photos_options saying = {.left_out = left_out, .argument = said};
+    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out, .argument = said};
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
@@ -788,7 +788,7 @@ static void names_of_windows(void)
 /* nerfstudio undoes the same lens as COLMAP's OPENCV, and starts with the points of its .ply. */
 static void nerfstudio(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     check_lens(4);                 /* leaves the photograph and its camera */
     const fxs_file_view view = photos.fit[0].view;
     const uint32_t hash = hash_of_pixels();
@@ -845,7 +845,7 @@ static void colours_of_points(void)
         {"float", "diffuse_", "1 1 0", {255, 255, 0}}, {"float", "", "nan -1 1", {0, 0, 255}},
         {"uchar", "other_", "9 8 7", {128, 128, 128}}
     };
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     check_lens(4);
     say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
     put_text("one/transforms.json");
@@ -881,7 +881,7 @@ static void nerfstudio_fisheye(void)
         {5, "\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":140,\"cx\":80,\"cy\":60,\"k1\":0.1,\"k2\":-0.05,\"k3\":0.02,"
             "\"k4\":0.3,\"k5\":0.04,\"k6\":0.01,\"p1\":0.002,\"p2\":0.001,"},
     };
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         check_lens(files[i].lens);
         const fxs_file_view view = photos.fit[0].view;
@@ -905,7 +905,7 @@ static void nerfstudio_fisheye(void)
 /* Each frame may have its own camera; missing values come from the file's top. */
 static void nerfstudio_cameras(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     make_folder("n");
     put_ppm("n/a.ppm", 24, 20, NULL);
     put_ppm("n/b.ppm", 16, 12, NULL);
@@ -939,7 +939,7 @@ static void nerfstudio_parts(void)
         {"\"val_filenames\":[\"4.ppm\"],", 4, 1, '0', '4'},
         {"\"train_filenames\":[\"4.ppm\",\"3.ppm\",\"2.ppm\"],\"test_filenames\":[],", 2, 1, '3', '2'},
     };
-    fxs_photos_options options = {.hold_out = 8};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 8};
     for (int i = 0; i < 5; i++) {
         char name[16];
         sprintf(name, "n/%d.ppm", i);
@@ -1006,7 +1006,7 @@ static void nerfstudio_part_faults(void)
         {"\"train_filenames\":[\"0.ppm\"],\"test_filenames\":[\"0.ppm\"],", "view 0.ppm: both in train_filenames and"},
         {"\"test_filenames\":[\"0.ppm\",\"1.ppm\",\"2.ppm\",\"3.ppm\",\"4.ppm\"],", "none is left to fit"},
     };
-    const fxs_photos_options options = {.hold_out = 8};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 8};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char top[512];
         snprintf(top, sizeof top, "%s\"w\":24,\"h\":20,\"fl_x\":20,", files[i].lists);
@@ -1019,7 +1019,7 @@ static void nerfstudio_part_faults(void)
 /* The folder of an Inria model: names without endings, points in input.ply. */
 static void inria(void)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     make_folder("i");
     make_folder("i/images");
     put_ppm("i/images/b.JPG", 24, 20, NULL);
@@ -1055,7 +1055,7 @@ static void inria(void)
 /* Colour * alpha + background * (1 - alpha), before averaging, rounded once. */
 static void alpha(void)
 {
-    const fxs_photos_options options = {.resolution = 6, .background = {255, 128, 3}};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 6, .background = {255, 128, 3}};
     uint8_t rgba[4 * 24 * 20];
     for (size_t i = 0; i < sizeof rgba; i++)
         rgba[i] = (uint8_t)random_number();
@@ -1103,7 +1103,7 @@ static uint32_t hash_of_set(const char *path, const fxs_photos_options *options)
 
 static void snowmiku(void)
 {
-    fxs_photos_options options = {.resolution = 600, .hold_out = 8, .run = fxs_pool_run};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 600, .hold_out = 8, .run = fxs_pool_run};
     const char *path = real_set("snowmiku");
     if (!path)
         SKIP("no photographs here");
@@ -1120,7 +1120,7 @@ static void snowmiku(void)
 
 static void lego(void)
 {
-    fxs_photos_options options = {.resolution = 400, .hold_out = 8, .background = {255, 255, 255}, .run = fxs_pool_run};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 400, .hold_out = 8, .background = {255, 255, 255}, .run = fxs_pool_run};
     const char *path = real_set("lego");
     if (!path)
         SKIP("no photographs here");

@@ -766,7 +766,7 @@ static void absurd_counts(void)
 static void one_level(void)
 {
     fxs_scene_file *file;
-    fxs_scene_file_options options = {.level = 0};
+    fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = 0};
     make_file(LITTLE, fill_properties(0), 0);
     CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0 && info.levels == 1);
     fxs_scene_file_close(file);

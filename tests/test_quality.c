@@ -25,6 +25,7 @@
 #include "one_scene.h"
 #include "reference.h"
 #include "tile_lists.h"
+#include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
 enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: bytes are checked from this count on */
@@ -183,7 +184,7 @@ static int load(subject *s, const char *path)
         return -1;
     int result = 0;
     for (int i = 0; i < PROFILES && !result; i++) {
-        fxs_pack_options options = {.profile = (enum fxs_profile)i, .run = fxs_pool_run, .pool = pool,
+        fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)i, .run = fxs_pool_run, .pool = pool,
                                     .threads = fxs_processors()};
         const double start = processor_seconds();
         result = fxs_pack(file, &s->info, &s->packed[i], &s->report, &options, &m);
@@ -278,10 +279,10 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
+    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());   /* same bytes, faster */
+    context.config.kernels = kernels_for(fxs_cpu_detect());   /* same bytes, faster */
 #endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))

@@ -10,6 +10,7 @@
 #include <fixsplat/internal/kernels.h>
 #include "src/core/chunk.h"
 #include "scene_bytes.h"
+#include "fastest.h"
 
 enum { COUNT = 3000, ODD = 700, WIDTH = 72, HEIGHT = 48, VIEWS = 6, STEPS = 80 };
 
@@ -83,12 +84,12 @@ static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t 
                        size_t view_count)
 {
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
+    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = threads};
     fxs_context context;
-    const fxs_refine_options options = {.context = &context, .steps = steps, .views = view_count ? views : NULL,
+    const fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = steps, .views = view_count ? views : NULL,
                                         .view_count = view_count, .cpu = cpu};
     fxs_init(&context, &config);
-    fxs_kernels_choose(&context.kernels, cpu);
+    context.config.kernels = kernels_for(cpu);
     const int error = fxs_refine(packed->data, packed->bytes, &options, &message);
     fxs_pool_destroy(pool);
     return error;
@@ -135,7 +136,7 @@ static double error_of(const fxs_packed_scene *packed, uint32_t budget)
 
 static void check_better(enum fxs_profile profile, int antialiased)
 {
-    const fxs_pack_options options = {.profile = profile, .tree = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1};
     fxs_packed_scene packed, measured;
     if (!pack(&packed, COUNT, &options, antialiased) || !pack(&measured, COUNT, &options, antialiased))
         return;
@@ -155,7 +156,7 @@ static void check_better(enum fxs_profile profile, int antialiased)
 
 static void check_same(size_t view_count, uint64_t count)
 {
-    const fxs_pack_options options = {.tree = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .tree = 1};
     fxs_packed_scene first, other;
     if (!pack(&first, count, &options, 0))
         return;
@@ -171,7 +172,7 @@ static void check_same(size_t view_count, uint64_t count)
 
 static void check_kept(void)
 {
-    const fxs_pack_options with = {.tree = 1};
+    const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};
     fxs_packed_scene packed, plain;
     fxs_scene scene;
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
@@ -209,7 +210,7 @@ static int stop(void *calls, double done)
 
 static void check_refused(void)
 {
-    const fxs_pack_options with = {.tree = 1};
+    const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};
     fxs_packed_scene packed, plain;
     fxs_context context;
     fxs_scene scene;
@@ -217,7 +218,7 @@ static void check_refused(void)
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
         return;
     fxs_init(&context, NULL);
-    fxs_refine_options options = {.context = &context, .steps = FXS_REFINE_STEPS_MOST + 1, .views = views,
+    fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = FXS_REFINE_STEPS_MOST + 1, .views = views,
                                   .view_count = VIEWS};
     CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);
     options.steps = 2;
@@ -240,7 +241,7 @@ static void check_refused(void)
 /* Headers and nodes with changed numbers and right checksums: an error, or drawable levels. */
 static void check_damaged(void)
 {
-    const fxs_pack_options with = {.tree = 1};
+    const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};
     fxs_packed_scene packed;
     fxs_scene scene;
     uint32_t state = 1, refused = 0, refined = 0;
@@ -268,7 +269,7 @@ static void check_damaged(void)
 
 static void check_shared(void)
 {
-    const fxs_pack_options with = {.tree = 1};
+    const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};
     fxs_packed_scene packed;
     fxs_scene scene;
     uint32_t state = 7;
@@ -292,7 +293,7 @@ static void check_shared(void)
 
 static void check_odd(void)
 {
-    const fxs_pack_options with = {.tree = 1};
+    const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};
     fxs_packed_scene packed;
     for (int far = 0; far < 2; far++) {
         for (int i = 0; i < ODD; i++)

@@ -40,7 +40,8 @@ static void the_same_from_bytes(void)
     fxs_opened *splat = NULL, *fxs = NULL;
     fxs_renderer *renderer = NULL;
     fxs_pick_result picked;
-    const fxs_open_options careful = {.check_all = 1}, few = {.file = {.max_gaussians = COUNT - 1}};
+    const fxs_scene_file_options limit = {.size = sizeof limit, .max_gaussians = COUNT - 1};
+    const fxs_open_options careful = {.size = sizeof careful, .check_all = 1}, few = {.size = sizeof few, .file = &limit};
     CHECK(fxs_open_memory("a.splat", records, sizeof records, NULL, &splat, &why) == 0);
     CHECK(fxs_renderer_create(NULL, NULL, &renderer, &why) == 0);
     if (!splat || !renderer)
@@ -79,7 +80,7 @@ static void wrong_arguments(void)
     fxs_camera camera;
     fxs_pick_result picked;
     fxs_object object;
-    const fxs_open_options crowd = {.threads = 65};
+    const fxs_open_options crowd = {.size = sizeof(fxs_open_options), .threads = 65};
     CHECK(fxs_open(NULL, NULL, &opened, &why) == FXS_ERR_ARGUMENT);
     CHECK(fxs_open("a.splat", NULL, NULL, &why) == FXS_ERR_ARGUMENT);
     CHECK(fxs_open_memory("a", NULL, 9, NULL, &opened, &why) == FXS_ERR_ARGUMENT && !opened);

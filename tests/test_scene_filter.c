@@ -35,7 +35,7 @@ static void make(void)
         for (int k = 0; k < 45; k++)
             g->sh[k] = (float)(i + k) / 2000;
     }
-    fxs_scene_filter_default(&filter);
+    fxs_scene_filter_init(&filter);
     CHECK(write_made(3));
 }
 
@@ -350,7 +350,7 @@ static void nothing_left(void)
     for (int i = 0; i < COUNT; i++)
         made[i].scale[0] = NAN;
     CHECK(write_made(3));
-    fxs_scene_filter_default(&filter);
+    fxs_scene_filter_init(&filter);
     filter.drawable = 1;
     CHECK(open_filtered() == FXS_ERR_FILE && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
 }
@@ -375,7 +375,7 @@ static void packed(void)
             CHECK(open_writer("ply", written, info.count, 2, 0, &writer, &message) == 0);
             CHECK(fxs_scene_writer_put(writer, out, info.count, &message) == 0);
             CHECK(close_writer(writer, &message) == 0);
-            fxs_scene_filter_default(&filter);
+            fxs_scene_filter_init(&filter);
         }
         fxs_scene_file_close(file);
         take_written();
@@ -416,7 +416,7 @@ static void damaged(void)
     for (int i = 0; i < 600; i++)
         put("%s 0 0 0 0 0 0 0 0 0 1 0 0 0\n", i == 500 ? "x" : "1");
     put_file(size);
-    fxs_scene_filter_default(&filter);
+    fxs_scene_filter_init(&filter);
     CHECK(open_filtered() == FXS_ERR_FILE && strncmp(message.text, path, strlen(path)) == 0);
 }
 

@@ -241,7 +241,7 @@ static int is_one_line(void)
 static void every_allocation_fails(void)
 {
     static fxs_gaussian out[MOST];
-    const fxs_scene_file_options options = {.allocator = &counting};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .allocator = &counting};
     for (int i = 0; i < FORMATS; i++) {
         const struct made_format *f = make_format(i);
         const way by = f->is_several ? BY_INPUT : BY_MEMORY;
@@ -262,7 +262,7 @@ static void every_allocation_fails(void)
 static void every_read_fails(void)
 {
     static fxs_gaussian out[MOST];
-    const fxs_scene_file_options options = {.allocator = &counting};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .allocator = &counting};
     for (int i = 0; i < FORMATS; i++) {
         const struct made_format *f = make_format(i);
         long count, n = 0;
@@ -299,7 +299,7 @@ static void make_large_spz(void)
 static void count_comes_first(void)
 {
     static fxs_gaussian one;
-    const fxs_scene_file_options options = {.allocator = &counting};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .allocator = &counting};
     fxs_scene_file *file;
     make_large_spz();
     count_from_0(-1);
@@ -336,7 +336,7 @@ static int note_progress(void *argument, double done)
 
 #if defined(FXS_WITH_ZLIB) && defined(WITH_SOG)
 
-static const fxs_scene_file_options watched = {
+static const fxs_scene_file_options watched = {.size = sizeof(fxs_scene_file_options), 
     .allocator = &counting, .progress = note_progress, .progress_argument = &progress
 };
 

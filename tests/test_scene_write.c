@@ -46,7 +46,7 @@ static void make(int sh_degree)
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
 {
-    fxs_scene_write_options o = {.count = COUNT, .sh_degree = sh_degree, .antialiased = antialiased,
+    fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = COUNT, .sh_degree = sh_degree, .antialiased = antialiased,
                                  .spz_fine = 1};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < COUNT; k++) {
@@ -302,7 +302,7 @@ static void extremes(void)
          .dc = {1e30f, -1e30f, 0}, .sh = {1e30f, -1e30f}},
         {.position = {0, -0.0f, 1e-40f}, .scale = {-80, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -1e30f}
     };
-    fxs_scene_write_options o = {.count = 2, .sh_degree = 1};
+    fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = 2, .sh_degree = 1};
     for (size_t e = 0; e < sizeof endings / sizeof *endings; e++) {
         fxs_scene_writer *writer;
         if (fxs_scene_writer_open(named(endings[e]), &o, &writer, &message) == FXS_ERR_UNSUPPORTED)
@@ -363,7 +363,7 @@ static void faulty(void)
 static void too_many(void)
 {
     fxs_scene_writer *writer;
-    fxs_scene_write_options o = {.count = UINT64_MAX, .sh_degree = 3};
+    fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = UINT64_MAX, .sh_degree = 3};
     CHECK(fxs_scene_writer_open(named(".glb"), &o, &writer, &message) == FXS_ERR_ARGUMENT);
     CHECK(fxs_scene_writer_open(named(".compressed.ply"), &o, &writer, &message) == FXS_ERR_ARGUMENT);
     const int error = fxs_scene_writer_open(named(".sog"), &o, &writer, &message);

@@ -9,6 +9,7 @@
 
 #include "one_scene.h"
 #include "random_scene.h"
+#include "fastest.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
 #endif
@@ -287,7 +288,7 @@ static void check_versions(enum call call)
         const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs plain C */
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
-                fxs_kernels_choose(&context.kernels, flag);
+                context.config.kernels = kernels_for(flag);
                 check_call(&context, fxs_cpu_name(flag), call);
             }
 #endif

@@ -14,7 +14,7 @@ static fxs_scene_file_info info;
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
 {
     fxs_scene_file *file;
-    const fxs_scene_file_options options = {.level = level};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
     long total[2] = {0, 0}, count = 0;
     memset(&info, 0, sizeof info);
     const int error = fxs_scene_file_open(in_folder(name), &options, &file, &info, &message);
@@ -879,7 +879,7 @@ static void faulty_index(void)
 /* The smallest memory for the streamed scene; loaded files are not kept then. */
 static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
 {
-    fxs_scene_file_options options = {.max_memory = 1 << 12};
+    fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = 1 << 12};
     fxs_scene_file *file;
     for (long read = -1; read < 0 && options.max_memory < 1 << 20; options.max_memory += 1 << 10)
         if (fxs_scene_file_open(in_folder(""), &options, &file, &info, &message) == 0) {
@@ -895,7 +895,7 @@ static void changed_while_open(void)
     fxs_gaussian gaussians[4 * COUNT];
     fxs_scene_file *file;
     put_streamed();
-    const fxs_scene_file_options options = {.max_memory = least_memory(gaussians)};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = least_memory(gaussians)};
     if (!CHECK(fxs_scene_file_open(in_folder(""), &options, &file, &info, &message) == 0))
         return;
     make(&chunks[1]);

@@ -223,8 +223,8 @@ static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera,
     project_chunks(scene);
 }
 
-static const fxs_options defaults = {.sh_degree = 3};
-static const fxs_options squares = {.cutoff = FXS_CUTOFF_SQUARE, .sh_degree = 3};
+static const fxs_options defaults = {.size = sizeof(fxs_options), .sh_degree = 3};
+static const fxs_options squares = {.size = sizeof(fxs_options), .cutoff = FXS_CUTOFF_SQUARE, .sh_degree = 3};
 
 static struct reference_options reference_of(const fxs_options *options, const fxs_scene *scene)
 {
@@ -563,7 +563,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     enum { MOST = 70000 };
     static fxs_key keys[MOST], spare[MOST], unsorted[MOST], expected[MOST];
     static uint32_t histograms[64][FXS_SORT_BUCKETS];
-    const fxs_config config = {.run = run_backwards, .threads = parts};
+    const fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = parts};
     for (uint32_t i = 0; i < count; i++)
         keys[i] = unsorted[i] = expected[i] = FXS_KEY(bits() & mask, i);
     qsort(expected, count, sizeof *expected, compare_keys);
@@ -838,7 +838,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     context.config.draw = draw_nothing;
     CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, 0) ==
           FXS_ERR_DEVICE);
-    context.config = (fxs_config){.draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1};
+    fxs_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1});
     const fxs_object object = one_object(scene);
     const size_t unlisted = fxs_frame_bytes(&context, &object, 1, camera->width, camera->height, 0);
     void *room = check_aligned(unlisted);
@@ -855,7 +855,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
 {
     int pools = 0;
     uint64_t ticks = 0;
-    fxs_config config = {.run = run_backwards, .pool = &pools, .threads = (uint32_t)(2 + below(7)), .clock = tick,
+    fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .pool = &pools, .threads = (uint32_t)(2 + below(7)), .clock = tick,
                          .clock_argument = &ticks};
     fxs_context context;
     fxs_stats stats;
@@ -881,7 +881,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
 static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, enum fxs_cutoff cutoff)
 {
     const enum fxs_format format = (enum fxs_format)below(3);
-    fxs_options options = {.cutoff = cutoff};
+    fxs_options options = {.size = sizeof(fxs_options), .cutoff = cutoff};
     options.sh_degree = below(4);
     for (int c = 0; c < 3; c++)
         options.background[c] = (uint8_t)bits();
@@ -970,7 +970,7 @@ static void test_empty_scene_is_background(void)
 static void test_times_are_shared_out(void)
 {
     uint64_t ticks = 0;
-    const fxs_config config = {.clock = tick, .clock_argument = &ticks};
+    const fxs_config config = {.size = sizeof(fxs_config), .clock = tick, .clock_argument = &ticks};
     fxs_context context;
     fxs_stats stats;
     packed_scene s = make_scene(&ordinary, 256, 0, 0);
@@ -1366,7 +1366,7 @@ static void test_render_refuses_arguments(void)
 static void test_init(void)
 {
     fxs_context context;
-    fxs_config config = {.threads = 65};
+    fxs_config config = {.size = sizeof(fxs_config), .threads = 65};
     CHECK(fxs_init(0, 0) == FXS_ERR_ARGUMENT && fxs_init(&context, &config) == FXS_ERR_ARGUMENT);
     config.threads = 64;
     CHECK(fxs_init(&context, &config) == 0 && context.config.threads == 64);
@@ -1377,7 +1377,7 @@ static void test_words(void)
     for (int error = 0; error >= FXS_ERR_STOPPED; error--)
         for (int other = 0; other > error; other--)
             CHECK(strcmp(fxs_strerror(error), fxs_strerror(other)) != 0);
-    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_STOPPED - 1)) && fxs_strerror(INT32_MIN));
+    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_STRUCT - 1)) && fxs_strerror(INT32_MIN));
     CHECK(!strcmp(fxs_stage_name(FXS_PROJECT), "project") && !strcmp(fxs_stage_name(FXS_RESOLVE), "resolve"));
     CHECK(fxs_stage_name(FXS_STAGES) && fxs_stage_name((enum fxs_stage)-1));
 }

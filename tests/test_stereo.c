@@ -5,6 +5,7 @@
 #include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
+#include "fastest.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
 #endif
@@ -132,11 +133,11 @@ static uint64_t check_case(int which)
     const uint64_t entries = render_alone(&p, &context, alone), hash = hash_of(alone, p.bytes);
     check_pair(&p, &context, alone, entries);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
-        fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
+        fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
         fxs_init(&context, &config);
         check_pair(&p, &context, alone, entries);
 #ifdef FXS_WITH_KERNELS
-        fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+        context.config.kernels = kernels_for(fxs_cpu_detect());
         check_pair(&p, &context, alone, entries);
 #endif
         fxs_pool_destroy(config.pool);
@@ -298,7 +299,7 @@ static void test_time(void)
     pair p = pair_of(&scene, cameras, &options, format);
     unsigned char *pixels = check_aligned(p.bytes);
     looked l = {0, 0, 0};
-    const fxs_config config = {.clock = look_at_clock, .clock_argument = &l};
+    const fxs_config config = {.size = sizeof(fxs_config), .clock = look_at_clock, .clock_argument = &l};
     uint64_t stages = 0;
     fxs_init(&context, &config);
     CHECK(!render(&p, &context, bytes_of(&p, &context, 0), pixels));

@@ -2,6 +2,7 @@
  * always says no leaves the bytes unchanged. --threads runs only the test of several threads, for ThreadSanitizer. */
 #include <fixsplat/board.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/declarations.h>
 #include "check.h"
 #include "one_scene.h"
 #include "random_scene.h"
@@ -74,7 +75,7 @@ static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t ro
 static int draw_strips(bench *b)
 {
     static unsigned char rows[16 * SIDE * 4];
-    fxs_strip strip = {.pixels = rows, .stride = SIDE * 4, .rows = 16, .kernels = &b->context.kernels,
+    fxs_strip strip = {.pixels = rows, .stride = SIDE * 4, .rows = 16,
                        .rows_done = copy_rows, .argument = b->pixels[0]};
     fxs_context context = b->context;
     context.config.draw = fxs_strip_draw;
@@ -185,7 +186,7 @@ static void test_stopped_by_several_threads(void)
     static bench b;
     int stopped = 0;
     uint32_t every;
-    const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(THREADS), .threads = THREADS};
+    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(THREADS), .threads = THREADS};
     bench_init(&b, 5, 16);
     fxs_init(&b.context, &config);
     free(b.memory);

@@ -33,7 +33,7 @@ static void make(void)
 
 static int write_scene(const char *name, int count, int announced, fxs_progress_fn *progress, void *argument)
 {
-    const fxs_scene_write_options o = {.count = (uint64_t)announced, .sh_degree = 1, .antialiased = 1};
+    const fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = (uint64_t)announced, .sh_degree = 1, .antialiased = 1};
     fxs_scene_writer *writer;
     int result = fxs_scene_writer_open(name, &o, &writer, &message);
     if (result)
@@ -46,7 +46,7 @@ static int write_scene(const char *name, int count, int announced, fxs_progress_
 /* Returns the number of Gaussians, or an error. */
 static long read_level(const char *name, int level)
 {
-    const fxs_scene_file_options options = {.level = level};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
     fxs_scene_file *file;
     long n, count = 0;
     const int error = fxs_scene_file_open(name, &options, &file, &info, &message);

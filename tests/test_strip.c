@@ -16,7 +16,7 @@
 #define WIDTH_MOST 330
 #define HEIGHT_MOST 250
 
-static fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
+static fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
 typedef struct collected {
     unsigned char *pixels;
@@ -57,9 +57,9 @@ static void bench_init(bench *b, int32_t width, int32_t height, int32_t rows, en
     b->got = (collected){.pixels = check_aligned((size_t)(width * height * bytes)), .row_bytes = width * bytes};
     b->want = check_aligned((size_t)(width * height * bytes));
     b->strip = (fxs_strip){.stride = width * bytes + 16, .rows = rows, .format = format, .rows_done = collect,
-                           .argument = &b->got, .kernels = &b->strips.kernels};
+                           .argument = &b->got};
     b->strip.pixels = check_aligned((size_t)((width * bytes + 16) * rows));
-    b->config = (fxs_config){.draw = fxs_strip_draw, .draw_argument = &b->strip, .draw_blended = 1};
+    b->config = (fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &b->strip, .draw_blended = 1};
     fxs_init(&b->whole, 0);
     fxs_init(&b->strips, &b->config);
 }
@@ -164,7 +164,7 @@ static void test_wrong_strips(void)
         if (i == 1)
             b.strip.stride = 99;
         if (i == 2)
-            b.strip.kernels = 0;
+            b.strip.rows = 17;
         if (i == 3)
             b.strip.rows_done = 0;
         if (i == 4)

@@ -13,6 +13,7 @@
 #include "check.h"
 #include "one_scene.h"
 #include "random_scene.h"
+#include "fastest.h"
 
 enum { CALLERS = 4, FRAMES = 12, ROUNDS = 5, SIDE = 128, LIMIT_SECONDS = 100 };
 
@@ -83,10 +84,10 @@ static void test_a_context_for_several_threads(void)
 {
     make_frames();
     for (uint32_t threads = 1; threads <= 4 && !check_faults; threads += threads) {
-        const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
+        const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
         fxs_init(&shared, &config);
 #ifdef FXS_WITH_KERNELS
-        fxs_kernels_choose(&shared.kernels, fxs_cpu_detect());
+        shared.config.kernels = kernels_for(fxs_cpu_detect());
 #endif
         CHECK(call_at_once(draw_frames) == 0);
         fxs_pool_destroy(config.pool);

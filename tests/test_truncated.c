@@ -354,7 +354,7 @@ static long read_cameras(const char *name)
 
 static long read_photos(const char *name)
 {
-    const fxs_photos_options options = {0};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     fxs_photos photos;
     const int error = fxs_photos_read(name, &options, &photos, &message);
     CHECK(!error || (!photos.fit && !photos.held_out && !photos.points));

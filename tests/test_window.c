@@ -902,7 +902,7 @@ static void make_levels(char *path)
 {
     static char many[] = "20000";
     char source[sizeof knot];
-    const fxs_open_options how = {.tree = 1};
+    const fxs_open_options how = {.size = sizeof(fxs_open_options), .tree = 1};
     fxs_opened *opened;
     fxs_message message;
     make_scene(source, "levels", "knot", many);

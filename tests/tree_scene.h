@@ -22,7 +22,7 @@ static inline long read_made(void *argument, uint64_t first, fxs_gaussian *out, 
 static inline int pack_tree(const char *name, enum fxs_profile profile, fxs_packed_scene *to, fxs_scene *scene)
 {
     const fxs_procedural_scene *made_scene = fxs_procedural_find(name);
-    const fxs_pack_options options = {.profile = profile, .tree = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1};
     fxs_message m;
     fxs_scene_file *file;
     fxs_scene_file_info info;

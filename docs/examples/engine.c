@@ -142,7 +142,9 @@ static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
         return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
     }
     fxs_init(&d->context, NULL);                           /* threads are optional: fixsplat/pool.h */
-    fxs_kernels_choose(&d->context.kernels, fxs_cpu_detect());
+    static fxs_kernels fastest;
+    fxs_kernels_choose(&fastest, fxs_cpu_detect());
+    d->context.config.kernels = &fastest;
     d->bytes = fxs_frame_bytes(&d->context, request->objects, 1, WIDTH, HEIGHT, NULL);
     d->gles = malloc(fxs_gles_bytes());
     return !d->gles || posix_memalign(&d->memory, 64, d->bytes) ||

@@ -100,9 +100,11 @@ static int count_objects(fxs_plan *p)
     int error = !r->objects && r->count ? FXS_ERR_ARGUMENT : r->count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
     p->gaussians = 0;
     for (uint32_t i = 0; i < r->count && !error; i++) {
-        error = fxs_object_check(&r->objects[i]);
-        chunks += error ? 0 : r->objects[i].scene->chunk_count;
-        p->gaussians += error ? 0 : r->objects[i].scene->count;
+        fxs_object object;
+        error = fxs_object_read(&object, r->objects, i);
+        error = error ? error : fxs_object_check(&object);
+        chunks += error ? 0 : object.scene->chunk_count;
+        p->gaussians += error ? 0 : object.scene->count;
     }
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
@@ -147,10 +149,11 @@ static int place_objects(fxs_plan *p)
     uint32_t chunks = 0;
     int error = 0;
     for (uint32_t i = 0; i < p->request->count && !error; i++) {
-        const fxs_object *object = &p->request->objects[i];
-        error = fxs_object_view_init(&p->objects[i], &p->view, p->request->cameras, object);
+        fxs_object object;
+        error = fxs_object_read(&object, p->request->objects, i);
+        error = error ? error : fxs_object_view_init(&p->objects[i], &p->view, p->request->cameras, &object);
         p->objects[i].first_chunk = chunks;
-        chunks += fxs_cut_chunks(object->scene, p->cut_room != 0);
+        chunks += fxs_cut_chunks(object.scene, p->cut_room != 0);
         p->objects[i].end_chunk = chunks;
     }
     return error;

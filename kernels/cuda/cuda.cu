@@ -367,14 +367,16 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     uint64_t chunks = 0, gaussians = 0;
     int error = !objects && count ? FXS_ERR_ARGUMENT : count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
     for (uint32_t i = 0; i < count && !error; i++) {
-        error = fxs_object_check(&objects[i]);
+        fxs_object object;
+        error = fxs_object_read(&object, objects, i);
+        error = error ? error : fxs_object_check(&object);
         if (error)
             return error;
-        if (objects[i].scene->places)
+        if (object.scene->places)
             return FXS_ERR_UNSUPPORTED;
-        chunks += objects[i].scene->chunk_count;
-        gaussians += objects[i].scene->count;
-        f->crop_count += objects[i].crop_count;
+        chunks += object.scene->chunk_count;
+        gaussians += object.scene->count;
+        f->crop_count += object.crop_count;
     }
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
@@ -383,7 +385,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     f->chunks = f->cut_room ? f->cut_room : (uint32_t)chunks;
     f->gaussians = (uint32_t)gaussians;
     for (uint32_t i = 0; i < count && f->cut_room; i++) {
-        const fxs_scene *scene = objects[i].scene;
+        const fxs_scene *scene = fxs_object_at(objects, i)->scene;
         f->cut_chunks += fxs_scene_chunks(scene);
         f->whole_chunks += scene->nodes ? 0 : scene->chunk_count;
     }
@@ -418,8 +420,8 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         if (!error && !are_aligned(f->targets))
             error = failed(why, FXS_ERR_TARGET, "a target is not aligned to its pixels");
         for (uint32_t k = 0; k < f->object_count && !error; k++)
-            if (frames[i].objects[k].visible)
-                error = want_scene(&cuda->scenes, &cuda->memory, frames[i].objects[k].scene, why);
+            if (fxs_object_at(frames[i].objects, k)->visible)
+                error = want_scene(&cuda->scenes, &cuda->memory, fxs_object_at(frames[i].objects, k)->scene, why);
         if (!error)
             find_hosted(f);
         slot_buffers(&none, f, &sizes);
@@ -452,23 +454,24 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     const fxs_crop *crops_there = (const fxs_crop *)((const fxs_object_view *)s->objects.data + f->object_count);
     uint32_t chunks = 0;
     for (uint32_t k = 0; k < f->object_count; k++) {
-        const fxs_object *object = &from->objects[k];
-        const int error = fxs_object_view_init(&views[k], &f->view, &from->camera, object);
+        fxs_object object;
+        int error = fxs_object_read(&object, from->objects, k);
+        error = error ? error : fxs_object_view_init(&views[k], &f->view, &from->camera, &object);
         if (error)
             return failed(why, error, fxs_strerror(error));
-        if (object->visible) {
-            const scene_copy *copy = find_scene(&cuda->scenes, object->scene);
+        if (object.visible) {
+            const scene_copy *copy = find_scene(&cuda->scenes, object.scene);
             views[k].scene = copy->there;
             f->cut_here |= copy->wrong_tree;
             f->pooled |= copy->pooled;
         }
         views[k].first_chunk = chunks;
-        chunks += fxs_cut_chunks(object->scene, f->cut_room != 0);
+        chunks += fxs_cut_chunks(object.scene, f->cut_room != 0);
         views[k].end_chunk = chunks;
         views[k].crops = crops_there;
-        for (uint32_t n = 0; n < object->crop_count; n++)
-            *crops++ = object->crops[n];
-        crops_there += object->crop_count;
+        for (uint32_t n = 0; n < object.crop_count; n++)
+            *crops++ = object.crops[n];
+        crops_there += object.crop_count;
     }
     return 0;
 }

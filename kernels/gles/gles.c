@@ -426,16 +426,17 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *
                     void *memory, size_t memory_bytes, fxs_stats *stats)
 {
     fxs_gl_state state;
-    if (!g || !context || !request || !target)
+    fxs_request own;
+    if (!g || !context || !target)
         return FXS_ERR_ARGUMENT;
-    int error = fxs_gl_check_target(target);
+    int error = fxs_request_read(&own, request);
+    error = error ? error : fxs_gl_check_target(target);
     if (error)
         return error;
     if ((target->fetch && g->no_fetch[0]) || (target->depths_and_ids && target->fetch) ||
-        request->cameras->width > FXS_TILE << g->shift || request->cameras->height > FXS_TILE << g->shift)
+        own.cameras->width > FXS_TILE << g->shift || own.cameras->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
-    fxs_request own = *request;
     own.eyes = 1;
     fxs_targets_init(own.targets);
     drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : fxs_gles_draw;

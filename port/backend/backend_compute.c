@@ -5,6 +5,8 @@
 #include <fixsplat/backend.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
+
+#include "src/core/sized.h"
 #if defined(FXS_WITH_GLES) && defined(FXS_WITH_EGL)
 #define HERE 1
 #include <fixsplat/gl.h>
@@ -74,7 +76,7 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
 {
-    const fxs_backend_options options = {.device = device};
+    const fxs_backend_options options = {.size = sizeof(fxs_backend_options), .device = device};
     void *self;
     const int error = open_device(&self, &options, why);
     if (error)
@@ -144,12 +146,12 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
             return fxs_fail_memory(why, 0, r->count * sizeof *b->copies);
     }
     for (uint32_t i = 0; i < r->count; i++) {
-        const int error = find_scene(b, r->objects[i].scene, &place, why);
+        const int error = find_scene(b, fxs_object_at(r->objects, i)->scene, &place, why);
         if (error)
             return error;
     }
     for (uint32_t i = 0; i < r->count; i++) {
-        const int error = find_scene(b, r->objects[i].scene, &place, why);
+        const int error = find_scene(b, fxs_object_at(r->objects, i)->scene, &place, why);
         if (error)
             return error;
         b->copies[i] = &b->scenes[place];

@@ -15,7 +15,7 @@ static int device(int number, char *name, size_t size, fxs_message *why)
 
 static int open_cpu(void **self, const fxs_backend_options *options, fxs_message *why)
 {
-    static const fxs_config no_drawing;
+    static const fxs_config no_drawing = {.size = sizeof(fxs_config)};
     fxs_processor *p = malloc(sizeof *p);
     *self = 0;
     if (!p)
@@ -48,7 +48,7 @@ static void forget(void *self, const fxs_scene *scene)
 static const char *version(const void *self, enum fxs_stage stage)
 {
     const fxs_processor *p = self;
-    return p->context.kernels.name[stage];
+    return p->context.config.kernels->name[stage];
 }
 
 static uint64_t nanoseconds(const void *self)

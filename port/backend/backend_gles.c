@@ -87,7 +87,7 @@ static void close_gles(gl_backend *b)
 static fxs_config drawing(const gl_backend *b, enum way way)
 {
     static fxs_draw_fn *const draws[] = {fxs_gles_draw, fxs_gles_draw_fetch};
-    return (fxs_config){.draw = draws[way], .draw_argument = b->gles, .draw_unlisted = way != LISTS};
+    return (fxs_config){.size = sizeof(fxs_config), .draw = draws[way], .draw_argument = b->gles, .draw_unlisted = way != LISTS};
 }
 
 static uint64_t nanoseconds(const void *self)
@@ -113,7 +113,7 @@ static void close_gles(gl_backend *b)
 static fxs_config drawing(const gl_backend *b, enum way way)
 {
     (void)b, (void)way;
-    return (fxs_config){.draw = 0};
+    return (fxs_config){.size = sizeof(fxs_config), .draw = 0};
 }
 
 static uint64_t nanoseconds(const void *self)
@@ -282,7 +282,7 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
 /* Appends the way that FASTER chooses, and why, to `name`. Appends nothing if the trial cannot run. */
 static void say_way(const kind *k, char *name, size_t size)
 {
-    static const fxs_backend_options options = {0};
+    static const fxs_backend_options options = {.size = sizeof(fxs_backend_options)};
     const size_t used = strlen(name);
     fxs_packed_scene packed;
     fxs_message why;
@@ -329,7 +329,7 @@ static void forget(void *self, const fxs_scene *scene)
 static const char *version(const void *self, enum fxs_stage stage)
 {
     const gl_backend *b = self;
-    return stage == FXS_BLEND || stage == FXS_RESOLVE ? b->kind->name : b->processor.context.kernels.name[stage];
+    return stage == FXS_BLEND || stage == FXS_RESOLVE ? b->kind->name : b->processor.context.config.kernels->name[stage];
 }
 
 static int device_faster(int device, char *name, size_t size, fxs_message *why)

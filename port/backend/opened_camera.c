@@ -9,8 +9,8 @@
 static int choose(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
                   const double up[3], fxs_first_choice *first, fxs_message *message)
 {
-    static const fxs_backend_options usual;
-    static const fxs_config plain;
+    static const fxs_backend_options usual = {.size = sizeof(fxs_backend_options)};
+    static const fxs_config plain = {.size = sizeof(fxs_config)};
     fxs_processor processor;
     int error = fxs_processor_open(&processor, &usual, &plain, message);
     if (error)

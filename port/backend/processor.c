@@ -30,14 +30,15 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
         config.run = fxs_pool_run;
         config.pool = p->pool;
     }
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&p->kernels, fxs_cpu_detect() & ~options->without_cpu);
+    config.kernels = &p->kernels;
+#endif
     const int error = fxs_init(&p->context, &config);
     if (error) {
         fxs_processor_close(p);
         return fxs_fail_as(error, why, "%s", fxs_strerror(error));
     }
-#ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&p->context.kernels, fxs_cpu_detect() & ~options->without_cpu);
-#endif
     return 0;
 }
 

@@ -5,9 +5,11 @@
 #include <fixsplat/backend.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/stage.h>
 
 typedef struct fxs_processor {
     fxs_context context;
+    fxs_kernels kernels;
     fxs_pool *pool;                /* null: one thread */
     void *memory, *allocation;     /* memory: aligned, memory_bytes bytes; grows as frames need it */
     size_t memory_bytes;

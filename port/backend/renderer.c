@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/message.h>
+#include "src/core/sized.h"
 
 struct fxs_renderer {
     const fxs_backend *backend;
@@ -29,7 +30,7 @@ static int unknown(const char *name, fxs_message *message)
 int fxs_renderer_create(const char *name, const fxs_backend_options *options, fxs_renderer **renderer,
                         fxs_message *message)
 {
-    static const fxs_backend_options usual;
+    fxs_backend_options all;
     const fxs_backend *backend = fxs_backend_find(name ? name : "auto");
     if (!renderer)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no place for a renderer");
@@ -40,9 +41,11 @@ int fxs_renderer_create(const char *name, const fxs_backend_options *options, fx
     if (!made)
         return fxs_fail_memory(message, NULL, sizeof *made);
     made->backend = backend;
-    made->picking = options ? *options : usual;
+    fxs_backend_options_init(&all);
+    int error = options ? fxs_sized_read(&all, sizeof all, options) : 0;
+    made->picking = all;
     made->picking.device = 0;
-    const int error = backend->open(&made->self, options ? options : &usual, message);
+    error = error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : backend->open(&made->self, &all, message);
     if (error)
         free(made);
     else
@@ -52,9 +55,12 @@ int fxs_renderer_create(const char *name, const fxs_backend_options *options, fx
 
 int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *request, fxs_stats *stats, fxs_message *message)
 {
+    fxs_request all;
     if (!renderer || !request)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to render", renderer ? "request" : "renderer");
-    return renderer->backend->render(renderer->self, request, stats, message);
+    const int error = fxs_request_read(&all, request);
+    return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error))
+                 : renderer->backend->render(renderer->self, &all, stats, message);
 }
 
 int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_t x, int32_t y,
@@ -63,10 +69,14 @@ int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_
     if (!renderer || !request || !result)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to pick from",
                            !renderer ? "renderer" : request ? "result" : "request");
+    fxs_request all;
+    int error = fxs_request_read(&all, request);
+    if (error)
+        return fxs_fail_as(error, message, "%s", fxs_strerror(error));
     if (renderer->backend->pick)
-        return renderer->backend->pick(renderer->self, request, x, y, result, message);
-    const int error = renderer->picker ? 0 : fxs_backend_cpu.open(&renderer->picker, &renderer->picking, message);
-    return error ? error : fxs_backend_cpu.pick(renderer->picker, request, x, y, result, message);
+        return renderer->backend->pick(renderer->self, &all, x, y, result, message);
+    error = renderer->picker ? 0 : fxs_backend_cpu.open(&renderer->picker, &renderer->picking, message);
+    return error ? error : fxs_backend_cpu.pick(renderer->picker, &all, x, y, result, message);
 }
 
 void fxs_renderer_forget(fxs_renderer *renderer, const fxs_scene *scene)

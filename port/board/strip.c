@@ -6,7 +6,7 @@
 static int is_valid(const fxs_strip *s, const fxs_view *view)
 {
     const ptrdiff_t row = (ptrdiff_t)view->width * fxs_pixel_bytes(s->format);
-    return s->pixels && s->rows >= FXS_TILE && s->rows % FXS_TILE == 0 && s->kernels && s->rows_done &&
+    return s->pixels && s->rows >= FXS_TILE && s->rows % FXS_TILE == 0 && s->rows_done &&
            (unsigned)s->format <= FXS_FORMAT_RGB565_SWAPPED && s->stride >= row;
 }
 
@@ -14,7 +14,7 @@ static void resolve(const fxs_strip *s, const fxs_tile_run *run, const fxs_tile 
 {
     unsigned char *to = (unsigned char *)s->pixels + y % s->rows * s->stride +
                         (ptrdiff_t)x * fxs_pixel_bytes(s->format);
-    fxs_resolve_colour(s->kernels, run->options, s->format, pixels, fxs_min(run->view->width - x, FXS_TILE),
+    fxs_resolve_colour(run->config->kernels, run->options, s->format, pixels, fxs_min(run->view->width - x, FXS_TILE),
                        fxs_min(run->view->height - y, FXS_TILE), to, s->stride);
 }
 
@@ -22,7 +22,7 @@ static void blend(fxs_strip *s, const fxs_tile_run *run, uint32_t tile, int32_t 
 {
     fxs_tile *pixels = (fxs_tile *)(void *)s->tile;
     const uint32_t count = run->counts[tile];
-    s->kernels->blend(run->view, x, y, run->splats, run->entries + run->ends[tile] - count, count, pixels);
+    run->config->kernels->blend(run->view, x, y, run->splats, run->entries + run->ends[tile] - count, count, pixels);
     resolve(s, run, pixels, x, y);
 }
 

@@ -12,6 +12,7 @@
 #include <fixsplat/internal/packed.h>
 
 #include "src/base/files_internal.h"
+#include "src/base/options.h"
 #include "src/base/try_internal.h"
 
 typedef struct open_scene {
@@ -45,8 +46,6 @@ static int is_fxs_file(const char *path, fxs_message *message)
 
 static int create(const char *name, open_scene **made, fxs_opened **opened, fxs_message *message)
 {
-    if (opened)
-        *opened = NULL;
     if (!name || !opened)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to open a scene", name ? "place" : "name");
     const size_t length = strlen(name) + 1;
@@ -92,11 +91,11 @@ static void describe(open_scene *s, const void *data)
 
 static int check_count(const open_scene *s, const fxs_open_options *o, fxs_message *message)
 {
-    if (o->file.axes)
+    if (o->file->axes)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes (--axes) are for .spz", s->name);
-    if (o->file.max_gaussians && s->info.count > o->file.max_gaussians)
+    if (o->file->max_gaussians && s->info.count > o->file->max_gaussians)
         return fxs_fail(message, "%s: %" PRIu64 " Gaussians; at most %" PRIu64 " are allowed", s->name, s->info.count,
-                        o->file.max_gaussians);
+                        o->file->max_gaussians);
     return 0;
 }
 
@@ -140,8 +139,8 @@ static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_o
 {
     if ((uintptr_t)data % 64 == 0)
         return take_packed(s, data, bytes, o, opened, message);
-    s->packed.allocator = o->file.allocator;
-    s->packed.allocation = bytes < SIZE_MAX - 63 ? fxs_allocate(o->file.allocator, bytes + 63, 1) : NULL;
+    s->packed.allocator = o->file->allocator;
+    s->packed.allocation = bytes < SIZE_MAX - 63 ? fxs_allocate(o->file->allocator, bytes + 63, 1) : NULL;
     if (!s->packed.allocation)
         return finish(s, fxs_fail_memory(message, s->name, bytes), NULL, 0, opened, message);
     s->packed.data = (void *)(((uintptr_t)s->packed.allocation + 63) / 64 * 64);
@@ -157,8 +156,9 @@ static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, 
     if (threads > 64)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%u threads: expected 1 to 64", (unsigned)threads);
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
-    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : NULL, pool, pool ? threads : 1, o->progress,
-                                      o->progress_argument, o->file.allocator, o->tree};
+    const fxs_pack_options options = {sizeof options, o->profile, pool ? fxs_pool_run : NULL, pool,
+                                      pool ? threads : 1, o->progress, o->progress_argument, o->file->allocator,
+                                      o->tree};
     const int error = fxs_pack(file, &s->info, &s->packed, &s->report, &options, message);
     fxs_pool_destroy(pool);
     return error;
@@ -176,14 +176,32 @@ static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_o
     return finish(s, error, s->packed.data, s->packed.bytes, opened, message);
 }
 
-static const fxs_open_options usual;
+/* Reads the options of a program, and the options of the file that they point to. */
+typedef struct open_options {
+    fxs_open_options open;
+    fxs_scene_file_options file;
+} open_options;
+
+static int read_options(open_options *all, const fxs_open_options *given, fxs_opened **opened, fxs_message *message)
+{
+    if (opened)
+        *opened = NULL;
+    fxs_open_options_init(&all->open);
+    fxs_scene_file_options_init(&all->file);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_open_options, &all->open, given, message));
+    FXS_TRY(FXS_OPTIONS_READ(fxs_scene_file_options, &all->file, all->open.file, message));
+    all->open.file = &all->file;
+    return 0;
+}
 
 int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message)
 {
-    const fxs_open_options *o = options ? options : &usual;
+    open_options all;
+    const fxs_open_options *const o = &all.open;
     fxs_scene_file *file = NULL;
     open_scene *s;
-    int error = create(path, &s, opened, message);
+    int error = read_options(&all, options, opened, message);
+    error = error ? error : create(path, &s, opened, message);
     if (error)
         return error;
     if (o->pager)
@@ -196,17 +214,19 @@ int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **ope
         return finish(s, is, NULL, 0, opened, message);
     if (is)
         return map_file(s, o, opened, message);
-    error = fxs_scene_file_open(path, &o->file, &file, &s->info, message);
+    error = fxs_scene_file_open(path, o->file, &file, &s->info, message);
     return pack_file(s, error, file, o, opened, message);
 }
 
 int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_open_options *options,
                     fxs_opened **opened, fxs_message *message)
 {
-    const fxs_open_options *o = options ? options : &usual;
+    open_options all;
+    const fxs_open_options *const o = &all.open;
     fxs_scene_file *file = NULL;
     open_scene *s;
-    int error = create(name, &s, opened, message);
+    int error = read_options(&all, options, opened, message);
+    error = error ? error : create(name, &s, opened, message);
     if (error)
         return error;
     if (!data && bytes)
@@ -214,15 +234,17 @@ int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_
                       message);
     if (bytes >= 4 && is_fxs(data))
         return take_bytes(s, data, bytes, o, opened, message);
-    error = fxs_scene_file_open_memory(name, data, bytes, &o->file, &file, &s->info, message);
+    error = fxs_scene_file_open_memory(name, data, bytes, o->file, &file, &s->info, message);
     return pack_file(s, error, file, o, opened, message);
 }
 
 int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_file_info *info,
                        const fxs_open_options *options, fxs_opened **opened, fxs_message *message)
 {
+    open_options all;
     open_scene *s;
-    int error = create(name, &s, opened, message);
+    int error = read_options(&all, options, opened, message);
+    error = error ? error : create(name, &s, opened, message);
     if (!error && (!file || !info))
         error = finish(s, fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no stream of Gaussians", name), NULL, 0, opened,
                        message);
@@ -231,7 +253,7 @@ int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_f
         return error;
     }
     s->info = *info;
-    return pack_file(s, 0, file, options ? options : &usual, opened, message);
+    return pack_file(s, 0, file, &all.open, opened, message);
 }
 
 int fxs_opened_check(const fxs_opened *opened, fxs_message *message)

@@ -11,8 +11,10 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
 
 #include "src/base/crc32.h"
+#include "src/base/options.h"
 #include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/scene/fxs_file_internal.h"
@@ -439,8 +441,7 @@ static fxs_pager *make(const char *name, const fxs_pager_source *source, const f
         return 0;
     }
     p->source = *source;
-    if (options)
-        p->options = *options;
+    p->options = *options;
     p->newest = p->oldest = FXS_NOTHING;
     p->batch_least = p->batch_most = source->gap ? BATCH_APART : BATCH_LEAST;
     pthread_mutex_init(&p->lock, 0);
@@ -465,7 +466,14 @@ int fxs_pager_open(const char *name, const fxs_pager_source *source, const fxs_p
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to open a scene",
                            !name ? "name" : pager ? "source" : "place");
     }
-    fxs_pager *p = make(name, source, options);
+    fxs_pager_options all;
+    fxs_pager_options_init(&all);
+    const int unset = FXS_OPTIONS_READ(fxs_pager_options, &all, options, message);
+    if (unset) {
+        close_source(source);
+        return unset;
+    }
+    fxs_pager *p = make(name, source, &all);
     if (!p) {
         close_source(source);
         return fxs_fail_memory(message, name, sizeof *p);

@@ -41,9 +41,10 @@ static int said(int error)
 
 EXPORT(start) double *fxs_web_start(uint32_t threads)
 {
-    const fxs_config config = {.run = fxs_web_run, .threads = threads};
+    static fxs_kernels fastest;
+    fxs_kernels_choose(&fastest, fxs_cpu_detect());
+    const fxs_config config = {.size = sizeof config, .run = fxs_web_run, .threads = threads, .kernels = &fastest};
     fxs_init(&context, &config);
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
     return numbers;
 }
 

@@ -77,7 +77,7 @@ static uint32_t threads;             /* number of threads for packing */
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
     fxs_pack_report report;
-    const fxs_pack_options options = {(enum fxs_profile)profile, fxs_web_run, NULL, threads, progress, NULL, NULL, 0};
+    const fxs_pack_options options = {sizeof(fxs_pack_options), (enum fxs_profile)profile, fxs_web_run, NULL, threads, progress, NULL, NULL, 0};
     const int error = fxs_pack(file, info, &packed, &report, &options, &message);
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
@@ -155,7 +155,7 @@ static int is_elsewhere(const char *name)
    read the file; or an error, with a message in `words`. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
-    const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
                                             .max_memory = (uint64_t)numbers[1]};
     const fxs_scene_input input = input_of(0);
     const int error = fxs_scene_file_open_input(name, &input, &options, file, info, &message);

@@ -499,7 +499,7 @@ int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, c
     chooser c = {.context = *context, .config = &context->config, .threads = 1, .message = message};
     memcpy(c.boxes[0].low, low, sizeof c.boxes[0].low);
     memcpy(c.boxes[0].high, high, sizeof c.boxes[0].high);
-    c.context.config = (fxs_config){.threads = 1};
+    c.context.config = (fxs_config){.size = sizeof(fxs_config), .threads = 1, .kernels = context->config.kernels};
     if (c.config->run && c.config->threads)
         c.threads = c.config->threads < THREADS_MOST ? c.config->threads : THREADS_MOST;
     FXS_TRY(fxs_sample_take(&c.sample, objects, count, message));

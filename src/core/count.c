@@ -1,6 +1,8 @@
 /* fxs_count_pairs: renders a frame with a version of blend that counts pairs of a splat and a pixel. Writes no
  * target. */
+#include "count.h"
 #include "frame.h"
+#include "sized.h"
 
 typedef struct counting {
     fxs_frame frame;               /* first, because count_tile casts to it */
@@ -19,15 +21,17 @@ static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
                     &c->blended);
 }
 
-int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
+int fxs_count_pairs(const fxs_request *given, void *memory, size_t memory_bytes, uint64_t *evaluated,
                     uint64_t *blended)
 {
     counting c = {.evaluated = 0, .blended = 0};
     fxs_context context;
     fxs_init(&context, 0);
-    if (!request || !evaluated || !blended)
-        return FXS_ERR_ARGUMENT;
-    int error = fxs_frame_init(&c.frame, &context, request, memory, memory_bytes);
+    fxs_request request;
+    int error = fxs_request_read(&request, given);
+    if (error || !evaluated || !blended)
+        return error ? error : FXS_ERR_ARGUMENT;
+    error = fxs_frame_init(&c.frame, &context, &request, memory, memory_bytes);
     if (error)
         return error;
     c.frame.targets = &c.targets;

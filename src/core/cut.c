@@ -9,6 +9,7 @@
  * for fading nodes. The search spends the rest of the budget without regard to fading: otherwise the number of fading
  * nodes would limit how many nodes are opened, and the number of opened nodes would limit how many fade. */
 #include "cut.h"
+#include "sized.h"
 
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
@@ -56,7 +57,7 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
     uint64_t least = 0, most = 0, gaussians = 0;
     int trees = 0, paged = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const fxs_scene *scene = objects[i].scene;
+        const fxs_scene *scene = fxs_object_at(objects, i)->scene;
         trees |= scene->nodes != 0;
         paged |= scene->places != 0;
         least += scene->nodes ? 1 : scene->chunk_count;
@@ -124,7 +125,7 @@ static void set_view(search *s, uint32_t object)
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
-    const fxs_scene *scene = cut->objects[object].scene;
+    const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
     fxs_sight sight;
     set_view(s, object);
     const int found = s->error ? s->error : fxs_see(&sight, &s->view, scene, chunk, cut->options->detail_q8);
@@ -147,7 +148,7 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
 static void open_node(search *s, uint32_t number)
 {
     const visit *v = &s->visits[number];
-    const fxs_scene *scene = s->cut->objects[v->object].scene;
+    const fxs_scene *scene = fxs_object_at(s->cut->objects, v->object)->scene;
     const uint32_t object = v->object;
     fxs_node node;
     s->error = fxs_node_read(&node, scene, v->chunk - scene->chunk_count);
@@ -256,13 +257,13 @@ static void find_missing(search *s)
     for (uint32_t i = s->visit_count; i-- > 0;) {
         visit *v = &s->visits[i], *parent = parent_of(s, v);
         v->needed = own_share_q8(s, v) > 0;
-        v->absent = v->needed && !is_there(s->cut->objects[v->object].scene, v->chunk);
+        v->absent = v->needed && !is_there(fxs_object_at(s->cut->objects, v->object)->scene, v->chunk);
         if (v->absent && parent)
             parent->short_of = 1;
     }
     for (uint32_t i = 0; i < s->visit_count; i++)
         if (s->visits[i].needed)
-            want(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
+            want(s, fxs_object_at(s->cut->objects, s->visits[i].object)->scene, s->visits[i].chunk);
 }
 
 static void list_drawn(search *s)
@@ -283,7 +284,7 @@ static void list_drawn(search *s)
 /* Number of chunks of an object without a tree; 0 for an object with one. */
 static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
 {
-    const fxs_scene *scene = cut->objects[object].scene;
+    const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
@@ -294,14 +295,14 @@ static void add_whole(fxs_cut *cut)
     uint32_t from = cut->count, to = from;
     for (uint32_t i = 0; i < cut->object_count; i++)
         for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
-            to += is_there(cut->objects[i].scene, k) ? 1 : 0;
+            to += is_there(fxs_object_at(cut->objects, i)->scene, k) ? 1 : 0;
     cut->count = to;
     for (uint32_t i = cut->object_count; i-- > 0 && to > from;) {
         const uint32_t first = cut->views[i].first_chunk;
         while (from && cut->drawn[from - 1].chunk >= first)
             cut->drawn[--to] = cut->drawn[--from];
         for (uint32_t k = whole_chunks(cut, i); k-- > 0;)
-            if (is_there(cut->objects[i].scene, k))
+            if (is_there(fxs_object_at(cut->objects, i)->scene, k))
                 cut->drawn[--to] = (fxs_drawn){first + k, 256, 0};
     }
 }
@@ -311,11 +312,11 @@ static void begin(search *s)
 {
     const fxs_cut *cut = s->cut;
     for (uint32_t i = 0; i < cut->object_count && !s->error; i++) {
-        const fxs_scene *scene = cut->objects[i].scene;
+        const fxs_scene *scene = fxs_object_at(cut->objects, i)->scene;
         for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
             want(s, scene, k);
         s->drawn += whole_chunks(cut, i);
-        if (scene->nodes && cut->objects[i].visible)
+        if (scene->nodes && fxs_object_at(cut->objects, i)->visible)
             visit_chunk(s, i, scene->chunk_count, FXS_NOTHING);
     }
 }

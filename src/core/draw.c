@@ -19,7 +19,7 @@ void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *
     else if (!list->count)
         fxs_tile_clear(&pixels);
     else
-        f->context->kernels.blend(&f->view, x, y, f->splats, list->entries, list->count, &pixels);
+        f->context->config.kernels->blend(&f->view, x, y, f->splats, list->entries, list->count, &pixels);
     fxs_lap(f, laps, FXS_BLENDED);
     fxs_resolve_targets(f, &pixels, x, y);
 }
@@ -39,7 +39,7 @@ static void draw_macro(void *argument, uint32_t job)
     fxs_lap(f, &laps, FXS_SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (fxs_tile_of(f, macro, i, &tile)) {
-            f->tile_counts[tile] = f->context->kernels.list(keys, length, (uint32_t)i, entries);
+            f->tile_counts[tile] = f->context->config.kernels->list(keys, length, (uint32_t)i, entries);
             if (l.view->cutoff == FXS_CUTOFF_SQUARE)
                 fxs_mark_cut_off(&l, tile, entries, f->tile_counts[tile]);
             if (length)

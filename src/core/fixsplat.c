@@ -1,6 +1,6 @@
 /* The table of the C kernels, and the functions of fixsplat.h that do not render: error texts, names, defaults,
  * setup. */
-#include "memory.h"
+#include "sized.h"
 #include <fixsplat/internal/stage.h>
 
 const fxs_kernels fxs_kernels_c = {
@@ -31,6 +31,7 @@ const char *fxs_strerror(int error)
         "does not allow it",
         "a file is missing, cannot be read or written, or is not what it should be",
         "stopped by the caller",
+        "the size of a struct is 0 or too large: its init function was not called",
     };
     int count = (int)(sizeof words / sizeof *words);
     return error <= 0 && error > -count ? words[-error] : "unknown error";
@@ -47,30 +48,19 @@ int fxs_stop_by_byte(void *byte)
     return *(const volatile unsigned char *)byte != 0;
 }
 
-void fxs_options_init(fxs_options *options)
+void (fxs_options_init)(fxs_options *options, uint32_t size)
 {
-    memset(options, 0, sizeof *options);
-    options->sh_degree = 3;
+    const fxs_options all = {.sh_degree = 3};
+    fxs_sized_fill(options, size, &all, sizeof all);
 }
 
 int fxs_init(fxs_context *context, const fxs_config *config)
 {
-    if (!context || (config && config->threads > 64))
+    if (!context)
         return FXS_ERR_ARGUMENT;
     memset(context, 0, sizeof *context);
-    if (config)
-        context->config = *config;
-    context->kernels = fxs_kernels_c;
-    return 0;
-}
-
-void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count)
-{
-    memset(request, 0, sizeof *request);
-    request->objects = objects;
-    request->count = count;
-    request->eyes = 1;
-    fxs_options_init(&request->options);
-    fxs_targets_init(&request->targets[0]);
-    fxs_targets_init(&request->targets[1]);
+    const int error = config ? fxs_sized_read(&context->config, sizeof context->config, config) : 0;
+    if (!context->config.kernels)
+        context->config.kernels = &fxs_kernels_c;
+    return error ? error : context->config.threads > 64 ? FXS_ERR_ARGUMENT : 0;
 }

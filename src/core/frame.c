@@ -13,7 +13,7 @@
  *
  * If the memory is large enough, it holds all splats at once. Otherwise bands.c divides the frame into bands of tile
  * rows, and slices.c draws tile rows that are too full to fit. */
-#include "memory.h"
+#include "sized.h"
 #include "bands.h"
 #include "draw.h"
 #include "lists.h"
@@ -23,18 +23,19 @@
 #include "stereo.h"
 #include "targets.h"
 
-int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
+int fxs_render(const fxs_context *context, const fxs_request *given, void *memory, size_t memory_bytes,
                fxs_stats *stats)
 {
     fxs_frame f;
+    fxs_request request;
     if (stats)
         memset(stats, 0, sizeof *stats);
-    int error = fxs_targets_missing(context, request);
-    if (!error)
-        error = fxs_frame_init(&f, context, request, memory, memory_bytes);
+    int error = fxs_request_read(&request, given);
+    error = error ? error : fxs_targets_missing(context, &request);
+    error = error ? error : fxs_frame_init(&f, context, &request, memory, memory_bytes);
     if (error)
         return error;
-    error = request->eyes == 2 ? fxs_stereo_render(&f, request) : fxs_frame_render(&f);
+    error = request.eyes == 2 ? fxs_stereo_render(&f, &request) : fxs_frame_render(&f);
     if (stats)
         *stats = f.stats;
     return error;

@@ -23,8 +23,8 @@ static uint32_t *notes_of(const fxs_frame *f, uint32_t part)
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
 {
     const uint32_t *notes = notes_of(f, part);
-    return (fxs_lister){&f->view, f->splats, f->bounds, f->boxes, f->depths, f->context->kernels.spans,
-                        f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
+    return (fxs_lister){&f->view, f->splats, f->bounds, f->boxes, f->depths, f->context->config.kernels->spans,
+                        f->context->config.kernels->note, f->first_macro, f->last_macro, next_of(f, part),
                         f->spare + notes[NOTES], notes[ROOM], 0, notes[NOTED], notes[FROM]};
 }
 
@@ -143,7 +143,7 @@ uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro)
 const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro)
 {
     const size_t at = start_of_list(f, macro);
-    f->context->kernels.sort(f->keys + at, f->spare + at, f->lengths[macro]);
+    f->context->config.kernels->sort(f->keys + at, f->spare + at, f->lengths[macro]);
     return f->keys + at;
 }
 

@@ -1,5 +1,5 @@
 /* fxs_pick: renders a frame that blends only the tile of the picked pixel, and reads the result at that pixel. */
-#include "memory.h"
+#include "sized.h"
 #include "trace.h"
 
 #define SLOPE_MOST_Q23 ((int64_t)4096 << 23)
@@ -67,18 +67,20 @@ static void fill_in(const pick *p, const fxs_camera *camera, fxs_pick_result *re
         result->position_q32[i] = camera->position_q32[i] + fxs_turned_back(camera->rotation_q30, offset_q32, i);
 }
 
-int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, int32_t y, void *memory,
+int fxs_pick(const fxs_context *context, const fxs_request *given, int32_t x, int32_t y, void *memory,
              size_t memory_bytes, fxs_pick_result *result)
 {
     pick p = {.x = x, .y = y, .index = FXS_NOTHING};
-    const fxs_camera *camera = request ? request->cameras : 0;
-    if (!request || !result || x < 0 || y < 0 || x >= camera->width || y >= camera->height)
-        return FXS_ERR_ARGUMENT;
-    int error = fxs_frame_init(&p.frame, context, request, memory, memory_bytes);
+    fxs_request request;
+    const fxs_camera *camera = request.cameras;
+    int error = fxs_request_read(&request, given);
+    if (error || !result || x < 0 || y < 0 || x >= camera->width || y >= camera->height)
+        return error ? error : FXS_ERR_ARGUMENT;
+    error = fxs_frame_init(&p.frame, context, &request, memory, memory_bytes);
     if (error)
         return error;
-    p.targets.occluder = request->targets->occluder;
-    p.targets.depth_bits = request->targets->depth_bits;
+    p.targets.occluder = request.targets->occluder;
+    p.targets.depth_bits = request.targets->depth_bits;
     p.frame.targets = &p.targets;
     p.frame.draw_tile = pick_tile;
     p.frame.only_tile = (uint32_t)(y / FXS_TILE * p.frame.view.tiles_x + x / FXS_TILE);

@@ -1,5 +1,7 @@
 /* fxs_scene_open checks a packed scene in the caller's memory and finds its parts; fxs_scene_bytes returns its size.
  * fxs_scene_find_parts and fxs_scene_open_parts do the same for a scene that is only partly in memory. */
+#include <fixsplat/internal/parts.h>
+
 #include "chunk.h"
 #include "memory.h"
 

@@ -1,5 +1,5 @@
 /* Sets up a frame: checks its arguments, places its objects, measures its memory. */
-#include "memory.h"
+#include "sized.h"
 #include "bands.h"
 #include "draw.h"
 #include "targets.h"
@@ -14,9 +14,11 @@ static int take_objects(fxs_frame *f, const fxs_request *request)
     f->objects = objects;
     f->object_count = count;
     for (uint32_t i = 0; i < count && !error; i++) {
-        error = fxs_object_check(&objects[i]);
-        chunks += error ? 0 : objects[i].scene->chunk_count;
-        gaussians += error ? 0 : objects[i].scene->count;
+        fxs_object object;
+        error = fxs_object_read(&object, objects, i);
+        error = error ? error : fxs_object_check(&object);
+        chunks += error ? 0 : object.scene->chunk_count;
+        gaussians += error ? 0 : object.scene->count;
     }
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
@@ -68,9 +70,10 @@ static int place_objects(fxs_frame *f)
     f->chunk_count = f->cut_room ? f->cut_room : f->chunk_count;
     int error = fxs_bands_init(f);
     for (uint32_t i = 0; i < f->object_count && !error; i++) {
-        const fxs_scene *scene = f->objects[i].scene;
-        const uint32_t chunks = fxs_cut_chunks(scene, f->cut_room != 0);
-        error = fxs_object_view_init(&f->views[i], &f->view, &f->camera, &f->objects[i]);
+        fxs_object object;
+        error = fxs_object_read(&object, f->objects, i);
+        const uint32_t chunks = fxs_cut_chunks(object.scene, f->cut_room != 0);
+        error = error ? error : fxs_object_view_init(&f->views[i], &f->view, &f->camera, &object);
         f->views[i].first_chunk = first_chunk;
         first_chunk += chunks;
         f->views[i].end_chunk = first_chunk;
@@ -90,12 +93,14 @@ static int choose_chunks(fxs_frame *f)
     return error ? error : fxs_bands_init(f);
 }
 
-int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes)
+int fxs_foresee(const fxs_context *context, const fxs_request *given, void *memory, size_t memory_bytes)
 {
     fxs_frame f;
-    int error = fxs_frame_init(&f, context, request, memory, memory_bytes);
-    for (uint32_t eye = 0; !error && f.cut_room && eye < request->eyes; eye++) {
-        error = fxs_frame_look(&f, request, eye);
+    fxs_request request;
+    int error = fxs_request_read(&request, given);
+    error = error ? error : fxs_frame_init(&f, context, &request, memory, memory_bytes);
+    for (uint32_t eye = 0; !error && f.cut_room && eye < request.eyes; eye++) {
+        error = fxs_frame_look(&f, &request, eye);
         error = error ? error : place_objects(&f);
         error = error ? error : choose_chunks(&f);
     }
@@ -144,8 +149,9 @@ size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, ui
     return measure(context, &request, width, height, memory);
 }
 
-size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory)
+size_t fxs_request_bytes(const fxs_context *context, const fxs_request *given, fxs_frame_memory *memory)
 {
-    return request && (request->eyes == 1 || request->eyes == 2)
-               ? measure(context, request, request->cameras->width, request->cameras->height, memory) : 0;
+    fxs_request request;
+    return !fxs_request_read(&request, given) && (request.eyes == 1 || request.eyes == 2)
+               ? measure(context, &request, request.cameras->width, request.cameras->height, memory) : 0;
 }

@@ -44,7 +44,7 @@ static void drop_farthest(const fxs_frame *f, slice *s)
     const uint32_t left = s->room / 4 * 3, count = s->count;
     for (uint32_t slot = 0; slot < count; slot++)
         f->keys[slot] = FXS_KEY(f->depths[slot], slot << 4);
-    f->context->kernels.sort(f->keys, f->spare, count);
+    f->context->config.kernels->sort(f->keys, f->spare, count);
     s->last = key_of(f, FXS_LISTED_SLOT(f->keys[left - 1]));
     s->more = 1;
     s->count = 0;
@@ -124,7 +124,7 @@ static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps
     fxs_tile_origin(f, tile, &x, &y);
     for (uint32_t first = 0; first < list->count; first += INT16_MAX) {
         const uint32_t left = list->count - first, count = left < INT16_MAX ? left : INT16_MAX;
-        f->context->kernels.trace(&f->view, x, y, f->splats, list->entries + first, 0, 0, count,
+        f->context->config.kernels->trace(&f->view, x, y, f->splats, list->entries + first, 0, 0, count,
                                   &f->pixels[column], nothing);
     }
     fxs_lap(f, laps, FXS_BLENDED);

@@ -4,9 +4,9 @@
 
 #define IMAGES 7
 
-void fxs_targets_init(fxs_targets *targets)
+void (fxs_targets_init)(fxs_targets *targets, uint32_t size)
 {
-    memset(targets, 0, sizeof *targets);
+    fxs_struct_init(targets, size);
 }
 
 /* ---- Checks ------------------------------------------------------------------------------------------------------ */
@@ -179,7 +179,7 @@ void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, in
     if (colour && t->backdrop.pixels)
         resolve_over(t, tile, columns, rows, x, y, colour);
     else if (colour)
-        fxs_resolve_colour(&f->context->kernels, f->options, t->format, tile, columns, rows, colour,
+        fxs_resolve_colour(f->context->config.kernels, f->options, t->format, tile, columns, rows, colour,
                            t->colour.stride);
     if (t->coverage.pixels)
         resolve_coverage(tile, columns, rows, fxs_image_at(&t->coverage, x, y, 1), t->coverage.stride);

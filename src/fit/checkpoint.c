@@ -6,6 +6,7 @@
 
 #include <fixsplat/internal/message.h>
 #include "src/base/files_internal.h"
+#include "src/base/options.h"
 #include "src/base/output_internal.h"
 #include "coarse.h"
 #include "random.h"
@@ -441,9 +442,12 @@ static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *c
 static int resume(fxs_fit **fit, archive *a, const char *path, const fxs_fit_photo *photos, size_t photo_count,
                   const fxs_fit_options *options, fxs_message *message)
 {
-    fxs_fit_options all = *options;
+    fxs_fit_options all;
+    fxs_fit_options_init(&all);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_fit_options, &all, options, message));
+    const uint32_t steps = all.steps;
     FXS_TRY(read_head(a, path, &all, message));
-    all.steps = options->steps ? options->steps : all.steps;
+    all.steps = steps ? steps : all.steps;
     FXS_TRY(fxs_fit_begin(fit, photos, photo_count, &all, message));
     FXS_TRY(read_rest(a, path, *fit, NULL, message));
     fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);

@@ -1,5 +1,8 @@
 /* A fit: checks arguments, creates the model, and makes steps, each followed by the recipe's changes. */
 #include "fit_internal.h"
+#include "src/base/options.h"
+#include "src/base/try_internal.h"
+#include "src/core/sized.h"
 
 #include <float.h>
 #include <math.h>
@@ -14,14 +17,11 @@
 #include "recipe.h"
 #include "sky.h"
 
-void fxs_fit_options_init(fxs_fit_options *options)
+void (fxs_fit_options_init)(fxs_fit_options *options, uint32_t size)
 {
-    memset(options, 0, sizeof *options);
-    options->recipe = FXS_FIT_FAST;
-    options->steps = fxs_fit_recipe_steps(options->recipe);
-    options->sh_degree = 3;
-    options->max_gaussians = fxs_fit_recipe_gaussians(options->recipe);
-    options->cpu = ~0u;
+    const fxs_fit_options all = {.recipe = FXS_FIT_FAST, .steps = fxs_fit_recipe_steps(FXS_FIT_FAST), .sh_degree = 3,
+                                 .max_gaussians = fxs_fit_recipe_gaussians(FXS_FIT_FAST), .cpu = ~0u};
+    fxs_sized_fill(options, size, &all, sizeof all);
 }
 
 uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe)
@@ -288,8 +288,13 @@ int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)
 }
 
 int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
-                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+                   size_t point_count, const fxs_fit_options *given, fxs_message *message)
 {
+    fxs_fit_options all;
+    const fxs_fit_options *const options = &all;
+    *fit = NULL;
+    fxs_fit_options_init(&all);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_fit_options, &all, given, message));
     int error = fxs_fit_begin(fit, photos, photo_count, options, message);
     if (!error && options->exposure && options->blocks)
         error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "exposures of a block are those of its coarse fit");

@@ -6,7 +6,7 @@
 
 static fxs_pack_options pack_options(const fxs_fit *f)
 {
-    fxs_pack_options options = {.profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
+    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
                                 .threads = f->options.threads};
     options.run = options.run ? options.run : fxs_run_here;
     return options;

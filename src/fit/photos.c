@@ -9,6 +9,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/run.h"
+#include "src/base/options.h"
 #include "photo_list.h"
 #include "photo_pixels.h"
 #include "photo_points.h"
@@ -250,10 +251,14 @@ static int keep_held_out(fxs_photo_list *list, fxs_message *message)
     return 0;
 }
 
-int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message)
+int fxs_photos_read(const char *path, const fxs_photos_options *given, fxs_photos *photos, fxs_message *message)
 {
     fxs_photo_list list;
+    fxs_photos_options all;
+    const fxs_photos_options *const options = &all;
     memset(photos, 0, sizeof *photos);
+    fxs_photos_options_init(&all);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_photos_options, &all, given, message));
     if (options->resolution < 0)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a resolution of %d pixels", options->resolution);
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));

@@ -16,6 +16,8 @@
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
 #include "src/base/exponential.h"
+#include "src/base/options.h"
+#include "src/base/try_internal.h"
 #include "src/core/chunk.h"
 #include "src/gaussian/origin_internal.h"
 #include "src/core/codes.h"
@@ -392,10 +394,14 @@ static int refine_far(void *data, size_t bytes, const fxs_refine_options *option
     return error;
 }
 
-int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_message *message)
+int fxs_refine(void *data, size_t bytes, const fxs_refine_options *given, fxs_message *message)
 {
+    fxs_refine_options all;
+    const fxs_refine_options *const options = &all;
     refiner r = {.options = options, .message = message};
-    if (!data || !options || !options->context || options->steps > FXS_REFINE_STEPS_MOST ||
+    fxs_refine_options_init(&all);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_refine_options, &all, given, message));
+    if (!data || !options->context || options->steps > FXS_REFINE_STEPS_MOST ||
         (options->view_count && !options->views))
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "refining: a null pointer, or more than %u steps",
                            FXS_REFINE_STEPS_MOST);

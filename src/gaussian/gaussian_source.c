@@ -66,14 +66,9 @@ int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *g
                                   fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_scene_input input = {.argument = (void *)gaussians};
-    fxs_scene_file_options own = {.max_gaussians = 0};
-    if (options)
-        own = *options;
-    if (own.max_gaussians == 0)
-        own.max_gaussians = FXS_MAX_COUNT;
-    *file = fxs_stream_create(name, &own, message);
-    if (!*file)
-        return FXS_ERR_MEMORY;
+    FXS_TRY(fxs_stream_create(file, name, options, message));
+    fxs_scene_file_options *own = &(*file)->source.options;
+    own->max_gaussians = own->max_gaussians ? own->max_gaussians : FXS_MAX_COUNT;
     int result = fxs_scene_source_open_input(&(*file)->source, name, &input, message);
     if (!result)
         result = fxs_stream_begin(*file, "gaussians", &reader, info, message);

@@ -7,18 +7,22 @@
 #include <fixsplat/internal/message.h>
 
 #include "attributes.h"
+#include "src/base/options.h"
 
-fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message)
+int fxs_stream_create(fxs_scene_file **made, const char *path, const fxs_scene_file_options *options,
+                      fxs_message *message)
 {
-    fxs_scene_file *file = fxs_allocate_zeroed(options ? options->allocator : NULL, 1, sizeof *file);
-    if (!file) {
-        fxs_fail_memory(message, path, sizeof *file);
-        return NULL;
-    }
-    if (options)
-        file->source.options = *options;
+    fxs_scene_file_options all;
+    fxs_scene_file_options_init(&all);
+    *made = NULL;
+    FXS_TRY(FXS_OPTIONS_READ(fxs_scene_file_options, &all, options, message));
+    fxs_scene_file *file = fxs_allocate_zeroed(all.allocator, 1, sizeof *file);
+    if (!file)
+        return fxs_fail_memory(message, path, sizeof *file);
+    file->source.options = all;
     file->source.import = &file->import;
-    return file;
+    *made = file;
+    return 0;
 }
 
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,

@@ -36,7 +36,8 @@ struct fxs_scene_file {
 };
 
 /* Allocates a stream without a reader. Returns NULL and a message for FXS_ERR_MEMORY if out of memory. */
-fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message);
+int fxs_stream_create(fxs_scene_file **made, const char *path, const fxs_scene_file_options *options,
+                      fxs_message *message);
 
 /* Opens the stream's source with a reader. Returns 0, or an error and a message; close the stream in either case. */
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
 
 static void move_chunks(unsigned char *headers, uint32_t count, const int64_t by_q32[3])
 {

@@ -13,6 +13,7 @@
 
 #include <fixsplat/internal/packed.h>
 #include "src/base/exponential.h"
+#include "src/base/options.h"
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/pages_internal.h"
@@ -991,13 +992,13 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     packer p = *how;
     memset(scene, 0, sizeof *scene);
     memset(report, 0, sizeof *report);
+    fxs_pack_options_init(&p.options);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_pack_options, &p.options, options, message));
     p.file = file;
     p.info = info;
     p.report = report;
     p.message = message;
     p.stages = fxs_pack_stages_choose(~0u);
-    if (options)
-        p.options = *options;
     p.encoder.profile = p.options.profile;
     p.encoder.sh_degree = info->sh_degree;
     if (!p.options.run)

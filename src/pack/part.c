@@ -1,4 +1,6 @@
 /* Computes the layout of a part from its two headers, and validates them against each other: see part.h. */
+#include <fixsplat/internal/parts.h>
+
 #include "part.h"
 
 #include <string.h>

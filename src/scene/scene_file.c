@@ -50,13 +50,14 @@ static int begin(fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *m
 static int open_any(const char *path, const fxs_scene_input *input, const fxs_scene_file_options *options,
                     fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {
-    fxs_scene_file *f = *file = fxs_stream_create(path, options, message);
-    if (!f) {
+    int result = fxs_stream_create(file, path, options, message);
+    if (result) {
         if (input && input->close)
             input->close(input->argument);
-        return FXS_ERR_MEMORY;
+        return result;
     }
-    int result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
+    fxs_scene_file *f = *file;
+    result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
                        : open_path(&f->source, path, message);
     if (result == 0)
         result = begin(f, info, message);

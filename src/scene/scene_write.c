@@ -8,6 +8,7 @@
 #include <fixsplat/internal/message.h>
 
 #include "formats_internal.h"
+#include "src/base/options.h"
 #include "src/gaussian/origin_internal.h"
 
 struct fxs_scene_writer {
@@ -18,11 +19,15 @@ struct fxs_scene_writer {
     fxs_scene_write_report report;
 };
 
-int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *o, fxs_scene_writer **writer,
+int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
                           fxs_message *message)
 {
-    const fxs_format_row *format = fxs_format_to_write(o->format, path);
+    fxs_scene_write_options all;
+    const fxs_scene_write_options *const o = &all;
     *writer = NULL;
+    fxs_scene_write_options_init(&all);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_scene_write_options, &all, options, message));
+    const fxs_format_row *format = fxs_format_to_write(o->format, path);
     if (!format)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no format is written that has this %s", path,
                            o->format ? "name" : "ending");

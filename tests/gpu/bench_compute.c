@@ -184,7 +184,7 @@ static void rows_of_scene(char *argument)
 
 int main(int argc, char **argv)
 {
-    static const fxs_backend_options options = {0};
+    static const fxs_backend_options options = {.size = sizeof(fxs_backend_options)};
     compute = malloc(fxs_compute_bytes());
     if (fxs_egl_open(&egl, &why) || fxs_compute_init(compute, fxs_egl_load, fxs_egl_use, egl, &why) ||
         fxs_backend_cpu.open(&cpu, &options, &why))

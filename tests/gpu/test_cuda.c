@@ -1102,7 +1102,7 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;
-    const fxs_backend_options settings = {0};
+    const fxs_backend_options settings = {.size = sizeof(fxs_backend_options)};
     void *self;
     char name[64];
     world w;
@@ -1167,7 +1167,7 @@ static void test_table(void)
 static void test_foveated(void)
 {
     const fxs_backend *backends[] = {&fxs_backend_cpu, &fxs_backend_cuda};
-    const fxs_backend_options settings = {0};
+    const fxs_backend_options settings = {.size = sizeof(fxs_backend_options)};
     const fxs_foveation f = {{{80, 40}, {50, 60}}, {20, 48}, 5};
     fxs_camera cameras[2];
     fxs_options options;

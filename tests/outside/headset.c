@@ -382,7 +382,9 @@ static int open_graphics(program *p, int by_compute, void **egl)
     p->to_depth = make_program(to_depth);
     p->to_words = make_program(to_words);
     fxs_init(&p->context, 0);
-    fxs_kernels_choose(&p->context.kernels, fxs_cpu_detect());
+    static fxs_kernels fastest;
+    fxs_kernels_choose(&fastest, fxs_cpu_detect());
+    p->context.config.kernels = &fastest;
     fxs_options_init(&p->options);
     p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);      /* more than compute shaders need */
     p->allocation = malloc(p->bytes + 63);

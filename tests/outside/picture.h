@@ -43,7 +43,9 @@ static inline int picture(const fxs_scene *scene)
     fxs_request request;
     if (fxs_init(&context, 0))
         return 1;
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+    static fxs_kernels fastest;
+    fxs_kernels_choose(&fastest, fxs_cpu_detect());
+    context.config.kernels = &fastest;
     fxs_object_init(&object, scene);
     fxs_request_init(&request, &object, 1);
     picture_camera(&request.cameras[0]);

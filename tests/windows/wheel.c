@@ -63,7 +63,7 @@ static void draw(const fxs_object *object, const fxs_camera *camera, fxs_targets
     fxs_request request = {.objects = object, .count = 1, .eyes = 1, .cameras = {*camera}, .targets = {*targets}};
     request.options.sh_degree = 3;
     const fxs_backend *table = CALL(fxs_backend_find)("auto");
-    const fxs_backend_options options = {.threads = 1};
+    const fxs_backend_options options = {.size = sizeof(fxs_backend_options), .threads = 1};
     void *handle;
     must(table ? table->open(&handle, &options, &message) : -1, &message);
     must(table->render(handle, &request, NULL, &message), &message);
@@ -73,7 +73,7 @@ static void draw(const fxs_object *object, const fxs_camera *camera, fxs_targets
 int main(int argc, char **argv)
 {
     fxs_message message = {.text = "not found"};
-    fxs_open_options options = {.file.progress = go_on, .progress = go_on};
+    fxs_open_options options = {.size = sizeof(fxs_open_options), .file.progress = go_on, .progress = go_on};
     fxs_opened *opened;
     fxs_file_view *views;
     fxs_placement placement;
@@ -95,7 +95,7 @@ int main(int argc, char **argv)
     must(CALL(fxs_camera_from_view)(&camera, &view, &message), &message);
     const size_t stride = (size_t)view.width * 4, bytes = stride * (size_t)view.height;
     uint8_t *pixels = malloc(bytes);
-    fxs_targets targets = {.colour = {.pixels = pixels, .stride = stride}, .format = FXS_FORMAT_RGBA8};
+    fxs_targets targets = {.size = sizeof(fxs_targets), .colour = {.pixels = pixels, .stride = stride}, .format = FXS_FORMAT_RGBA8};
     if (!pixels)
         return 1;
     draw(&object, &camera, &targets);

@@ -10,6 +10,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/parts.h>
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"
@@ -288,7 +289,7 @@ static int read_options(convert_options *o, int argc, char **argv)
 {
     memset(o, 0, sizeof *o);
     files_force(FILES_REFUSE_UNFORCED);
-    fxs_scene_filter_default(&o->filter);
+    fxs_scene_filter_init(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
     if (take_options(&command_convert, o, argc, argv))
         return EXIT_USAGE;
@@ -369,16 +370,18 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
 {
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
+    fxs_kernels fastest;
+    const fxs_config config = {.size = sizeof config, .run = fxs_pool_run, .pool = pool, .threads = threads,
+                               .kernels = &fastest};
     char label[] = "refining";
     fxs_context context;
     fxs_message message;
-    fxs_refine_options how = {.context = &context, .steps = (uint32_t)o->refine_steps, .views = views,
+    fxs_refine_options how = {.size = sizeof(fxs_refine_options), .context = &context, .steps = (uint32_t)o->refine_steps, .views = views,
                               .view_count = (size_t)count, .cpu = ~0u};
     if (!pool)
         return fail(EXIT_FAILED, "out of memory: %u threads", (unsigned)threads);
+    fxs_kernels_choose(&fastest, ~0u);
     fxs_init(&context, &config);
-    fxs_kernels_choose(&context.kernels, ~0u);
     how.progress = progress_of(load, label, &how.argument);
     const int error = fxs_refine((void *)(uintptr_t)packed->data, packed->bytes, &how, &message);
     fxs_pool_destroy(pool);
@@ -442,7 +445,7 @@ static int pack_part(const convert_options *o, const load_options *load, fxs_sce
 {
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {.profile = load->profile, .run = pool ? fxs_pool_run : 0, .pool = pool,
+    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = load->profile, .run = pool ? fxs_pool_run : 0, .pool = pool,
                                 .threads = pool ? threads : 1, .tree = load->tree};
     char label[] = "packing";
     fxs_pack_report report;
@@ -599,7 +602,7 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     fxs_scene_writer *w = NULL;
     fxs_scene_write_report report;
     fxs_message message, closing;
-    fxs_scene_write_options options = {.count = info->count, .sh_degree = info->sh_degree,
+    fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = info->count, .sh_degree = info->sh_degree,
                                        .antialiased = info->antialiased, .spz_version = spz_version,
                                        .spz_fine = spz_fine};
     memcpy(options.origin, info->origin, sizeof options.origin);

@@ -10,6 +10,7 @@
 #include "port/board/turntable.h"
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/parts.h>
 #include "tree_levels.h"
 #include "quality.h"
 #include "stats.h"
@@ -498,8 +499,8 @@ static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *
 {
     fxs_context context;
     fxs_request request;
-    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, enough, 0, {0}};
-    fxs_init(&context, &(fxs_config){.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
+    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, enough, 0, {0}};
+    fxs_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
     fxs_request_init(&request, &t->object, 1);
     for (uint32_t turn = 0; turn < 16; turn++) {
         fxs_stats stats;
@@ -583,7 +584,7 @@ static int find(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
-    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* used for sizes only */
+    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .threads = fxs_processors()};   /* used for sizes only */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_init(&context, &config);

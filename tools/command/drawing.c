@@ -322,7 +322,7 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
 /* Picks with the CPU back end, if the renderer's own cannot pick. */
 static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_result *result, fxs_message *why)
 {
-    static const fxs_backend_options how;
+    static const fxs_backend_options how = {.size = sizeof(fxs_backend_options)};
     const fxs_backend *cpu = fxs_backend_find("cpu");
     void *self;
     int found = cpu->open(&self, &how, why);

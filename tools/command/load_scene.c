@@ -234,7 +234,7 @@ static int level_of(const char *path, const load_options *o, const fxs_scene_fil
 
 static fxs_scene_file_options file_options(const char *path, const load_options *o)
 {
-    fxs_scene_file_options options = {
+    fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), 
         .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
         .progress = o->progress, .progress_argument = o->progress_argument
     };
@@ -273,7 +273,7 @@ static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options *options, size_t pool,
                         fxs_message *message)
 {
-    const fxs_pager_options paging = {.pool_bytes = pool};
+    const fxs_pager_options paging = {.size = sizeof(fxs_pager_options), .pool_bytes = pool};
     fxs_close(loaded->opened);
     options->pager = &paging;
     const int error = fxs_open(path, options, &loaded->opened, message);
@@ -288,9 +288,10 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     char label[] = "packing", reading[] = "reading";
     fxs_message message;
     preparation p = {path, o};
-    fxs_open_options options = {.file = file_options(path, o), .profile = o->profile, .threads = o->threads,
-                                .tree = o->tree};
-    const fxs_pager_options paging = {o->pool, o->arrived, o->arrived_argument};
+    const fxs_scene_file_options reading_options = file_options(path, o);
+    fxs_open_options options = {.size = sizeof options, .file = &reading_options, .profile = o->profile,
+                                .threads = o->threads, .tree = o->tree};
+    const fxs_pager_options paging = {sizeof(fxs_pager_options), o->pool, o->arrived, o->arrived_argument};
     options.progress = progress_of(o, label, &options.progress_argument);
     if (o->pages && (o->pool || fxs_pager_is_url(path)))
         options.pager = &paging;

@@ -1,5 +1,6 @@
 /* Prints the results of --stats and --pick of `fixsplat render`. */
 #include "cmd_render.h"
+#include "src/core/count.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

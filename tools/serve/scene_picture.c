@@ -8,7 +8,7 @@
 static int render(const fxs_opened *opened, int width, int height, const uint8_t background[3], uint32_t threads,
                   uint8_t *pixels, fxs_message *message)
 {
-    const fxs_backend_options options = {.threads = threads};
+    const fxs_backend_options options = {.size = sizeof(fxs_backend_options), .threads = threads};
     fxs_renderer *renderer;
     fxs_object object;
     fxs_request request;

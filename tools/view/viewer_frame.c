@@ -459,7 +459,7 @@ static void write_cropped(viewer *v, request *r)
 {
     fxs_scene_filter filter;
     load_options load = v->options.load;
-    fxs_scene_filter_default(&filter);
+    fxs_scene_filter_init(&filter);
     for (int i = 0; i < 3; i++) {
         filter.low[i] = r->crop.low[i];
         filter.high[i] = r->crop.high[i];

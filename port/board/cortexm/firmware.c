@@ -72,13 +72,13 @@ int main(void)
     static fxs_request request;
     static fxs_stats stats;
     static shown show;
-    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &show, {0}};
-    static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip,
-                                      .draw_blended = 1};
+    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, add_rows, &show, {0}};
+    fxs_config config = {.size = sizeof(fxs_config), .clock = board_clock, .draw = fxs_strip_draw,
+                         .draw_argument = &strip, .draw_blended = 1};
     board_stack_mark();
     console_command(line, sizeof line);
     fxs_request_init(&request, &table.object, 1);
-    request.options = (fxs_options){.sh_degree = (int)console_option(line, "degree", 3),
+    request.options = (fxs_options){.size = sizeof(fxs_options), .sh_degree = (int)console_option(line, "degree", 3),
                                     .background = {0x11, 0x13, 0x1b},
                                     .budget = console_option(line, "budget", 0)};
     const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
@@ -86,10 +86,12 @@ int main(void)
     const uint32_t room = (uint32_t)(board_memory_end - board_memory), memory = console_option(line, "memory", room);
     strip.rows = (int32_t)(rows < ROWS_MOST ? rows : ROWS_MOST);
     strip.stride = (int32_t)(width < WIDTH_MOST ? width : WIDTH_MOST) * 2;
-    fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+    static fxs_kernels fastest;
+    fxs_kernels_choose(&fastest, fxs_cpu_detect());
+    config.kernels = &fastest;
 #endif
+    fxs_init(&context, &config);
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), (int32_t)width,
                                    (int32_t)height);
     if (!error && console_option(line, "display", 0)) {

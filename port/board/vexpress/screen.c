@@ -45,14 +45,15 @@ int main(void)
     static char line[128];
     static fxs_turntable table;
     static fxs_context context;
-    static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, &context.kernels, copy_rows, 0, {0}};
-    static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
+    static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, copy_rows, 0, {0}};
+    static const fxs_config config = {.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip,
+                                      .draw_blended = 1};
     static fxs_request request;
     console_command(line, sizeof line);
     const uint32_t frames = console_option(line, "frames", 0);     /* 0: endless */
     fxs_init(&context, &config);
     fxs_request_init(&request, &table.object, 1);
-    request.options = (fxs_options){.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
+    request.options = (fxs_options){.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), WIDTH, HEIGHT);
     for (uint32_t i = 0; !error && (i < frames || !frames); i++) {
         strip.argument = screens[i & 1];

@@ -143,7 +143,7 @@ def _placement(up: Any, rotate: Any, scale: float, translate: Any) -> Struct:
 
 def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree: int) -> Struct:
     how = new("fxs_scene_filter")
-    lib.fxs_scene_filter_default(how)
+    lib.fxs_scene_filter_init(how)
     if crop is not None:
         low, high = numbers("crop", crop, (2, 3))
         if (low > high).any():

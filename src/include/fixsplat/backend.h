@@ -25,11 +25,13 @@ enum fxs_backend_can {
 
 /* All fields 0: the defaults. */
 typedef struct fxs_backend_options {
+    uint32_t size;
     int device;                    /* number of a device that the back end lists */
     uint64_t max_memory;           /* most bytes of working memory or device memory; 0: no limit */
     uint32_t threads;              /* threads on the processor, 1 to 64; 0: one per processor */
     unsigned without_cpu;          /* instruction sets to avoid: FXS_CPU_* of internal/kernels.h */
 } fxs_backend_options;
+FXS_INIT(fxs_backend_options)
 
 /* The functions return 0 or an FXS_ERR_*. After an error, *why has a message; `why` must not be null. */
 typedef struct fxs_backend {

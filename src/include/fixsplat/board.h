@@ -4,9 +4,8 @@
  *
  *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16, .format = FXS_FORMAT_RGB565,
  *                               .rows_done = send_to_display, .argument = &display};
- *     const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
+ *     const fxs_config config = {.size = sizeof config, .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
  *     fxs_init(&context, &config);
- *     strip.kernels = &context.kernels;
  *     fxs_request_init(&request, &object, 1);        and its camera
  *     fxs_render(&context, &request, memory, sizeof memory, 0);
  *
@@ -34,7 +33,6 @@ typedef struct fxs_strip {
     ptrdiff_t stride;              /* bytes from row to row, at least a row's size */
     int32_t rows;                  /* a multiple of 16, at least 16; the last strip of a picture may have fewer */
     enum fxs_format format;
-    const fxs_kernels *kernels;    /* blend and resolve the tiles; not null */
     fxs_rows_done_fn *rows_done;   /* not null */
     void *argument;                /* first argument of rows_done */
     int16_t tile[4 * 256];         /* internal: the tile being blended */

@@ -76,6 +76,7 @@ enum fxs_fit_exposure {
 };
 
 typedef struct fxs_fit_options {
+    uint32_t size;
     enum fxs_fit_recipe recipe;    /* initially fast */
     uint32_t steps;                /* 1 or more; initially 8,000. mcmc and fast adapt their schedule to the number;
                                       reference with fewer than 30,000 steps is the beginning of a fit with 30,000 */
@@ -121,7 +122,8 @@ typedef struct fxs_fit_options {
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 (one thread) for the others. */
-FXS_API void fxs_fit_options_init(fxs_fit_options *options);
+FXS_API void fxs_fit_options_init(fxs_fit_options *options, uint32_t size);
+#define fxs_fit_options_init(options) fxs_fit_options_init(options, (uint32_t)sizeof *(options))
 
 /* The default number of steps of a recipe (30,000; fast 8,000), and its default max_gaussians (2^22; mcmc 1,000,000;
    fast 250,000). */
@@ -258,6 +260,7 @@ typedef void fxs_left_out_fn(void *argument, const char *why);
 
 /* All fields 0: no photograph is held out; photographs wider or higher than 1600 pixels are reduced to 1600. */
 typedef struct fxs_photos_options {
+    uint32_t size;
     int resolution;                /* largest width or height, pixels; 0: 1600 */
     uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. If the
                                       files name test photographs, any n above 0 holds out the named ones instead */
@@ -278,6 +281,7 @@ typedef struct fxs_photos_options {
     fxs_progress_fn *progress;     /* may be null; called on the thread that called fxs_photos_read */
     void *argument;                /* first argument of progress and left_out */
 } fxs_photos_options;
+FXS_INIT(fxs_photos_options)
 
 typedef struct fxs_photos {
     fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one, except with
@@ -332,6 +336,7 @@ FXS_API int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_c
 #define FXS_REFINE_MEASURED 16u        /* most views without steps */
 
 typedef struct fxs_refine_options {
+    uint32_t size;
     const fxs_context *context;        /* renders; its run, pool and threads also make the steps. Not null */
     uint32_t steps;                    /* per level, at most FXS_REFINE_STEPS_MOST. 0: leaves the Gaussians unchanged
                                           and only measures the gain of drawing each node's children */
@@ -343,6 +348,7 @@ typedef struct fxs_refine_options {
     fxs_progress_fn *progress;         /* may be null */
     void *argument;                    /* first argument of progress */
 } fxs_refine_options;
+FXS_INIT(fxs_refine_options)
 
 /* Refines the packed scene of `bytes` bytes at `data` (aligned to 64), in place; call fxs_file_write or fxs_file_seal
    afterwards. A scene without a tree is unchanged. Without perspective views, it uses views from around and inside the

@@ -12,9 +12,10 @@
  * Conventions: lengths are in units of the scene's file; with several objects, in world units. Camera axes: x right, y
  * down, z forward; pixel centres at +0.5. A name that ends in `_qN` is an integer that holds the real value times 2^N.
  *
- * Stable from version 1.0 on, like every other header that says so: within 1.x, functions stay, and structs that a
- * program allocates keep their size and the meaning of their fields. If a struct has an init function, call it first,
- * then set the fields you need. */
+ * Structs: a struct that a program fills in for the library begins with `size`, its size in bytes. Call the struct's
+ * init function first; it sets `size` and the defaults. Then set the fields you need. Later versions append fields. The
+ * library reads no further than `size` says, and uses the defaults for fields behind it. A size of 0 is FXS_ERR_STRUCT.
+ * Structs that the library fills in have reserved bytes instead, which are 0. */
 #ifndef FXS_FIXSPLAT_H
 #define FXS_FIXSPLAT_H
 
@@ -51,6 +52,13 @@ extern "C" {
 #endif
 #endif
 
+/* Zeroes a struct of `size` bytes and stores the size in its first field. */
+FXS_API void fxs_struct_init(void *options, uint32_t size);
+
+/* Declares the init function of a struct with the default 0 in each field: void TYPE_init(TYPE *options). */
+#define FXS_INIT(type) \
+    static inline void type##_init(type *options) { fxs_struct_init(options, (uint32_t)sizeof *options); }
+
 /* FXS_VERSION_NUMBER of the linked library. The library suits programs that were built with the same major version and
    with the same or a lower minor version. */
 FXS_API int fxs_version(void);
@@ -78,7 +86,8 @@ enum fxs_error {
     FXS_ERR_TARGET = -10,       /* a target is missing, misaligned, overlaps another, has rows longer than its stride,
                                    or does not suit the format */
     FXS_ERR_FILE = -11,         /* a file is missing, cannot be read or written, or has the wrong content */
-    FXS_ERR_STOPPED = -12       /* a callback asked to stop: fxs_options.stop, or progress of a long call */
+    FXS_ERR_STOPPED = -12,      /* a callback asked to stop: fxs_options.stop, or progress of a long call */
+    FXS_ERR_STRUCT = -13        /* the `size` of a struct is 0 or above 65535: its init function was not called */
 };
 
 /* Describes an error code: one line, a static string, never null. */
@@ -88,6 +97,7 @@ FXS_API const char *fxs_strerror(int error);
 typedef struct fxs_message {
     char text[512];                /* one line */
     uint64_t bytes_needed;         /* for FXS_ERR_MEMORY: the memory that would be enough, if known; else 0 */
+    uint64_t reserved[3];
 } fxs_message;
 
 /* Memory for reading and packing scenes. A null allocator stands for malloc and free. fxs_pack calls the functions from
@@ -131,14 +141,6 @@ typedef struct fxs_scene {
 } fxs_scene;
 
 
-/* Bytes of a packed scene with `count` Gaussians, SH degree `sh_degree` and `palette_entries` (0 to 128) in each stage
-   of its palette; 0 if an argument is out of range. */
-FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
-
-/* Bytes of the tree over `chunks` chunks, which follows the chunks in the packed scene; 0 for fewer than two chunks or
-   if the size exceeds a size_t. */
-FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
-
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    Nothing is copied: `data` must stay in place and unchanged while the scene is in use. If another program changes the
    bytes, as it can in a mapped file, a frame ends with FXS_ERR_SCENE or mixes old and new bytes; the renderer never
@@ -146,21 +148,6 @@ FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile p
    is truncated), or catch the signal as system.h does.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 FXS_API int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
-
-/* Offsets of the parts of a packed scene, in bytes from its start. The head is the `rows` bytes before the rows:
-   header, chunk headers, palette. The head of the tree is everything before the rows of the nodes, from `tree` to
-   `node_rows`. Without a tree, `tree` and the fields after it are equal. */
-typedef struct fxs_scene_parts {
-    uint64_t palette, rows, tree, node_chunks, node_rows, bytes;
-} fxs_scene_parts;
-
-/* Finds the parts from the header of a packed scene, its first 192 bytes; the rest need not be in memory. Errors as
-   fxs_scene_open. */
-FXS_API int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header);
-
-/* Opens a scene from its head and the head of its tree, each aligned to 64, without the rows. `tree` may be null for a
-   scene without a tree. The caller must set `places` and `rows` before rendering. Errors as fxs_scene_open. */
-FXS_API int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree);
 
 /* ---- Objects --------------------------------------------------------------------------------------------------- */
 
@@ -175,6 +162,7 @@ typedef struct fxs_crop {
    keeping crop boxes (outside = 0), only Gaussians in at least one of them are drawn. Gaussians in a dropping crop box
    (outside = 1) are never drawn. */
 typedef struct fxs_object {
+    uint32_t size;
     const fxs_scene *scene;        /* any number of objects may share it */
     int32_t rotation_q30[9];       /* object to world, row by row */
     int64_t translation_q32[3];    /* world units, within +-2^28 */
@@ -188,7 +176,8 @@ typedef struct fxs_object {
 } fxs_object;
 
 /* Identity placement: at the origin of the world, unscaled, visible, id 0, no crops. */
-FXS_API void fxs_object_init(fxs_object *object, const fxs_scene *scene);
+FXS_API void fxs_object_init(fxs_object *object, const fxs_scene *scene, uint32_t size);
+#define fxs_object_init(object, scene) fxs_object_init(object, scene, (uint32_t)sizeof *(object))
 
 /* ---- Camera and options ---------------------------------------------------------------------------------------- */
 
@@ -220,6 +209,7 @@ typedef struct fxs_camera {
        entirely inside it. */
     int32_t hidden_x, hidden_y;
     int32_t hidden_width, hidden_height;
+    int32_t reserved[8];           /* 0 */
 } fxs_camera;
 
 /* A camera at the origin that looks along z, with a horizontal field of view of 90 degrees. */
@@ -241,6 +231,7 @@ typedef int fxs_stop_fn(void *argument);
 typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
 
 typedef struct fxs_options {
+    uint32_t size;
     enum fxs_cutoff cutoff;
     int sh_degree;                 /* highest degree evaluated, 0 to 3; limited by the scene's degree */
     uint8_t background[3];         /* red, green, blue */
@@ -264,11 +255,9 @@ typedef struct fxs_options {
                                       only; other back ends ignore it */
 } fxs_options;
 
-/* An fxs_stop_fn: stops the frame once the byte at `byte` is nonzero. Another thread or a signal handler may set it. */
-FXS_API int fxs_stop_by_byte(void *byte);
-
 /* Mahalanobis cut-off, SH degree 3, black background, no stop callback, no budget. */
-FXS_API void fxs_options_init(fxs_options *options);
+FXS_API void fxs_options_init(fxs_options *options, uint32_t size);
+#define fxs_options_init(options) fxs_options_init(options, (uint32_t)sizeof *(options))
 
 /* ---- Targets --------------------------------------------------------------------------------------------------- */
 
@@ -308,6 +297,7 @@ typedef struct fxs_id {
  *   median   depth of the Gaussian at which the transmittance falls below 1/2. Haze in front of a wall does not show if
  *            it takes less than half of the light. A pixel with a transmittance of 1/2 or more has no depth. */
 typedef struct fxs_targets {
+    uint32_t size;
     fxs_image colour;
     enum fxs_format format;        /* of colour */
     fxs_image coverage;            /* uint8_t: 255 times the light that the Gaussians absorb */
@@ -324,7 +314,8 @@ typedef struct fxs_targets {
 } fxs_targets;
 
 /* No targets, format RGBA8. */
-FXS_API void fxs_targets_init(fxs_targets *targets);
+FXS_API void fxs_targets_init(fxs_targets *targets, uint32_t size);
+#define fxs_targets_init(targets) fxs_targets_init(targets, (uint32_t)sizeof *(targets))
 
 /* ---- Context --------------------------------------------------------------------------------------------------- */
 
@@ -340,6 +331,7 @@ struct fxs_tile_run;
 typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
 
 typedef struct fxs_config {
+    uint32_t size;
     fxs_run_fn *run;               /* null: single-threaded, on the calling thread */
     void *pool;                    /* first argument of run */
     uint32_t threads;              /* threads that run uses, 1 to 64; 0: 1. The picture does not depend on it */
@@ -350,82 +342,23 @@ typedef struct fxs_config {
     int draw_blended;              /* 1: draw expects all tiles row by row, and also accepts tiles that the kernels have
                                       blended (fxs_tile_run.blended), which it only resolves */
     int draw_unlisted;             /* 1: draw needs no tile lists; it is called once per band of a frame */
+    const struct fxs_kernels *kernels;   /* null: the plain C versions of the stages. internal/kernels.h makes a table of
+                                      the fastest versions for a processor. Must stay valid */
 } fxs_config;
+FXS_INIT(fxs_config)
 
 enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE, FXS_STAGES };
 
 /* The name of a stage: "project", "shade", ... */
 FXS_API const char *fxs_stage_name(enum fxs_stage stage);
 
-/* The function of each stage. Each works on one chunk or one tile; internal/stage.h defines the records. fxs_init fills in the
-   plain C versions; faster versions with the same results may replace them. */
-struct fxs_view;
-struct fxs_splat;
-struct fxs_bounds;
-struct fxs_box;
-struct fxs_tile;
-struct fxs_trace;
-struct fxs_span;
-
-typedef struct fxs_kernels {
-    const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
-
-    /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat (without its colour),
-       bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
-       FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
-    int32_t (*project)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, struct fxs_splat *splats,
-                       struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-
-    /* Fills in the colours of `count` splats of one chunk; indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
-    int (*shade)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
-                 uint32_t count, struct fxs_splat *splats);
-
-    /* Finds the tiles of `count` splats. */
-    void (*bin)(const struct fxs_view *view, const struct fxs_splat *splats, const struct fxs_bounds *bounds,
-                uint32_t count, struct fxs_box *boxes);
-
-    /* Finds the tile columns of a splat on tile rows `row` to row + rows - 1, all within its bounding box. May write up
-       to 15 spans beyond these rows. */
-    void (*spans)(const struct fxs_view *view, const struct fxs_splat *splat, const struct fxs_bounds *bounds,
-                  int32_t row, int32_t rows, struct fxs_span *spans);
-
-    /* Lists the macro tiles of slots `first` to first + count - 1, from the boxes of these slots: for each pair, the
-       macro tile in `macros` and slot << 4 | mask of its tiles in `listed`. At most 9 pairs a slot; may write up to 15
-       more. Returns the number of pairs, in any order. */
-    uint32_t (*note)(const struct fxs_view *view, const struct fxs_box *boxes, uint32_t first, uint32_t count,
-                     uint32_t *macros, uint32_t *listed);
-
-    /* Sorts `count` keys; `spare` has the same capacity. Fast if keys of equal depth arrive almost in the order of
-       their slots. */
-    void (*sort)(uint64_t *keys, uint64_t *spare, uint32_t count);
-
-    /* Extracts the list of one tile from the `count` keys of its macro tile: the slots whose masks contain `tile` (0 to
-       3). `entries` has room for `count`. Returns the length of the list. */
-    uint32_t (*list)(const uint64_t *keys, uint32_t count, uint32_t tile, uint32_t *entries);
-
-    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
-    void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
-                  const uint32_t *entries, uint32_t count, struct fxs_tile *tile);
-
-    /* blend with auxiliary outputs: also fills *trace, the source of depths and ids. It blends a part of a list, from
-       entry `first` to before `end` (at most 32767), and continues from the present state of *tile and *trace.
-       depths_q15: a depth code for each entry of the part, if a mean depth is wanted; else it may be null. */
-    void (*trace)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
-                  const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
-                  struct fxs_tile *tile, struct fxs_trace *trace);
-
-    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. The
-       other formats are derived from these. */
-    void (*resolve)(const fxs_options *options, enum fxs_format format, const struct fxs_tile *tile, int32_t columns,
-                    int32_t rows, unsigned char *pixels, ptrdiff_t stride);
-} fxs_kernels;
-
+/* A configuration, ready for rendering. Its fields are the library's; the struct keeps its size within 1.x. */
 typedef struct fxs_context {
     fxs_config config;
-    fxs_kernels kernels;
+    void *reserved[16];
 } fxs_context;
 
-/* Fills *context with the plain C version of each stage. `config` may be null: one thread, no clock. */
+/* Fills *context. `config` may be null: one thread, no clock. Errors: FXS_ERR_ARGUMENT, FXS_ERR_STRUCT. */
 FXS_API int fxs_init(fxs_context *context, const fxs_config *config);
 
 /* ---- Frame ----------------------------------------------------------------------------------------------------- */
@@ -471,20 +404,31 @@ typedef struct fxs_stats {
     uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage. Blend and resolve run together; their wall time is
                                            divided in proportion to the threads' time in each */
     uint64_t frame_nanoseconds;
+    uint64_t reserved[8];
 } fxs_stats;
 
 /* What to render: one frame, or a stereo pair. */
 typedef struct fxs_request {
-    const fxs_object *objects;     /* owned by the caller */
+    uint32_t size;
     uint32_t count;                /* 0 to FXS_MAX_OBJECTS */
-    fxs_options options;
+    const fxs_object *objects;     /* owned by the caller; all have the same `size` */
     uint32_t eyes;                 /* 1, or 2: left and right */
     fxs_camera cameras[2];         /* one per eye */
     fxs_targets targets[2];
+    fxs_options options;
 } fxs_request;
 
 /* Sets one eye, the values of fxs_options_init and fxs_targets_init, and cameras that are all 0. */
-FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count);
+static inline void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count)
+{
+    fxs_struct_init(request, (uint32_t)sizeof *request);
+    request->objects = objects;
+    request->count = count;
+    request->eyes = 1;
+    fxs_targets_init(&request->targets[0]);
+    fxs_targets_init(&request->targets[1]);
+    fxs_options_init(&request->options);
+}
 
 /* Renders a request. All objects are sorted together by depth; ties go by object, then by Gaussian. A single object
    from fxs_object_init gives the picture of the scene itself. Gaussians whose centre is not beyond the near plane are
@@ -514,20 +458,6 @@ FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, v
    the budget, not to the scenes. *memory may be null. */
 FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
 
-/* Prefetch: finds the chunks that a request's frame would draw and calls options.want for them as fxs_render does, but
-   draws nothing. Call it with the camera of a later frame, to have its chunks loaded in time. `memory` as for
-   fxs_render; targets are not read. Returns 0, or an error as fxs_render. Returns 0 at once if no budget, detail or
-   places limit the chunks. */
-FXS_API int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes);
-
-/* Counts the work of the blend stage for the first eye of a request, in pairs of a pixel and a Gaussian, by rendering
-   the frame with the plain C stages on one thread, without an occluder. A pair is evaluated if the Gaussian is in the
-   list of the pixel's tile and may touch the pixel's row, and the pixel is not opaque yet; pixels beyond the picture's
-   edge count too. It is blended if the pixel is also within the cut-off and alpha is at least 1/255. Errors as
-   fxs_render. */
-FXS_API int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
-                            uint64_t *blended);
-
 /* The Gaussian at a pixel. */
 typedef struct fxs_pick_result {
     uint32_t object;               /* index in `objects` */
@@ -537,6 +467,7 @@ typedef struct fxs_pick_result {
                                       units */
     int64_t position_q32[3];       /* world position on the pixel's ray at that depth; its offsets from the camera's
                                       axis saturate at +-2^28 */
+    uint64_t reserved[4];
 } fxs_pick_result;
 
 /* Finds the Gaussian that fxs_render shows at pixel (x, y) of the first eye, as in its id target. Reads only the

@@ -42,6 +42,7 @@ typedef struct fxs_packed_scene {
 
 /* All fields 0: default profile, one thread, no progress, malloc, no tree. */
 typedef struct fxs_pack_options {
+    uint32_t size;
     enum fxs_profile profile;
     fxs_run_fn *run;          /* null: single-threaded, on the calling thread */
     void *pool;               /* first argument of run */
@@ -54,6 +55,7 @@ typedef struct fxs_pack_options {
                                  more. The packed scene becomes about twice as large. Building the tree takes 6 MB, 2 MB
                                  a thread and 120 bytes a chunk more */
 } fxs_pack_options;
+FXS_INIT(fxs_pack_options)
 
 /* Bytes of a file's packed scene, without a tree, if no Gaussian is dropped and the chunks are full. Known before the
    Gaussians are read. Isolated Gaussians far beyond the others need extra chunks, at most 8 each. 0: the file has too

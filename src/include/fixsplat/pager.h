@@ -47,12 +47,14 @@ typedef struct fxs_pager_source {
 
 /* All 0: the defaults. */
 typedef struct fxs_pager_options {
+    uint32_t size;
     size_t pool_bytes;             /* size of the pool of rows; 0: 256 MiB. At least 16 chunks; capped at the scene's
                                       size */
     /* Called on the pager's thread when a turn would take newly loaded chunks; must return soon. May be null. */
     void (*arrived)(void *argument);
     void *arrived_argument;
 } fxs_pager_options;
+FXS_INIT(fxs_pager_options)
 
 typedef struct fxs_pager fxs_pager;
 

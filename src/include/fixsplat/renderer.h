@@ -35,10 +35,11 @@ typedef struct fxs_opened {
 } fxs_opened;
 
 /* All fields 0: finest level, default profile, one thread per processor, no progress, memory from malloc. Opening a
-   file that must be packed reports two passes: file.progress while it is opened (some formats), then `progress` while
+   file that must be packed reports two passes: file->progress while it is opened (some formats), then `progress` while
    it is packed. */
 typedef struct fxs_open_options {
-    fxs_scene_file_options file;       /* how the file is read */
+    uint32_t size;
+    const fxs_scene_file_options *file;   /* how the file is read; null: the defaults */
     enum fxs_profile profile;          /* profile for packing; not for an .fxs */
     uint32_t threads;                  /* 1 to 64; 0: one per processor */
     int check_all;                     /* 1: checks every chunk of an .fxs, which reads the whole file; 0: only the
@@ -53,6 +54,7 @@ typedef struct fxs_open_options {
     const fxs_pager_options *pager;    /* not null: streams an .fxs with levels of detail through a pager (pager.h): set
                                           options.want to fxs_pager_want and call fxs_pager_turn between frames */
 } fxs_open_options;
+FXS_INIT(fxs_open_options)
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
    mapping; a damaged chunk is drawn as it is, which is safe, unless check_all refuses the file. If other programs may

@@ -87,6 +87,7 @@ enum fxs_axes { FXS_AXES_OF_FILE, FXS_AXES_RUB, FXS_AXES_RDF };
 
 /* All fields 0: finest level, axes as the file says, malloc and free, no progress, the limits above. */
 typedef struct fxs_scene_file_options {
+    uint32_t size;
     int level;                       /* level of detail; 0: the finest */
     enum fxs_axes axes;              /* for an .spz only; other formats return FXS_ERR_ARGUMENT */
     const fxs_allocator *allocator;  /* for the reader's own memory; null: malloc. Must outlive the file */
@@ -96,6 +97,7 @@ typedef struct fxs_scene_file_options {
     uint64_t max_memory;             /* most bytes that reading may hold at once, without the packed scene; 0: the limit
                                         above */
 } fxs_scene_file_options;
+FXS_INIT(fxs_scene_file_options)
 
 /* A file whose bytes come from callbacks. */
 typedef struct fxs_scene_input fxs_scene_input;
@@ -289,6 +291,7 @@ typedef struct fxs_filter_shape {
 } fxs_filter_shape;
 
 typedef struct fxs_scene_filter {
+    uint32_t size;
     double low[3], high[3];   /* keeps centres in this box, scene units; -INFINITY to INFINITY: all */
     double middle[3], radius; /* and in this sphere; a radius of INFINITY: all */
     double opacity;           /* least opacity to keep, 0 to 1 */
@@ -310,7 +313,8 @@ typedef struct fxs_scene_filter_report {
 } fxs_scene_filter_report;
 
 /* Sets a filter that keeps every Gaussian. */
-FXS_API void fxs_scene_filter_default(fxs_scene_filter *filter);
+FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
+#define fxs_scene_filter_init(filter) fxs_scene_filter_init(filter, (uint32_t)sizeof *(filter))
 
 /* Attaches the filter to an open file. From then on, fxs_scene_file_read returns the kept Gaussians, and info->count
    and info->sh_degree describe them. The file is read once to count them, and is at its beginning when the function
@@ -366,6 +370,7 @@ FXS_API int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_s
 typedef struct fxs_scene_writer fxs_scene_writer;
 
 typedef struct fxs_scene_write_options {
+    uint32_t size;
     uint64_t count;              /* exact number of Gaussians that will be written */
     int sh_degree;               /* 0 to 3 */
     int antialiased;             /* 1: opacities were fitted with compensation for the renderer's dilation */
@@ -376,6 +381,7 @@ typedef struct fxs_scene_write_options {
     double origin[3];            /* origin of the stream (fxs_scene_file_info), added to each position and to the
                                     bounds */
 } fxs_scene_write_options;
+FXS_INIT(fxs_scene_write_options)
 
 /* Numbers of Gaussians in an .spz with a value that was clamped by at least a step of the format. Axes too thin to be
    seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of 1/128. */

@@ -163,7 +163,7 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
 
 static int find_order(decimated *d, fxs_message *message)
 {
-    const fxs_pack_options options = {.run = run, .threads = 1, .allocator = d->allocator};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run, .threads = 1, .allocator = d->allocator};
     memset(d->entries, 0, d->count * sizeof *d->entries);
     for (uint32_t i = 0; i < d->count; i++)
         memcpy(d->entries[i].position, d->gaussians[i].position, sizeof d->entries[i].position);

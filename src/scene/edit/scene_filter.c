@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include "src/gaussian/attributes.h"
+#include "src/base/options.h"
+#include "src/core/sized.h"
 #include "floaters_internal.h"
 #include "src/scene/formats_internal.h"
 
@@ -21,10 +23,11 @@ typedef struct filter_reader {
     fxs_floaters floaters;            /* finds floaters among the Gaussians that pass all other tests */
 } filter_reader;
 
-void fxs_scene_filter_default(fxs_scene_filter *filter)
+void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
 {
-    *filter = (fxs_scene_filter){.low = {-INFINITY, -INFINITY, -INFINITY}, .high = {INFINITY, INFINITY, INFINITY},
-                                 .radius = INFINITY, .sh_degree = 3};
+    const fxs_scene_filter all = {.low = {-INFINITY, -INFINITY, -INFINITY}, .high = {INFINITY, INFINITY, INFINITY},
+                                  .radius = INFINITY, .sh_degree = 3};
+    fxs_sized_fill(filter, size, &all, sizeof all);
 }
 
 /* Distances are measured from a + t u, 0 <= t <= 1; a sphere has u = 0. With w = p - a, |w - t u|^2 <= r^2 becomes
@@ -152,10 +155,14 @@ static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, f
     return count(file, r, total, progress, argument, message);
 }
 
-int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
+int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
                           fxs_message *message)
 {
+    fxs_scene_filter all;
+    const fxs_scene_filter *const filter = &all;
+    fxs_scene_filter_init(&all);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_scene_filter, &all, given, message));
     if (filter->sh_degree < 0 || filter->sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "SH degree %d, not 0 to 3", filter->sh_degree);
     if (filter->floaters < 0 || filter->floaters > FXS_FLOATER_STRENGTHS)

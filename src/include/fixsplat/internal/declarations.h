@@ -15,6 +15,9 @@ extern "C" {
    of the library's build (tools/scripts/declarations.sh). */
 FXS_API const char *fxs_declarations(void);
 
+/* An fxs_stop_fn: stops the frame once the byte at `byte` is nonzero. Another thread or a signal handler may set it. */
+FXS_API int fxs_stop_by_byte(void *byte);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,9 +1,14 @@
-/* Faster versions of the stages, for the instruction sets of several processors, chosen at run time. They are optional:
-   fxs_init fills in the plain C versions, which give the same bytes. */
+/* Faster versions of the stages, for the instruction sets of several processors, chosen at run time. They give the same
+ * bytes as the plain C versions.
+ *
+ *     static fxs_kernels fastest;
+ *     fxs_kernels_choose(&fastest, fxs_cpu_detect());
+ *     config.kernels = &fastest; */
 #ifndef FXS_KERNELS_H
 #define FXS_KERNELS_H
 
 #include <fixsplat/fixsplat.h>
+#include <fixsplat/internal/stage.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -25,8 +30,8 @@ FXS_API unsigned fxs_cpu_detect(void);
 /* The name of one flag, such as "avx2"; null for any other value. */
 FXS_API const char *fxs_cpu_name(unsigned flag);
 
-/* Replaces the functions of *kernels by the best versions for the instruction sets in `cpu` (flags of enum fxs_cpu), as
-   far as this processor has them. */
+/* Fills in *kernels: for each stage the best version for the instruction sets in `cpu` (flags of enum fxs_cpu) that this
+   processor has, else the plain C version. */
 FXS_API void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus

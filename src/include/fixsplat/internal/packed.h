@@ -315,6 +315,14 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
     return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
 
+/* Bytes of a packed scene with `count` Gaussians, SH degree `sh_degree` and `palette_entries` (0 to 128) in each stage
+   of its palette; 0 if an argument is out of range. */
+FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
+
+/* Bytes of the tree over `chunks` chunks, which follows the chunks in the packed scene; 0 for fewer than two chunks or
+   if the size exceeds a size_t. */
+FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
+
 #ifdef __cplusplus
 }
 #endif

@@ -240,6 +240,60 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
     return !weight || mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
 }
 
+/* The function of each stage. Each works on one chunk or one tile. */
+typedef struct fxs_kernels {
+    const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
+
+    /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat (without its colour),
+       bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
+       FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
+    int32_t (*project)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                       fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+
+    /* Fills in the colours of `count` splats of one chunk; indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
+    int (*shade)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                 uint32_t count, fxs_splat *splats);
+
+    /* Finds the tiles of `count` splats. */
+    void (*bin)(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
+                uint32_t count, fxs_box *boxes);
+
+    /* Finds the tile columns of a splat on tile rows `row` to row + rows - 1, all within its bounding box. May write up
+       to 15 spans beyond these rows. */
+    void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
+                  int32_t row, int32_t rows, fxs_span *spans);
+
+    /* Lists the macro tiles of slots `first` to first + count - 1, from the boxes of these slots: for each pair, the
+       macro tile in `macros` and slot << 4 | mask of its tiles in `listed`. At most 9 pairs a slot; may write up to 15
+       more. Returns the number of pairs, in any order. */
+    uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
+                     uint32_t *macros, uint32_t *listed);
+
+    /* Sorts `count` keys; `spare` has the same capacity. Fast if keys of equal depth arrive almost in the order of
+       their slots. */
+    void (*sort)(fxs_key *keys, fxs_key *spare, uint32_t count);
+
+    /* Extracts the list of one tile from the `count` keys of its macro tile: the slots whose masks contain `tile` (0 to
+       3). `entries` has room for `count`. Returns the length of the list. */
+    uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
+
+    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
+    void (*blend)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                  const uint32_t *entries, uint32_t count, fxs_tile *tile);
+
+    /* blend with auxiliary outputs: also fills *trace, the source of depths and ids. It blends a part of a list, from
+       entry `first` to before `end` (at most 32767), and continues from the present state of *tile and *trace.
+       depths_q15: a depth code for each entry of the part, if a mean depth is wanted; else it may be null. */
+    void (*trace)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                  const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
+                  fxs_tile *tile, fxs_trace *trace);
+
+    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. The
+       other formats are derived from these. */
+    void (*resolve)(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+                    int32_t rows, unsigned char *pixels, ptrdiff_t stride);
+} fxs_kernels;
+
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
 /* The table of these functions. */
@@ -268,11 +322,6 @@ FXS_API void fxs_resolve_c(const fxs_options *options, enum fxs_format format, c
 FXS_API void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
                                 const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                                 ptrdiff_t stride);
-
-/* fxs_blend_c that also adds the pairs of fxs_count_pairs to *evaluated and *blended. */
-FXS_API void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
-                             const uint32_t *entries, uint32_t count, fxs_tile *tile, uint64_t *evaluated,
-                             uint64_t *blended);
 
 /* Runs job(argument, i) for i in 0..jobs-1 with the configuration's threads. */
 static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,

@@ -1,0 +1,12 @@
+/* Reads options structs, with the message that names the init function. */
+#include "options.h"
+
+#include <fixsplat/internal/message.h>
+
+#include "src/core/sized.h"
+
+int fxs_options_read(void *all, size_t bytes, const void *given, const char *name, fxs_message *message)
+{
+    const int error = given ? fxs_sized_read(all, bytes, given) : 0;
+    return error ? fxs_fail_as(error, message, "%s.size is not set: call %s_init first", name, name) : 0;
+}

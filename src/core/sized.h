@@ -1,0 +1,33 @@
+/* Structs that begin with their size (fixsplat.h): a program built with an older header hands in shorter ones. */
+#ifndef FXS_SIZED_H
+#define FXS_SIZED_H
+
+#include "memory.h"
+
+#include <fixsplat/fixsplat.h>
+
+#define FXS_SIZE_MOST 65535u       /* a larger `size` was never set */
+
+/* Copies the first `size` bytes of the defaults `all`, which are `bytes` long, to the program's struct. Zeroes the rest
+   of the struct, and stores `size` in it. */
+void fxs_sized_fill(void *given, uint32_t size, const void *all, size_t bytes);
+
+/* Copies a program's struct over the defaults in `all`, which is `bytes` long: only the fields that the program's struct
+   has. Sets the size of `all` to `bytes`. Returns 0, or FXS_ERR_STRUCT. */
+int fxs_sized_read(void *all, size_t bytes, const void *given);
+
+/* Reads a request with its targets and options; their sizes are those of the program's header too. Returns 0,
+   FXS_ERR_ARGUMENT for null, or FXS_ERR_STRUCT. */
+int fxs_request_read(fxs_request *all, const fxs_request *given);
+
+/* Reads object `i` of an array; objects[0].size is the distance between two objects. Returns 0, or FXS_ERR_STRUCT,
+   with a default object, if the object has another size than objects[0]. */
+int fxs_object_read(fxs_object *all, const fxs_object *objects, uint32_t i);
+
+/* Object `i` of an array. Read only the fields up to `visible`, which every version has. */
+static inline const fxs_object *fxs_object_at(const fxs_object *objects, uint32_t i)
+{
+    return (const fxs_object *)(const void *)((const unsigned char *)objects + (size_t)i * objects->size);
+}
+
+#endif
