@@ -1,5 +1,5 @@
-/* Renders frames to the caller's framebuffer, in the caller's context: copies its textures to the words that the stages
- * read, copies the stages' words to its pixels, and preserves its state. */
+/* Renders frames to the caller's framebuffer, in the caller's GL context. Copies the caller's textures to device
+ * memory, draws the finished picture, and restores the caller's GL state. */
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
@@ -8,7 +8,7 @@ enum { TAKE_MESH, COLOURS, TRACED };       /* indices of c->drawing */
 
 /* ---- State ------------------------------------------------------------------------------------------------------- */
 
-/* Buffers that the stages bind, in addition to the state of kernels/gl. */
+/* Buffer bindings that the compute stages change, in addition to the state that kernels/gl saves. */
 static const GLenum bound[][2] = {{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
                                   {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
                                   {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER_BINDING},
@@ -33,7 +33,7 @@ typedef struct kept {
 
 static void save(const fxs_compute *c, kept *k)
 {
-    memset(k, 0, sizeof *k);       /* a lost context returns nothing */
+    memset(k, 0, sizeof *k);       /* a lost context returns no values */
     fxs_gl_save(&c->gl, &k->state);
     for (int i = 0; i < BOUND; i++)
         c->gl.GetIntegerv(bound[i][1], &k->bound[i]);
@@ -44,7 +44,7 @@ static void save(const fxs_compute *c, kept *k)
     }
 }
 
-/* Size 0 means the whole buffer, or no buffer. */
+/* A size of 0 means the whole buffer, or no buffer. */
 static void restore(const fxs_compute *c, const kept *k)
 {
     for (int i = 0; i < PLACES; i++)
@@ -94,7 +94,7 @@ void fxs_compute_end_drawing(fxs_compute *c)
     c->word_rows = 0;
 }
 
-/* Makes the objects for drawing, once. c->shift is not 0 if fragment shaders have no storage buffers. */
+/* Makes the GL objects for drawing on first use. c->shift is nonzero if fragment shaders have no storage buffers. */
 static int begin_drawing(fxs_compute *c, fxs_message *why)
 {
     GLint blocks = 0, side = 0;
@@ -140,7 +140,7 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_me
     return fxs_compute_check(c, why);
 }
 
-/* Copies the words to a texture on the device: whole rows, then the rest. */
+/* Copies the picture's words to a texture: first the whole rows, then the last partial row. */
 static int put_words(fxs_compute *c, fxs_message *why)
 {
     const uint64_t words = c->plan.read_words;
@@ -181,7 +181,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
     gl->Viewport(t->x, t->y, width, height);
     gl->Scissor(t->x, t->y, width, height);
     gl->UseProgram(c->drawing[t->depths_and_ids ? TRACED : COLOURS]);
-    /* gl_FragCoord counts from the framebuffer's corner */
+    /* gl_FragCoord counts from the corner of the framebuffer */
     gl->Uniform4i(0, -t->x, t->top_down ? -t->y : height - 1 + t->y, t->top_down ? 1 : -1, width);
     gl->Uniform4i(1, (GLint)f->colour - first, (GLint)f->median_depth - first, (GLint)f->id - first, c->shift);
     c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
@@ -189,7 +189,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
     return fxs_compute_check(c, why);
 }
 
-/* Requests the planes of the picture that the target wants in addition to colours, with images that are never read. */
+/* Requests the planes that the target wants in addition to colours. The images given here are never read. */
 static void ask_planes(fxs_targets *to, const fxs_gles_target *t)
 {
     const fxs_image wanted = to->colour, none = {0, 0};
