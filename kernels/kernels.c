@@ -1,8 +1,8 @@
-/* Declares the versions of the stages per processor, and chooses among them at run time. */
+/* Declares the SIMD versions of the stage functions, and chooses among them at run time. */
 #include <fixsplat/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Instruction sets per processor: SET(flag, name, its versions). Later ones are faster. */
+/* Instruction sets of each processor, slowest first: SET(flag, name, stage functions). */
 #define X86(SET, X) \
     SET(SSE41, sse41, FXS_VECTOR_STAGES(X, sse41) FXS_RESOLVE_STAGE(X, sse41)) \
     SET(AVX2, avx2, FXS_VECTOR_STAGES(X, avx2) FXS_RESOLVE_STAGE(X, avx2)) \
@@ -56,7 +56,7 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_SIMD128;        /* a host without simd128 rejects the module */
+    return FXS_CPU_SIMD128;        /* a host without SIMD rejects the module */
 }
 #else
 #define PROCESSOR OTHER
@@ -92,6 +92,6 @@ PROCESSOR(DECLARE_SET, DECLARE)
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
 {
     cpu &= fxs_cpu_detect();
-    (void)kernels, (void)cpu;      /* unused on processors without versions */
+    (void)kernels, (void)cpu;      /* unused on processors without SIMD versions */
     PROCESSOR(USE_SET, USE)
 }

@@ -1,5 +1,5 @@
-/* Plan of a frame, without API calls: lays out its memory, lists its dispatches, and grows the capacities that were too
- * small. See plan.h. */
+/* Plans a frame of the compute back ends: lays out its memory, lists its dispatches, and grows lists that were too
+ * short. See plan.h. */
 #include "plan.h"
 #include "src/core/memory.h"
 #include "src/core/targets.h"
@@ -7,7 +7,7 @@
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };
 
-/* A range of an object's drawn chunks with rows in one part of its scene. */
+/* A range of drawn chunks. All of them belong to one object, and one buffer holds their Gaussians. */
 typedef struct span {
     uint32_t object, first_place, end_place, part;
 } span;
@@ -62,7 +62,6 @@ uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message
     return room < UINT32_MAX ? (uint32_t)room : UINT32_MAX;
 }
 
-/* Chunks `first` to before `end` of data in two pieces, leaves and nodes. */
 static uint64_t two_pieces(const fxs_scene *scene, uint64_t at, uint32_t first, uint32_t end, uint64_t size,
                            const unsigned char *leaves, const unsigned char *nodes, fxs_piece *pieces)
 {
@@ -121,7 +120,6 @@ static uint64_t parts_bytes(uint32_t count)
     return (count * (uint64_t)sizeof(uint32_t) + 63) / 64 * 64;
 }
 
-/* Memory for the objects' views, their part_chunks, and a cut. */
 size_t fxs_plan_memory(const fxs_request *request)
 {
     fxs_plan p = {.request = request};
@@ -194,7 +192,7 @@ static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
     return p->drawn ? p->drawn[place].chunk : place;
 }
 
-/* Advances to the next span; *s starts as all 0. Returns 0 after the last one. */
+/* Advances *s to the next span; *s starts as zeros. Returns 0 after the last span. */
 static int next_span(const fxs_plan *p, span *s)
 {
     uint32_t place = s->end_place;
@@ -298,7 +296,6 @@ static uint32_t larger(uint64_t a, uint64_t b)
     return x < UINT32_MAX ? (uint32_t)x : UINT32_MAX;
 }
 
-/* Sets the likely needs of a frame as its first capacities. */
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t slots = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians, all = r->most / (2 * ENTRY_BYTES);
@@ -322,16 +319,14 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
-/* Tiles have 16x16 pixels. With more Gaussians than pixels, the Gaussians are small, and tiles of 8x8 have shorter
-   lists with few more entries. The square of Kerbl et al. needs tiles of 16x16. */
+/* Small Gaussians get tiles of 8x8 pixels, for shorter lists. Gaussians are taken as small if they outnumber the
+   pixels. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
     return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
-/* Lays out memory that only one stage needs at a time, overlapping: boxes and large splats, scratch space to sort, and
-   the picture's written planes. */
 static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels, uint64_t *words)
 {
     const fxs_targets *t = p->request->targets;
@@ -353,7 +348,6 @@ static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels
     *words = picture > *words ? picture : *words;
 }
 
-/* Lays out the memory and the counts, and sets the sizes of the buffers. */
 static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
 {
     const fxs_targets *t = p->request->targets;
@@ -441,7 +435,6 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
     return 4 * (size_t)(p->frame.ranks - p->frame.spans_at);
 }
 
-/* Writes the spans' places and the chunks of the cut. */
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = &p->frame;
@@ -464,7 +457,7 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Bindings of each program: buffers, FXS_PLAN_HEADS or FXS_PLAN_ROWS. */
+/* Bindings 0 to 3 of each program. */
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
 #define NONE FXS_PLAN_NONE
 #define OF(program, a, b, c, d) [FXS_COMPUTE_##program] = {a, b, c, d},
@@ -490,7 +483,6 @@ static fxs_step step_of(uint32_t program)
     return step;
 }
 
-/* A dispatch of `groups` workgroups, in rows. */
 static fxs_step direct(uint32_t program, uint64_t groups)
 {
     fxs_step step = step_of(program);
@@ -512,7 +504,7 @@ static uint64_t groups_of(uint64_t threads)
     return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
 }
 
-/* One step per span with a visible object; only the first waits. */
+/* Passes a dispatch to `step` for each span of a visible object. Only the first dispatch needs a barrier. */
 static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
 {
     span s = {0, 0, 0, 0};
@@ -564,7 +556,6 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
 
 /* ---- Lists longer than their room -------------------------------------------------------------------------------- */
 
-/* Merge passes for a longest list of this length. */
 static uint32_t merges_of(uint32_t longest)
 {
     uint32_t merges = 0;
@@ -581,7 +572,7 @@ static int needs_more(const fxs_plan *p)
            merges_of(p->status[FXS_COMPUTE_LONGEST]) > p->merges;
 }
 
-/* Capacity for the frame's needs, plus 1/8 for needs that change with the view. */
+/* Adds 1/8 to what the frame needed, as a reserve for the next views. */
 static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t larges = p->status[FXS_COMPUTE_LARGES], pages = p->status[FXS_COMPUTE_PAGES];

@@ -1,21 +1,20 @@
 // Needs records sums order
-// sort: sorts each tile's list, near to far. A block of a list is sorted in workgroup memory. The depths of 16 of its
-// keys, sorted, bound 16 ranges. Each range has 16 bins of equal width. Each key goes to a bin, and its place there is
-// the number of smaller keys in the bin. With little workgroup memory, a GPU runs more workgroups at a time. Then
-// sorted runs of a list, at first its blocks, are merged two at a time: each workgroup finds the parts of the two runs
-// that its keys of the result come from, and merges these parts.
+// Sorts each tile's list by ascending depth. Blocks of 512 entries are sorted in workgroup memory by a sample sort: 16
+// sampled depths bound 16 ranges of 16 bins, and each key's rank in its bin is counted. Merge passes then join sorted
+// runs in pairs. Each workgroup of a merge finds by search which keys of both runs form its 512 results. Ties are
+// broken by the index of the splat, its slot.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<u32>;
-@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths, and scratch space for the entries
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depth keys, and scratch space for the entries
 
 const SAMPLES: u32 = 16u;
 const RANGE: u32 = 16u;            // bins per range
 const BINS: u32 = 256u;
 
-var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth, bin after bin
-var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; last: end of all bins
+var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth of each key, in the order of bins
+var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then start offsets; last: number of keys
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
 var<workgroup> bounds: array<vec2<u32>, 16>;     // per range: smallest depth, log2 of the width of a bin
@@ -25,7 +24,6 @@ fn key_of(entry: u32) -> vec2<u32>
     return vec2<u32>(entry, memory[frame.depths + (entry & ~CUT_OFF)]);
 }
 
-// Key of an entry, from the scratch space or from the entries.
 fn key_at(in_spare: bool, at: u32) -> vec2<u32>
 {
     if (in_spare) {
@@ -43,32 +41,30 @@ fn put_entry(in_spare: bool, at: u32, entry: u32)
     }
 }
 
-// True if key a comes before key b: by depth, then slot.
 fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
 {
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
-// The word with a block's number in its list also counts, in this unit, how often the block was sorted or merged.
+// Unit of the count of sorts and merges. The count shares a word with the block's number in its list.
 const DONE: u32 = 0x100000u;
 
 struct Block {
     list: u32,
-    count: u32,                    // length of the list; 0: no such block
+    count: u32,                    // length of the list; 0: no block
     first: u32,                    // offset of the block in the list
     done: u32,
 }
 
 var<workgroup> own_block: Block;
 
-// Each merge moves a list of at least two entries between the entries and the scratch space. The last merge ends in the
-// entries.
+// Each merge moves the list between `entries` and the scratch space. The last merge ends in `entries`.
 fn merges_of(count: u32) -> u32
 {
     return max(32u - countLeadingZeros(count - 1u), 9u) - 9u;
 }
 
-// The block of a workgroup. Blocks of long lists have the first numbers.
+// Returns the workgroup's block. Blocks of long lists come first.
 fn take_block(group: vec3<u32>, thread: u32) -> Block
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
@@ -100,7 +96,6 @@ fn place_bins(thread: u32, some: u32)
     workgroupBarrier();
 }
 
-// Sets the bounds of the ranges from the depths of sample keys. Eight threads rank each sample.
 fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     let sample = thread % SAMPLES;
@@ -128,7 +123,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
     workgroupBarrier();
 }
 
-// Bin of a depth. Its range is the last that starts at or below the depth, or the first range.
+// Returns the bin of a depth. The bin lies in the last range that starts at or below the depth.
 fn bin_of(depth: u32) -> u32
 {
     var range = 0u;
@@ -151,7 +146,7 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let to_spare = merges_of(block.count) % 2u == 1u;
     var own: array<vec2<u32>, 4>;  // keys of this thread
     var bin_of_own: array<u32, 4>;
-    var place: array<u32, 4>;      // number of earlier keys in the same bin
+    var place: array<u32, 4>;      // rank of each key in its bin, by arrival
     for (var i = thread; i < BINS; i += THREADS) {
         atomicStore(&bins[i], 0u);
     }
@@ -191,8 +186,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// For two sorted runs, `a` keys at `first` and `b` keys at `second`: how many of the d smallest keys come from the
-// first run. 64 threads test 64 places at a time. The two halves of the workgroup have different values of d.
+// Returns how many of the d smallest keys of two sorted runs come from the first run. The runs have a keys at `first`
+// and b keys at `second`. Each half of the workgroup searches for its own d, with 64 probes per step.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
@@ -215,7 +210,7 @@ fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d
     return low;
 }
 
-// Number of keys below `key` among `count` sorted keys in workgroup memory, from `first` on.
+// Returns how many of `count` sorted keys from keys[first] on are below `key`.
 fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 {
     var below = 0u;
@@ -228,7 +223,6 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
     return below;
 }
 
-// Merges BLOCK entries from two runs of a list.
 @compute @workgroup_size(128)
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

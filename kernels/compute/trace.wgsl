@@ -1,19 +1,19 @@
 // Needs pixel numbers records order pixels
-// trace: blend and resolve with depths, ids and an occluder, as in src/core/trace.c.
+// Blends splats and also writes depths and ids, as src/core/trace.c does. Depths of an occluder hide splats behind it.
 
-var<workgroup> own: array<vec2<u32>, 32>;  // entries of a round and their depths
+var<workgroup> own: array<vec2<u32>, 32>;  // entries of a round and their depth keys
 
 const HALF_Q15: i32 = 16384;
 
 struct Traced {
-    limit: u32,                    // depth key; farther splats are hidden
-    weight: i32,                   // largest weight of a splat
-    largest: u32,                  // slot of the splat with this weight
-    median: u32,                   // key
+    limit: u32,                    // depth key of the occluder; farther splats are hidden
+    weight: i32,                   // largest weight of any splat so far
+    largest: u32,                  // index of the splat with the largest weight
+    median: u32,                   // depth key of the median depth
     sum: wide,                     // sum of weight * depth
 }
 
-// fxs_depth_key; the next three functions are also in stage.h
+// Equals fxs_depth_key in stage.h.
 fn key_of(depth: u32) -> u32
 {
     let zeros = zeros_of(depth | 1u);
@@ -49,8 +49,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// The mean depth: sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in digits of 16 bits, because
-// the weight has 15 bits.
+// Returns sum / weight, rounded to nearest. `sum` has 8 extra fraction bits. The weight has 15 bits, so long division
+// with 16-bit digits fits in 32-bit words.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);
@@ -101,7 +101,6 @@ fn depth_of(entry: u32) -> u32
     return memory[frame.depths + (entry & ~CUT_OFF)];
 }
 
-// Blends a splat of the list into a pixel and updates the pixel's outputs.
 fn trace_splat(p: ptr<function, Pixel>, t: ptr<function, Traced>, taken: Taken, column: u32, entry: vec2<u32>)
 {
     if (entry.y <= (*t).limit) {

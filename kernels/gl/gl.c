@@ -1,4 +1,4 @@
-/* Functions, extensions, programs and errors of OpenGL ES, and checks of the caller's target. */
+/* Loads the functions of OpenGL ES, compiles programs, reads errors, and checks the caller's target. */
 #include "gl.h"
 #include "src/core/memory.h"
 

@@ -1,28 +1,28 @@
-/* Draws the picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
- * shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and writes the next state. A
- * second draw over the whole picture resolves the states. */
+/* Draws the picture without per-tile lists. A single draw contains all splats in ascending order of depth, as
+ * triangles. The fragment shader reads the pixel's state from the framebuffer and writes the next state, which is cheap
+ * on tile-based GPUs. A final draw converts the states to colours. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/lister.h"
 #include "device.h"
 
-#define TEXELS 3u                  /* per record */
+#define TEXELS 3u                  /* texels of a record; a record describes one triangle */
 #define RECORD (TEXELS * 16)       /* bytes */
-#define PARTS 64u                  /* jobs that count the records, then write them */
+#define PARTS 64u                  /* parallel jobs that write records */
 #define AHEAD 16                   /* prefetch distance, in splats */
-#define GUARD 3                    /* side of the viewport in windows; triangles within the viewport need no clipping */
-/* From this radius in pixels on, a splat is drawn as a rectangle. It has a quarter fewer pixels than the triangle, but
-   one edge more. */
+#define GUARD 3                    /* side of the viewport, in windows; avoids clipping */
+/* Radius in pixels from which a splat is drawn as a rectangle instead of a triangle. The rectangle has a quarter fewer
+   pixels, but two triangles. */
 #define LARGE 12
 
-enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; + 1: the second triangle of the shape */
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle */
 
-/* Splats first to end - 1 of the run. Each makes 0, 1 or 2 records. */
+/* Splats first to end - 1, with 0 to 2 records each. */
 typedef struct batch {
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t first, end;
-    uint32_t counts[PARTS];        /* records per part; later the start of each part */
+    uint32_t counts[PARTS];        /* number of records per part, then start offset of each part */
     uint32_t *records;
 } batch;
 
@@ -33,10 +33,9 @@ static uint32_t part_start(const batch *b, uint32_t part)
 
 /* ---- Records ----------------------------------------------------------------------------------------------------- */
 
-/* Shape of a splat in a window; it takes `count` records. */
 typedef struct drawn {
     uint32_t count, shape;
-    fxs_span columns, rows;        /* tiles that the splat may touch; with the square cut-off, tiles of the square */
+    fxs_span columns, rows;        /* tiles that the splat may touch */
 } drawn;
 
 static int overlaps(int64_t first_q8, int64_t last_q8, int32_t start, int32_t length)
@@ -49,7 +48,7 @@ static int is_veil(const fxs_bounds *b)
     return b->half_width_q8 == FXS_EVERYWHERE_Q8;
 }
 
-/* Finds the columns that a splat may touch, as rows of the transposed picture. */
+/* Returns the tile columns of a splat, as the rows of the transposed picture. */
 static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
     fxs_view turned = *view;
@@ -84,7 +83,6 @@ static drawn drawn_of(const batch *b, uint32_t slot)
     return d;
 }
 
-/* Layout as in fetch.vert. */
 static void put_record(uint32_t *record, const fxs_splat *s, const fxs_bounds *b, const drawn *d, uint32_t half,
                        uint32_t depth)
 {
@@ -128,8 +126,8 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-/* Takes as many splats from b->first on as make at most `capacity` records, and sets the start of each part. Returns
-   the number of records. */
+/* Chooses b->end so that at most `capacity` records result, and sets the parts' start offsets. Returns the number of
+   records. */
 static uint32_t take_splats(batch *b, uint32_t capacity)
 {
     uint32_t parts = 0, count = 0;
@@ -154,7 +152,8 @@ static uint32_t take_splats(batch *b, uint32_t capacity)
 
 static int upload(fxs_gles *g, batch *b, uint32_t count)
 {
-    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;   /* whole rows */
+    /* whole rows of the texture */
+    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;
     b->records = fxs_gles_map(g, (GLsizeiptr)rows * (GLsizeiptr)width * 16);
     if (!b->records)
         return fxs_gl_failure(&g->gl);
@@ -166,7 +165,7 @@ static int upload(fxs_gles *g, batch *b, uint32_t count)
     return 0;
 }
 
-/* Clears the states of a window's pixels: T = 1, no colour. */
+/* Sets T = 1 and no colour in all pixels of a window. */
 static int begin_states(fxs_gles *g, const fxs_gles_window *w)
 {
     static const GLint clear[4] = {FXS_CLEAR_Q15, 0, 0, 0};
@@ -189,8 +188,6 @@ static int begin_states(fxs_gles *g, const fxs_gles_window *w)
     return 0;
 }
 
-/* Side of the viewport in windows. Triangles within the viewport are not clipped, which would be slow; the scissor
-   limits drawing to the window. */
 static int32_t guard_of(const fxs_gles *g, const fxs_gles_window *w)
 {
     return GUARD * w->width <= g->viewport[0] && GUARD * w->height <= g->viewport[1] ? GUARD : 1;

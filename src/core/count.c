@@ -1,10 +1,9 @@
-/* fxs_count_pairs: renders a frame with a version of blend that counts pairs of a splat and a pixel. Writes no
- * target. */
+/* Counts the pairs of a splat and a pixel that a frame evaluates and blends. Writes no picture. */
 #include "frame.h"
 
 typedef struct counting {
-    fxs_frame frame;               /* first, because count_tile casts to it */
-    fxs_targets targets;           /* none set */
+    fxs_frame frame;               /* must be first: count_tile casts it to counting */
+    fxs_targets targets;           /* all empty */
     uint64_t evaluated, blended;
 } counting;
 

@@ -1,5 +1,4 @@
-/* The table of the C kernels, and the functions of fixsplat.h that do not render: error texts, names, defaults,
- * setup. */
+/* Functions of fixsplat.h that do not render: error texts, names and defaults. */
 #include "memory.h"
 #include <fixsplat/stage.h>
 

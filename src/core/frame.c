@@ -1,18 +1,14 @@
-/* A frame, from fxs_render to its pixels, in six stages:
+/* Renders a frame in six stages:
  *
- *   project   project.c   Gaussians become splats: 2D Gaussians in the picture, with depths
- *   shade     shade.c     colours of the splats, from spherical harmonics
- *   bin       bin.c       tiles that each splat touches; then a list of splats per macro tile of 2x2 tiles
- *   sort      sort.c      sorts each list by depth, near to far
- *   blend     blend.c     blends the splats of a tile's list over its pixels
- *   resolve   resolve.c   converts the tile's pixels to the caller's format
+ *     project   project.c   Gaussians become splats: 2D Gaussians in the picture
+ *     shade     shade.c     colours of the splats, from spherical harmonics
+ *     bin       bin.c       lists of splats per macro tile of 2x2 tiles
+ *     sort      sort.c      sorts each list by ascending depth
+ *     blend     blend.c     blends a tile's splats over its pixels
+ *     resolve   resolve.c   converts the pixels to the caller's format
  *
- * The stages are functions in a table, fxs_kernels, so faster versions can replace any of them. prepare.c calls the
- * first three stages, lists.c makes the lists, draw.c calls the last three. With a back end, runs.c passes it the lists
- * and draw.c is not used.
- *
- * If the memory is large enough, it holds all splats at once. Otherwise bands.c divides the frame into bands of tile
- * rows, and slices.c draws tile rows that are too full to fit. */
+ * The table fxs_kernels points to the fastest version of each stage. If the memory cannot hold all splats, bands.c
+ * divides the frame into bands of tile rows, and slices.c draws tile rows that are too full. */
 #include "memory.h"
 #include "bands.h"
 #include "draw.h"
@@ -48,14 +44,14 @@ int fxs_frame_render(fxs_frame *f)
     while (!error && fxs_band_next(f)) {
         if (f->mode == FXS_FRAME_SLICES)
             error = fxs_slices_draw(f);
-        else if (!(error = fxs_prepare_band(f)))                    /* project, shade and bin */
+        else if (!(error = fxs_prepare_band(f)))                    /* project, shade, bin */
             error = fxs_frame_draw(f);
     }
     f->stats.frame_nanoseconds += fxs_now(f) - start;
     return error;
 }
 
-/* Draws the band, as many macro tiles at a time as the memory has space for their lists. */
+/* Draws the band, with as many macro tiles per step as the lists' memory allows. */
 int fxs_frame_draw(fxs_frame *f)
 {
     int error = 0;
@@ -65,9 +61,9 @@ int fxs_frame_draw(fxs_frame *f)
     if (fxs_runs_by_rows(f))
         return fxs_runs_draw_rows(f);
     for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
-        fxs_lists_fill(f, end);                                     /* bin: their lists */
+        fxs_lists_fill(f, end);                                     /* bin */
         error = f->draw_tile ? fxs_draw_macros(f)                   /* sort, blend and resolve */
-                             : fxs_runs_draw(f);                    /* the back end's part */
+                             : fxs_runs_draw(f);                    /* a back end draws */
     }
     for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
         f->stats.entries += f->tile_counts[tile];

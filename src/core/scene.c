@@ -1,5 +1,4 @@
-/* fxs_scene_open checks a packed scene in the caller's memory and finds its parts; fxs_scene_bytes returns its size.
- * fxs_scene_find_parts and fxs_scene_open_parts do the same for a scene that is only partly in memory. */
+/* Opens a packed scene in the caller's memory: checks its headers and finds its parts. */
 #include "chunk.h"
 #include "memory.h"
 
@@ -36,7 +35,7 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
     return layout_of(&l, count, sh_degree, profile, palette_entries) && l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
-/* Offsets of a tree's parts from its header, and its size in bytes. */
+/* Offsets of the parts of a level-of-detail tree, and its size in bytes. */
 typedef struct tree_layout {
     uint64_t chunks, rows, bytes;
 } tree_layout;
@@ -103,9 +102,8 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
-/* Opens a scene of `bytes` bytes at `head`. If `bytes` is 0, only the headers at `head` and `tree` are in memory. The
-   header is read only once, because another program may change it at any time, and later reads must stay within the
-   checked size. */
+/* Opens a scene of `bytes` bytes at `head`; 0: only the headers at `head` and `tree` are in memory. Reads the header
+   only once, because another program may change it after the check. */
 static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
 {
     fxs_packed_header h;

@@ -1,21 +1,20 @@
-/* sort: radix sort by depth, then slot, least significant digit first. One job sorts a macro tile's list. Several jobs
- * sort all splats of a band for a back end without lists: each has a part of the keys. Keys with the same digit are
- * placed in the order of the parts, so the result does not depend on the number of jobs. */
+/* Sorts keys by ascending depth, then by splat, with a radix sort. One job sorts the list of a macro tile. Several jobs
+ * together sort all splats of a band. The result does not depend on the number of jobs. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "sort.h"
 
 #define FEW 24u                    /* up to this many keys: insertion sort only */
 #define MANY 1500u                 /* from this many keys on: longer digits */
-#ifdef FXS_SMALL_STACK             /* boards: short digits, no recursion */
+#ifdef FXS_SMALL_STACK             /* small boards: short digits, no recursion */
 #define LIST_DIGIT 7
 #define HUGE UINT32_MAX
 #else
-#define LIST_DIGIT DIGIT           /* largest digit of a list, bits */
-#define HUGE 32768u                /* keys: more than a cache holds */
+#define LIST_DIGIT DIGIT           /* largest digit of a list, in bits */
+#define HUGE 32768u                /* keys; more do not fit in a cache */
 #endif
-#define MOVES 4u                   /* largest number of moves per key by insertion */
-#define DIGIT 11                   /* bits of FXS_SORT_BUCKETS */
+#define MOVES 4u                   /* most moves per key by insertion */
+#define DIGIT 11                   /* log2 of FXS_SORT_BUCKETS */
 
 typedef struct digit {
     int shift;
@@ -48,8 +47,7 @@ static void move_keys(const fxs_key *keys, uint32_t count, digit d, uint32_t *ne
         to[next[bucket_of(d, keys[i])]++] = keys[i];
 }
 
-/* ---- All splats, by several jobs
-   ----------------------------------------------------------------------------------------- */
+/* ---- All splats, by several jobs --------------------------------------------------------------------------------- */
 
 static void count_part(void *argument, uint32_t part)
 {
@@ -65,7 +63,7 @@ static void move_part(void *argument, uint32_t part)
     move_keys(s->from + first, end - first, s->digit, s->histograms[part], s->to);
 }
 
-/* Turns sizes into starts. Returns 1 if one bucket holds every key, so that no key has to move. */
+/* Turns bucket sizes into start offsets. Returns 1 if one bucket holds all keys. */
 static int find_starts(const sorter *s)
 {
     uint32_t start = 0;
@@ -100,8 +98,7 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-/* Insertion sort for keys that are almost in order. Returns 0, with the keys in some order, after more than `left`
-   moves. */
+/* Insertion sort for nearly sorted keys. Gives up after more than `left` moves and returns 0. */
 static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 {
     for (uint32_t i = 1; i < count; i++) {
@@ -117,7 +114,7 @@ static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
     return 1;
 }
 
-/* Radix sort by two digits, starting at bit `shift` of (depth - least). */
+/* Radix sort by two digits, from bit `shift` of (depth - least) on. */
 static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int shift, int bits)
 {
     uint32_t next[2][1 << LIST_DIGIT];
@@ -142,7 +139,7 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digit of `range` bits, then each bucket on its own, because a bucket fits in a cache. */
+/* Sorts by the top digit, then each bucket separately, because a bucket fits in a cache. */
 static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int range)
 {
     uint32_t next[257] = {0};
@@ -160,8 +157,8 @@ static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digits of the range of depths, which leaves nearly all keys in order, then by insertion. If that
-   takes too many moves, because many depths lie close together, sorts by all digits first. */
+/* Sorts by the top digits of the range of depths, then by insertion. If many depths are close together, sorts by all
+   digits first. */
 void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;
@@ -182,5 +179,5 @@ void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
         return;
     for (int shift = 0; shift < range; shift += 2 * fxs_min(8, LIST_DIGIT))
         sort_by_two(keys, spare, count, least, shift, fxs_min(8, LIST_DIGIT));
-    insert_each(keys, count, UINT64_MAX);      /* equal depths by slot; such keys are already close */
+    insert_each(keys, count, UINT64_MAX);      /* orders equal depths by splat */
 }

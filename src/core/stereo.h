@@ -1,4 +1,4 @@
-/* Renders pairs of eyes. */
+/* Renders stereo pairs. */
 #ifndef FXS_STEREO_H
 #define FXS_STEREO_H
 
