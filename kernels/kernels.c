@@ -1,4 +1,4 @@
-/* Declares the SIMD versions of the stage functions, and chooses among them at run time. */
+/* Declares the SIMD versions of the stages, and chooses among them at run time. */
 #include <fixsplat/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 

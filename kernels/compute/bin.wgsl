@@ -1,4 +1,4 @@
-// Finds the 16x16 or 8x8 pixel tiles that a splat touches. The arithmetic is the same as in src/core/bin.c.
+// Finds the tiles that a splat touches, with the arithmetic of src/core/bin.c.
 
 fn columns_between(left_q8: i32, right_q8: i32) -> Span
 {
@@ -22,7 +22,7 @@ fn radius_q12(offset_q11: i32) -> i32
     return i32(sqrt_of(u32(fxs_limit_q11(offset_q11, frame.cut_q11) - offset_q11 + 1) << 13u)) + 1;
 }
 
-// Returns the splat's coordinate v at a row of pixels, below 2^30 in magnitude.
+// Returns the splat's coordinate v at a row of pixels, below 2^30.
 fn v_at_row(s: ptr<function, Splat>, b: ptr<function, Bounds>, row: i32) -> i32
 {
     return low_of(shift_signed(mul_signed((row << 14u) - (*b).c_q14.y, (*s).vy_q24), 26u));
@@ -77,7 +77,6 @@ fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
     return Span(clamp(first, 0, tiles), clamp(last, -1, tiles - 1));
 }
 
-// Returns the range of tile rows that may list a splat.
 fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
 {
     if (frame.cutoff == 1) {
@@ -86,7 +85,6 @@ fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
     return Span((*s).rows.x >> frame.tile_bits, (*s).rows.y >> frame.tile_bits);
 }
 
-// Returns the range of columns that list the splat in one row of tiles.
 fn span_of(s: ptr<function, Splat>, b: ptr<function, Bounds>, r_q12: i32, row: i32) -> Span
 {
     if (frame.cutoff == 1) {

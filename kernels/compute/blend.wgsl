@@ -1,7 +1,7 @@
 // Needs pixel records order pixels
 // Blends the splats of each tile from front to back, and writes the pixels.
 
-// Blends one round of splats into the thread's two pixels. Each loop step takes two splats to hide latency.
+// Blends a round of splats into the thread's two pixels. Takes two splats per step to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)
 {
     var bits = atomicLoad(&touching[round % 2u]);
@@ -40,7 +40,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         place_splat(here, thread, fetched, round);
         fetched = next;
-        next = fetch_splat(entry);                 // the load completes two rounds later
+        next = fetch_splat(entry);
         entry = fetch_entry(here, first + 3u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
@@ -67,7 +67,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// Writes the background to tiles with empty lists, 8x8 pixels per workgroup. Clears their depths and ids too.
+// Writes the background to tiles with empty lists, 8x8 pixels per workgroup.
 @compute @workgroup_size(64)
 fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

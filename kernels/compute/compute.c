@@ -1,5 +1,5 @@
-/* Compute back end for OpenGL ES 3.1: uploads scenes and renders frames to images in memory. plan.c decides the buffers
- * and dispatches; shaders.h has the compute shaders in GLSL ES 3.10. */
+/* Compute back end for OpenGL ES 3.1: uploads scenes and renders frames to images in memory, with the buffers and
+ * dispatches of plan.c. */
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
@@ -33,13 +33,13 @@ int fxs_compute_check(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_check(&c->gl), why);
 }
 
-/* Returns the error of a GL call that failed, even if GL reports none. Never returns 0. */
+/* Returns the error of a GL call that failed. Never returns 0. */
 static int failure(const fxs_compute *c, fxs_message *why)
 {
     return said(fxs_gl_failure(&c->gl), why);
 }
 
-/* A lost context also looks like a missing feature, so the GL error is checked first. */
+/* Checks the GL error first, because a lost context also looks like a missing feature. */
 int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
 {
     const int error = fxs_compute_check(c, why);
@@ -111,7 +111,6 @@ static int check_version(fxs_compute *c, fxs_message *why)
     return 0;
 }
 
-/* Checks the device's limits. Some devices have too few storage blocks. */
 static int check_limits(fxs_compute *c, fxs_message *why)
 {
     static const struct limit {
@@ -194,7 +193,7 @@ void fxs_compute_free(fxs_compute *c)
     fxs_compute_check(c, &why);
 }
 
-/* Grows a buffer to at least `bytes` bytes and discards its contents. Returns 0 or an error. */
+/* Grows a buffer to at least `bytes` bytes, without keeping its contents. */
 static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs_message *why)
 {
     if (bytes <= c->bytes[buffer])
@@ -211,7 +210,6 @@ static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs
     return error;
 }
 
-/* Frees all buffers after an error, so that the next frame starts with little memory. */
 static void give_back(fxs_compute *c)
 {
     fxs_message why;
@@ -351,7 +349,6 @@ static int put_places(const fxs_compute *c, fxs_message *why)
     return unmap(c, why);
 }
 
-/* Uploads an input image with four bytes per pixel. */
 static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, fxs_message *why)
 {
     const fxs_view *view = &c->plan.view;
@@ -436,8 +433,8 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
 
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
-/* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has 32-bit words: two per pixel if
-   `bytes` is 8, otherwise one. */
+/* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has two words per pixel if `bytes`
+   is 8, otherwise one. */
 static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
@@ -454,7 +451,7 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
     }
 }
 
-/* Reads the frame's counters and, if all buffers were large enough, the pixels. Returns the result of fxs_plan_look. */
+/* Reads the frame's counters and, if the frame is complete, the pixels. Returns the result of fxs_plan_look. */
 static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
@@ -484,7 +481,6 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     return error ? error : result;
 }
 
-/* target null: renders to the request's images. */
 static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
                   fxs_message *why)
 {

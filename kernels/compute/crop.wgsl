@@ -1,4 +1,4 @@
-// Tests points and boxes against an object's crop boxes, as src/core/object.c does.
+// Tests points and boxes against an object's crop boxes.
 
 fn crop_bound(crop: u32, i: u32, high: bool) -> wide
 {
@@ -18,7 +18,7 @@ fn lies_in(low: ptr<function, array<wide, 3>>, high: ptr<function, array<wide, 3
     return inside;
 }
 
-// Returns true if part of the box low..high may lie inside the crop boxes. The answer is exact for a point.
+// Returns true if part of the box low..high passes the crop boxes. Exact for a point.
 fn is_within_crops(low: ptr<function, array<wide, 3>>, high: ptr<function, array<wide, 3>>) -> bool
 {
     var kept = object.keep_count == 0u;

@@ -1,8 +1,8 @@
 // Needs pixel numbers records bin
-// Fills each tile's list with the numbers of the splats that touch the tile, in no particular order.
+// Fills each tile's list with the numbers of its splats, unsorted.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // read by fill_large only
+@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read_write> later: array<u32>;          // arguments of the later indirect dispatches
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
@@ -49,7 +49,7 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
-    // blend runs one workgroup per 8x8 pixels, or eight if the list is in the longest class.
+    // blend needs one workgroup per 8x8 pixels, or eight for the longest lists
     let patches = 2u * (frame.tile_bits - 3u);
     let empty = atomicLoad(&counts[CLASS_COUNTS]);
     let longest = atomicLoad(&counts[CLASS_COUNTS + CLASSES - 1u]);
@@ -62,7 +62,6 @@ fn put_later()
     }
 }
 
-// Runs two workgroups per chunk of 256 Gaussians.
 @compute @workgroup_size(128)
 fn fill_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
@@ -83,7 +82,7 @@ fn large_splat(slot: u32) -> Splat
                  vec2<i32>(i32(b.w & 0xffffu), i32(b.w >> 16u)));
 }
 
-// Runs one workgroup per LARGE_ROWS tile rows of a large splat. Each step covers 16 tiles of every row.
+// Runs one workgroup per LARGE_ROWS tile rows of a large splat.
 @compute @workgroup_size(128)
 fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -1,14 +1,13 @@
-/* Renders frames to the caller's framebuffer, in the caller's GL context. Copies the caller's textures to device
- * memory, draws the finished picture, and restores the caller's GL state. */
+/* Renders frames to the caller's framebuffer in the caller's GL context, and restores the GL state. */
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
 
-enum { TAKE_MESH, COLOURS, TRACED };       /* indices of c->drawing */
+enum { TAKE_MESH, COLOURS, TRACED };
 
 /* ---- State ------------------------------------------------------------------------------------------------------- */
 
-/* Buffer bindings that the compute stages change, in addition to the state that kernels/gl saves. */
+/* Buffer bindings that the compute stages change. */
 static const GLenum bound[][2] = {{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
                                   {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
                                   {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER_BINDING},
@@ -140,7 +139,7 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_me
     return fxs_compute_check(c, why);
 }
 
-/* Copies the picture's words to a texture: first the whole rows, then the last partial row. */
+/* Copies the picture's words to a texture: whole rows, then the last partial row. */
 static int put_words(fxs_compute *c, fxs_message *why)
 {
     const uint64_t words = c->plan.read_words;
@@ -189,7 +188,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
     return fxs_compute_check(c, why);
 }
 
-/* Requests the planes that the target wants in addition to colours. The images given here are never read. */
+/* Requests the planes that the target needs. The images given here are never read. */
 static void ask_planes(fxs_targets *to, const fxs_gles_target *t)
 {
     const fxs_image wanted = to->colour, none = {0, 0};

@@ -30,7 +30,7 @@ void main()
     ivec2 fragment = ivec2(gl_FragCoord.xy);
     int at = (place.y + place.z * fragment.y) * place.w + place.x + fragment.x;
     uvec4 bytes = uvec4(word_at(planes.x + at)) >> uvec4(0, 8, 16, 24) & 255u;
-    // The offset 0.25 gives the same byte whether GL rounds down or to nearest.
+    // The same byte results whether GL rounds down or to nearest.
     result = (vec4(bytes) + 0.25) / 255.0;
 #if defined TRACED
     depth_result = word_at(planes.y + at);

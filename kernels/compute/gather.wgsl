@@ -2,7 +2,6 @@
 // Compacts the visible chunks into a list, and counts them per object. Runs as one workgroup.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-// arguments of indirect dispatches, four words each
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
@@ -14,7 +13,7 @@ fn put_arguments(at: u32, groups: u32)
     arguments[4u * at + 2u] = 1u;
 }
 
-// Returns the number of visible chunks before chunk `place` of the frame.
+// Returns the number of visible chunks before chunk `place`.
 fn rank_of(place: u32) -> u32
 {
     let below = atomicLoad(&counts[frame.seen + place / 32u]) & ((1u << (place % 32u)) - 1u);
@@ -42,7 +41,7 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     }
     storageBarrier();
     workgroupBarrier();
-    // the entry after the last object stands for the whole frame
+    // the last entry stands for the whole frame
     for (var i = thread; i <= frame.spans; i += THREADS) {
         let span = frame.spans_at + SPAN * i;
         let low = rank_of(memory[span]);

@@ -1,4 +1,4 @@
-/* Internal declarations of the compute back end for OpenGL ES 3.1: its GL functions and its objects on the device. */
+/* Internal declarations of the compute back end for OpenGL ES 3.1. */
 #ifndef FXS_COMPUTE_GL31_H
 #define FXS_COMPUTE_GL31_H
 
@@ -8,7 +8,7 @@
 #include "kernels/gl/gl.h"
 #include "plan.h"
 
-/* Calls F(name of the type, name of the function) for each GL function that kernels/gl does not load. */
+/* Calls F(name of the type, name of the function) for each GL function of OpenGL ES 3.1. */
 #define FXS_COMPUTE_FUNCTIONS(F) \
     F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERSUBDATA, BufferSubData) \
     F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DISPATCHCOMPUTE, DispatchCompute) \
@@ -18,11 +18,11 @@ typedef struct fxs_compute_gl {
     FXS_COMPUTE_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_compute_gl;
 
-enum { FXS_COMPUTE_DRAWING = 3 };         /* number of programs of framebuffer.c */
+enum { FXS_COMPUTE_DRAWING = 3 };
 
 struct fxs_compute {
     fxs_gl gl;
-    fxs_compute_gl more;           /* GL functions that kernels/gl does not load */
+    fxs_compute_gl more;
     fxs_gl_use_fn *use;
     void *use_argument;
     char renderer[128];
@@ -31,38 +31,34 @@ struct fxs_compute {
     uint64_t limit;                /* largest number of bytes on the device; 0: no limit */
     int timer;
     fxs_plan_rooms rooms;
-    fxs_plan plan;                 /* plan of the current or last frame */
+    fxs_plan plan;
     uint64_t nanoseconds;
-    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* GL objects of framebuffer.c, made on first use */
-    int32_t word_rows, most_rows;  /* rows of texture `words`; most rows that a texture may have */
-    int shift;              /* log2 of the width of texture `words`; 0: fragment shaders read storage buffers instead */
+    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* made on first use by framebuffer.c */
+    int32_t word_rows, most_rows;  /* rows of texture `words`; most rows of any texture */
+    int shift;              /* log2 of the width of texture `words`; 0: no such texture */
 };
 
-/* Returns 0 if the memory limit allows `bytes` more bytes on the device, otherwise FXS_ERR_MEMORY. */
+/* Returns 0 if the memory limit allows `bytes` more bytes, otherwise FXS_ERR_MEMORY. */
 int fxs_compute_allow(const fxs_compute *compute, uint64_t bytes, fxs_message *why);
 
 /* Clears pending GL errors. Returns 0 if no error was pending. */
 int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
 
-/* Reports a missing feature. Returns FXS_ERR_UNSUPPORTED, or the error of a lost context. */
 int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *what, fxs_message *why);
 
-/* Render a frame in two steps. fxs_compute_begin checks the request. fxs_compute_finish renders to the request's
-   images, or to the caller's framebuffer if `target` is not null. */
+/* fxs_compute_begin checks the request. fxs_compute_finish renders to the request's images, or to the caller's
+   framebuffer if `target` is not null. */
 int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                       void *memory, fxs_message *why);
 int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
                        fxs_stats *stats, fxs_message *why);
 
-/* ---- framebuffer.c ----------------------------------------------------------------------------------------------- */
-
-/* Copies the target's depth and colour textures to the picture's input planes. */
+/* Copies the target's depth and colour textures to device memory. */
 int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
 
 /* Draws the finished picture into the target. */
 int fxs_compute_show(fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
 
-/* Deletes the GL objects of framebuffer.c. */
 void fxs_compute_end_drawing(fxs_compute *compute);
 
 #endif

@@ -1,10 +1,10 @@
 // Needs records
-// Converts the splat numbers found by trace to object and Gaussian ids. Runs one thread per pixel.
+// Converts the splat numbers of each pixel to object and Gaussian ids.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 
-// Finds the last span of chunks that starts at or before chunk `place`. A span holds the chunks of one object.
+// Finds the span of chunks that contains chunk `place`. A span belongs to one object.
 fn span_of(place: u32) -> u32
 {
     var low = 0u;

@@ -1,5 +1,5 @@
 // Needs numbers records sums
-// Assigns each tile's list its range of device memory. Runs one workgroup per row of tiles.
+// Assigns memory to the tiles' lists. Runs one workgroup per row of tiles.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
@@ -13,7 +13,6 @@ fn class_of(length: u32) -> u32
     return select(min(34u - countLeadingZeros(length), CLASSES - 1u), 0u, length == 0u);
 }
 
-// Adds the blocks of a tile's list to the blocks to sort.
 fn put_blocks(tile: u32, length: u32)
 {
     let blocks = select(0u, (length - 1u) / BLOCK + 1u, length > 1u);

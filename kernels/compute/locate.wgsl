@@ -1,10 +1,9 @@
 // Needs numbers records crop
-// Transforms the bounding box of each chunk of 256 Gaussians to camera space and culls the chunk, as src/core/chunk.c
-// does. Runs one thread per chunk.
+// Transforms the bounding boxes of chunks of 256 Gaussians to camera space and culls chunks. Runs one thread per chunk.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
-@group(1) @binding(0) var<storage, read> scene: array<u32>;            // headers of the chunks
+@group(1) @binding(0) var<storage, read> scene: array<u32>;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
@@ -27,13 +26,12 @@ fn step_shift_of(at: u32) -> u32
     return scene[at + 18u] >> 16u;
 }
 
-// Returns the largest distance of a Gaussian from its chunk's origin along axis i. Below 2^60 if step_shift <= 12.
+// Returns the largest distance of a Gaussian from its chunk's origin along axis i, below 2^60.
 fn reach_of(at: u32, i: u32) -> wide
 {
     return shift_left(mul_wide(scene[at + 6u + i], 65535u), step_shift_of(at));
 }
 
-// The same test as fxs_chunk_valid.
 fn is_valid(at: u32) -> bool
 {
     let codes = scene[at + 19u];
@@ -92,7 +90,7 @@ fn locate(at: u32) -> Located
     return l;
 }
 
-// Returns an upper bound of the sideways reach of a chunk's Gaussians, in the units of the chunk's camera coordinates.
+// Returns an upper bound of the sideways reach of a chunk's Gaussians, in camera units.
 fn reach_across(l: ptr<function, Located>) -> wide
 {
     let log2_q16 = (*l).scale_q16 + (32 - (*l).shift + object.jacobian_exponent) * 65536;
@@ -140,7 +138,6 @@ fn lies_beyond(l: ptr<function, Located>, i: u32, sign: i32, slope_q23: i32, rea
     return is_negative(add_wide(farthest(l, i, sign, slope_q23), reach));
 }
 
-// The visibility test of fxs_chunk_view_of.
 fn can_be_seen(l: ptr<function, Located>) -> bool
 {
     var z_q16 = (*l).base_q16[2];
@@ -167,7 +164,6 @@ fn can_be_seen(l: ptr<function, Located>) -> bool
     return !hidden;
 }
 
-// The same test as fxs_object_has_chunk.
 fn has_chunk(at: u32) -> bool
 {
     var low: array<wide, 3>;
@@ -185,7 +181,6 @@ fn put_wide(at: u32, x: wide)
     memory[at + 1u] = x.y;
 }
 
-// Writes the chunk's camera-space record, which the project stage reads.
 fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 {
     let plane_side = select(0x7fffffff, 1 << u32(38 - min((*l).plane_zeros, 38)), (*l).plane_zeros > 7);
@@ -215,11 +210,11 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
     }
 }
 
-// Returns true if the chunk may be visible, and then writes the chunk's record.
+// Returns true if the chunk may be visible, and then writes its record.
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
-    var drawn = 256u;             // low half: share of the opacity, Q8; high half: growth of the sigmas
+    var drawn = 256u;             // low half: share of the opacity, Q8; high half: growth of the sigmas, log2
     if (frame.drawn != 0u) {
         chunk = memory[frame.drawn + 2u * place];
         drawn = memory[frame.drawn + 2u * place + 1u];
@@ -238,7 +233,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Sets a bit for each visible chunk. The bits of two objects may share a word, hence the atomic OR.
+// Sets a bit per visible chunk. Two objects may share a word, hence the atomic OR.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -1,4 +1,4 @@
-// 64-bit integers as two 32-bit words, low word first, because WGSL has none. Also the functions of fixsplat/fixed.h.
+// 64-bit integers as two 32-bit words, low word first, and the functions of fixsplat/fixed.h.
 
 alias wide = vec2<u32>;
 
@@ -23,7 +23,7 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Avoids 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of that difference in a following shift.
+// Not 0 - a: NVIDIA's GLSL compiler (driver 580) loses its sign in a following shift.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -37,13 +37,13 @@ fn magnitude(a: wide) -> wide
     return a;
 }
 
-// Returns a < b for signed numbers.
+// Compares signed numbers.
 fn less(a: wide, b: wide) -> bool
 {
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
 }
 
-// Multiplies in halves of 16 bits. The GLSL version uses umulExtended instead.
+// Multiplies in halves of 16 bits.
 fn mul_wide(a: u32, b: u32) -> wide
 {
     let al = a & 0xffffu;
@@ -103,7 +103,7 @@ fn shift_right(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), a.y >> n);
 }
 
-// Shifts right and rounds towards minus infinity.
+// Rounds towards minus infinity.
 fn shift_signed(a: wide, n: u32) -> wide
 {
     let high = bitcast<i32>(a.y);
@@ -116,7 +116,7 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
-// Shifts right and rounds towards plus infinity; n > 0. Avoids -(-a >> n) for the reason given at negate.
+// Rounds towards plus infinity; n > 0. Not -(-a >> n), see negate.
 fn shift_up(a: wide, n: u32) -> wide
 {
     let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);

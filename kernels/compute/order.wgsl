@@ -1,8 +1,7 @@
-// Finds the tile to draw at a given position: tiles with longer lists come first. Tiles are grouped into 16 classes by
-// the length of their lists. Returns NOTHING after the last tile.
+// Finds the tile to draw at a given position: tiles with longer lists come first, in 16 classes by length.
 
-// Handles four of the classes. Returns how many of them end at or before position `number` of the drawing order. *start
-// becomes the end of the last such class.
+// Returns how many of four classes end at or before position `number` of the drawing order. *start becomes the end of
+// the last such class.
 fn classes_before(number: u32, sizes: vec4<u32>, start: ptr<function, u32>, all: ptr<function, u32>) -> u32
 {
     let w = *all + sizes.w;
@@ -23,7 +22,7 @@ fn class_sizes(first: u32) -> vec4<u32>
     return vec4<u32>(counts[at], counts[at + 1u], counts[at + 2u], counts[at + 3u]);
 }
 
-// Loads the sizes of all classes at once, because a loop would wait for each load.
+// Loads all class sizes at once, because a loop would wait for each load.
 fn tile_at(number: u32) -> u32
 {
     let a = class_sizes(12u);

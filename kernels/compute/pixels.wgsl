@@ -1,21 +1,21 @@
-// Pixel functions shared by blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each round
-// takes 32 splats of the tile's list: each thread tests one splat, then all threads blend the splats that touch a
-// pixel. For the longest lists, a workgroup draws only one row of 8 pixels, for load balance.
+// Pixel functions of blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each round takes 32
+// splats of the tile's list: each thread tests one splat, then all threads blend the splats that touch a pixel. For the
+// longest lists a workgroup draws only 8 pixels, for load balance.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
 @group(1) @binding(1) var<storage, read> entries: array<u32>;
 @group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
-@group(1) @binding(3) var<storage, read_write> memory: array<u32>;      // contains the picture
+@group(1) @binding(3) var<storage, read_write> memory: array<u32>;
 
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
 
-// The 32 splats of a round, relative to the workgroup's 8x8 pixels. shapes: u and v at the first pixel, ux, uy. shades:
-// vy; offset and red; green and blue; limit.
+// The 32 splats of a round, relative to the workgroup's pixels. shapes: u and v at the first pixel, ux, uy. shades: vy;
+// offset and red; green and blue; limit.
 var<workgroup> shapes: array<vec4<u32>, 32>;
 var<workgroup> shades: array<vec4<u32>, 32>;
-// bit i: splat i of the round touches a pixel; one word per round, alternating
+// bit i: splat i touches a pixel; one word per round, alternating
 var<workgroup> touching: array<atomic<u32>, 2>;
 var<workgroup> open_round: u32;                    // last round that started with an open pixel
 var<workgroup> open_pixels: array<atomic<u32>, 2>; // one bit per open pixel, 8 bits per row
@@ -98,21 +98,21 @@ fn take(i: u32, row: u32) -> Taken
     let shade = shades[i];
     let v = bitcast<i32>(shape.y + row * shade.x);
     let v_q13 = fxs_coordinate_q13(v);
-    // fxs_row_level_q11 without saturation. Saturated values exceed the limit.
+    // saturation is not needed, because saturated values exceed the limit
     let level_q11 = fxs_mul_q15(v_q13, v_q13) + i32(shade.y & 0xffffu);
     return Taken(shape.x + row * shape.w, shape.z, (u32(level_q11) << 15u) + 16384u, i32(shade.w),
                  vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
 }
 
-// Blends a splat into a pixel of the given column. Returns the splat's weight in that pixel.
+// Blends a splat into a pixel. Returns the splat's weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
-    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11 without saturation
+    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);
     let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
-    // The sums only grow, so put_colour alone saturates them at 32767.
+    // the sums only grow, so put_colour alone saturates them
     (*p).sum += vec3<i32>(fxs_mul_q15(weight, t.colour.x), fxs_mul_q15(weight, t.colour.y),
                           fxs_mul_q15(weight, t.colour.z));
     return weight;
@@ -152,7 +152,6 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     memory[frame.colour + at] = word;
 }
 
-// The workgroup's 8x8 pixels or one row of them, with the tile's list.
 struct Patch {
     tile: u32,                     // NOTHING: no pixels to draw
     x: u32,
@@ -164,7 +163,7 @@ struct Patch {
 
 fn corner_of(tile: u32, number: u32) -> vec2<u32>
 {
-    let halves = frame.tile_bits - 3u;             // bits per axis for the position of 8x8 pixels in their tile
+    let halves = frame.tile_bits - 3u;             // bits per axis for the position in the tile
     let across = u32(frame.tiles.x);
     return (vec2<u32>(tile % across, tile / across) << vec2<u32>(frame.tile_bits)) +
            vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;
@@ -188,7 +187,6 @@ fn patch_of(group: vec3<u32>) -> Patch
     return Patch(tile, corner.x, corner.y, rows, counts[frame.next + tile] - count, count);
 }
 
-// The two pixels of a thread, APART columns from each other.
 struct Place {
     column: u32,                   // relative to the workgroup's first pixel
     row: u32,
@@ -240,7 +238,7 @@ fn put_splat(here: Patch, thread: u32, f: Fetched)
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
-// Stores a splat in workgroup memory, and marks the splat if it touches an open pixel.
+// Stores a splat in workgroup memory, and marks it if it touches an open pixel.
 fn place_splat(here: Patch, thread: u32, f: Fetched, round: u32)
 {
     if ((f.entry & CUT_OFF) != 0u) {

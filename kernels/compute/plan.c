@@ -1,5 +1,4 @@
-/* Plans a frame of the compute back ends: lays out its memory, lists its dispatches, and grows lists that were too
- * short. See plan.h. */
+/* Plans a frame of the compute back ends: memory layout, dispatches, and growth of lists that were too short. */
 #include "plan.h"
 #include "src/core/memory.h"
 #include "src/core/targets.h"
@@ -7,7 +6,7 @@
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };
 
-/* A range of drawn chunks. All of them belong to one object, and one buffer holds their Gaussians. */
+/* A range of one object's drawn chunks with all Gaussians in one buffer. */
 typedef struct span {
     uint32_t object, first_place, end_place, part;
 } span;
@@ -192,7 +191,7 @@ static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
     return p->drawn ? p->drawn[place].chunk : place;
 }
 
-/* Advances *s to the next span; *s starts as zeros. Returns 0 after the last span. */
+/* Advances *s, initially zeros, to the next span. Returns 0 after the last span. */
 static int next_span(const fxs_plan *p, span *s)
 {
     uint32_t place = s->end_place;
@@ -319,8 +318,7 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
-/* Small Gaussians get tiles of 8x8 pixels, for shorter lists. Gaussians are taken as small if they outnumber the
-   pixels. */
+/* Uses tiles of 8x8 pixels if Gaussians outnumber pixels and are hence small. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
@@ -504,7 +502,7 @@ static uint64_t groups_of(uint64_t threads)
     return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
 }
 
-/* Passes a dispatch to `step` for each span of a visible object. Only the first dispatch needs a barrier. */
+/* Passes a dispatch per span of a visible object to `step`. */
 static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
 {
     span s = {0, 0, 0, 0};
@@ -572,7 +570,6 @@ static int needs_more(const fxs_plan *p)
            merges_of(p->status[FXS_COMPUTE_LONGEST]) > p->merges;
 }
 
-/* Adds 1/8 to what the frame needed, as a reserve for the next views. */
 static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t larges = p->status[FXS_COMPUTE_LARGES], pages = p->status[FXS_COMPUTE_PAGES];

@@ -14,7 +14,7 @@
 #include "records.h"
 #include "src/core/cut.h"
 
-/* Capacities of a device's lists. A capacity grows when a frame needs more. */
+/* Capacities of a device's lists, which grow on demand. */
 typedef struct fxs_plan_rooms {
     uint64_t most;                 /* largest storage buffer in bytes */
     uint32_t chunks, larges, pages, merges;
@@ -35,7 +35,6 @@ typedef struct fxs_plan {
     uint32_t status[FXS_COMPUTE_STATUS];
 } fxs_plan;
 
-/* Buffers of a scene, for fxs_step.buffers. */
 enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
 
 typedef struct fxs_step {
@@ -43,10 +42,10 @@ typedef struct fxs_step {
     uint32_t waits;                /* 1: needs a barrier, to read what earlier steps wrote */
     uint32_t groups[2];            /* workgroups along x and y; 0: read from buffer `arguments` */
     int32_t arguments;             /* buffer with the workgroup counts; FXS_PLAN_NONE: use `groups` */
-    uint32_t arguments_at;         /* offset in buffer `arguments`, in bytes */
-    int32_t buffers[4];            /* bindings 0 to 3 of group 1 */
+    uint32_t arguments_at;
+    int32_t buffers[4];
     uint32_t uniform;              /* offset of the object in the uniform buffer in bytes; 0: none */
-    uint32_t object, part;         /* select the scene's buffers FXS_PLAN_HEADS and FXS_PLAN_ROWS */
+    uint32_t object, part;
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);
 
@@ -58,19 +57,17 @@ int fxs_plan_begin(fxs_plan *plan, const fxs_request *request, void *memory, fxs
 
 int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
-/* Writes plan->bytes[FXS_COMPUTE_UNIFORMS] bytes. */
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
-/* Return the size in bytes of the table of drawn chunks, and write the table. Copy it to word plan->frame.spans_at of
-   the buffer FXS_COMPUTE_MEMORY. That buffer starts with fxs_offset_of_code_q11. */
+/* Return the size in bytes of the table of drawn chunks, and write the table. It belongs at word plan->frame.spans_at
+   of the buffer FXS_COMPUTE_MEMORY, which starts with fxs_offset_of_code_q11. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
-/* Calls `step` for each dispatch of the frame in order. */
 void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
 
-/* Checks the first FXS_COMPUTE_STATUS words of the counts. Returns 0 if the frame is complete, or an error. Returns 1
-   if a list exceeded its capacity; then lay out and run the frame again. */
+/* Checks the first FXS_COMPUTE_STATUS words of the counts. Returns 0 if the frame is complete, 1 to lay out and run the
+   frame again with longer lists, or an error. */
 int fxs_plan_look(fxs_plan *plan, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */

@@ -4,13 +4,13 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
-@group(1) @binding(0) var<storage, read> scene: array<u32>;            // palette, then the Gaussians' codes
+@group(1) @binding(0) var<storage, read> scene: array<u32>;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;
 
 var<workgroup> visible_here: atomic<u32>;
-var<workgroup> record: array<u32, 64>;           // the chunk's record, as written by put_record in locate.wgsl
+var<workgroup> record: array<u32, 64>;           // the chunk's record, see put_record in locate.wgsl
 
 fn scale_depth(key: u32) -> u32
 {
@@ -46,8 +46,8 @@ fn offset_of(opacity: u32, share_q8: u32) -> i32
     return i32(offset_q11) + object.offset_q11;
 }
 
-// Adds a span of tiles to the lengths of the tiles' lists. Stores +1 at the first tile and -1 after the last;
-// start_lists forms the prefix sums.
+// Adds a span of tiles to the lengths of their lists: +1 at the first tile, -1 after the last. start_lists forms the
+// prefix sums.
 fn count_tiles(row: i32, s: Span)
 {
     if (s.first > s.last) {
@@ -60,7 +60,7 @@ fn count_tiles(row: i32, s: Span)
     }
 }
 
-// Records LARGE_ROWS tile rows of a large splat for fill_large.
+// Records a large splat for fill_large.
 fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
 {
     let place = atomicAdd(&counts[LARGES], 1u);
@@ -77,8 +77,8 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
-// Counts the tiles of a splat. Returns the tiles as a bit mask: bit 6 r + c stands for row r and column c. The bits
-// from 42 on hold the first tile's number. Returns 0 if the splat is large or touches no tile.
+// Counts the tiles of a splat. Returns a mask of the tiles, bit 6 r + c for row r and column c, and the first tile's
+// number from bit 42 on. Returns 0 if the splat is large or touches no tile.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;
@@ -91,7 +91,7 @@ fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
     }
     let first_tile = u32(rows.first * frame.tiles.x + columns.first);
     if (!is_square && rows.first == rows.last && s.rows.x > 0 && s.rows.y < frame.size.y - 1 &&
-        columns.last - columns.first < 4) {          // the same shortcut as in fxs_bin_c
+        columns.last - columns.first < 4) {
         count_tiles(rows.first, columns);
         return wide((2u << u32(columns.last - columns.first)) - 1u, first_tile << 10u);
     }

@@ -1,5 +1,4 @@
-// Projects Gaussians to the screen, one per thread, as src/core/project.c does. A veil is a splat too large for that
-// arithmetic.
+// Projects Gaussians to the screen, one per thread, with the arithmetic of src/core/project.c.
 
 struct Projected {
     camera: vec3<i32>,
@@ -32,7 +31,7 @@ struct Placed {
 }
 
 const CENTRE_LIMIT_Q14: i32 = 0x40000000;
-const SIDE_Q23: i32 = 0x20000000;  // 64
+const SIDE_Q23: i32 = 0x20000000;
 
 fn whole_tiles() -> vec2<i32>
 {
@@ -49,8 +48,7 @@ fn wide_at(at: u32) -> wide
     return wide(record[at], record[at + 1u]);
 }
 
-// Returns (base + m code) >> 16 for one axis, below 2^30. The product is split at bit 16 of m to avoid 64-bit
-// arithmetic.
+// Returns (base + m code) >> 16 for one axis, below 2^30. Splits m at bit 16 to avoid 64-bit products.
 fn camera_of(i: u32, code: vec3<u32>) -> i32
 {
     let base_q16 = wide_at(2u * i);
@@ -115,7 +113,6 @@ fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
     return object.row_q15[i].xyz - ((slope_q15 * forward + vec3<i32>(16384)) >> vec3<u32>(15u));
 }
 
-// First axis of a Gaussian, two directions perpendicular to it, and the angle of roll about it.
 struct Axes {
     axis_q15: vec3<i32>,
     side_x_q15: vec3<i32>,
@@ -124,7 +121,6 @@ struct Axes {
     sin_q15: i32,
 }
 
-// Equals fxs_axis_bits.
 fn axis_bits(falls_q16: vec3<i32>) -> u32
 {
     let small = object.profile == SMALL;
@@ -132,7 +128,6 @@ fn axis_bits(falls_q16: vec3<i32>) -> u32
     return u32(min(select(11, 8, small) + ((5 * gap) >> 16u), select(14, 10, small)));
 }
 
-// Decodes the axes from their word. Returns false if (X, Y) is longer than 1.
 fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
 {
     let x = bitcast<i32>(word) >> 16u;
@@ -171,7 +166,7 @@ fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<fu
     return mantissa << u32(zeros);
 }
 
-// Returns true if a Gaussian of this size misses the picture. The radius stays below 2^32, because exponent <= 16.
+// Returns true if a Gaussian of this size misses the picture.
 fn off_picture(centre: ptr<function, Projected>, exponent: i32) -> bool
 {
     let radius_q14 = 57344u * ((1u << u32(max(exponent, 0))) + 1u);
@@ -274,7 +269,7 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
     (*out).splat.vy_q24 = vy;
 }
 
-// Returns false if the ellipse misses the picture or lies entirely in the hidden rectangle.
+// Returns false if the ellipse misses the visible picture.
 fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
 {
     var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
@@ -357,7 +352,6 @@ fn from_middle_q26(centre: ptr<function, Projected>, i: u32, exponent: i32) -> i
     return cut_to_16_q26(add_wide(wide_of(moved), wide_of(shift_and_cut(shift_left(middle_q12, 14u), exponent))));
 }
 
-// Returns false if the ellipse misses the picture.
 fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<function, Projected>, r_q12: u32) -> bool
 {
     let e = (*s).exponent;

@@ -1,4 +1,4 @@
-/* Declarations shared by the host and the shaders of the compute back ends. The structs and constants match
+/* Declarations shared by the host and the shaders of the compute back ends. Structs and constants match
  * records.wgsl. */
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
@@ -16,8 +16,8 @@ enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 enum {
     FXS_COMPUTE_UNIFORMS,          /* frame, then objects; FXS_COMPUTE_STRIDE bytes each */
     FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES,
-    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,         /* workgroup counts of indirect dispatches; LATER: from sort on */
-    FXS_COMPUTE_DOWNLOAD,          /* read back by the host: status and picture */
+    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,
+    FXS_COMPUTE_DOWNLOAD,
     FXS_COMPUTE_BUFFERS
 };
 

@@ -1,16 +1,15 @@
-// Data passed between the stages of a frame. The host fills in Frame and Object, which match records.h. Offsets count
-// 32-bit words of the array `memory` unless `counts` is named. A slot is the index of a splat. A place is the index of
-// a drawn chunk of 256 Gaussians.
+// Data passed between the stages of a frame, as in records.h. Offsets count words of the array `memory` unless `counts`
+// is named. A slot is the index of a splat. A place is the index of a drawn chunk of 256 Gaussians.
 
-const CHUNK: u32 = 256u;           // Gaussians in a chunk
-const THREADS: u32 = 128u;         // threads of a workgroup
-const ROW_OF_GROUPS: u32 = 32768u; // most workgroups along x; the rest goes to further rows
+const CHUNK: u32 = 256u;
+const THREADS: u32 = 128u;
+const ROW_OF_GROUPS: u32 = 32768u; // most workgroups along x
 const RECORD: u32 = 64u;           // words in the record of a chunk
 const LARGE: u32 = 8u;             // words in the record of a large splat
 const LARGE_ROWS: i32 = 8;
 const SPAN: u32 = 8u;              // words in the record of a span, a range of drawn chunks
-const PAGE: u32 = 4096u;           // entries; the lists of a tile row start at a multiple
-const MERGES: u32 = 19u;           // rounds of merging; enough for lists of 2^28 entries
+const PAGE: u32 = 4096u;           // entries; a tile row's lists start at a multiple
+const MERGES: u32 = 19u;
 const BLOCK: u32 = 512u;           // entries that one workgroup sorts
 const CLASSES: u32 = 16u;          // classes of tiles by the length of their lists; 0: empty
 const CUT_OFF: u32 = 0x80000000u;
@@ -19,18 +18,18 @@ const NOTHING: u32 = 0xffffffffu;
 const BOX_COLUMNS: i32 = 6;
 const BOX_ROWS: i32 = 7;
 
-// Indices in `counts`. The first counts measure the frame's needs; the lengths of the tiles' lists follow at TILES.
+// Indices in `counts`.
 const VISIBLE_CHUNKS: u32 = 0u;
 const LARGES: u32 = 1u;
 const PAGES: u32 = 2u;
 const DAMAGED: u32 = 3u;
 const VISIBLE: u32 = 4u;
-const ENTRIES: u32 = 5u;           // two words, low word first
+const ENTRIES: u32 = 5u;
 const SHORT_BLOCKS: u32 = 7u;      // blocks of lists that have one block
-const LONG_BLOCKS: u32 = 8u;       // blocks of longer lists
-const LONGEST: u32 = 9u;           // length of the longest list
+const LONG_BLOCKS: u32 = 8u;
+const LONGEST: u32 = 9u;
 const CLASS_COUNTS: u32 = 16u;
-const TILES: u32 = 64u;            // index of the first tile's list length
+const TILES: u32 = 64u;            // first of the list lengths per tile
 
 struct Frame {
     size: vec2<i32>,
@@ -43,7 +42,7 @@ struct Frame {
     drawn: u32,                    // chunk and share of each place; 0: every chunk is drawn
     seen: u32,                     // in `counts`: one bit per place; 1: visible
     ranks: u32,                    // visible places before each word of `seen`
-    visible: u32,                  // the visible places
+    visible: u32,
     records: u32,                  // record of each visible place
     depths: u32,                   // depth key of each slot
     boxes: u32,                    // tiles of each slot, two words
@@ -53,7 +52,7 @@ struct Frame {
     classes: u32,                  // in `counts`: tiles by class
     blocks: u32,                   // in `counts`: tile and number of each block to sort
     block_room: u32,
-    spare: u32,                    // scratch space of the sort, as large as all lists
+    spare: u32,
     tile_bits: u32,                // log2 of a tile's side in pixels, 3 or 4
     cleared: u32,                  // words of `counts` to clear
     cutoff: i32,
@@ -63,14 +62,14 @@ struct Frame {
     depth_bits: i32,
     colour: u32,                   // offsets of the picture's planes; NOTHING: plane not wanted
     coverage: u32,
-    mean_depth: u32,               // as in fxs_targets
+    mean_depth: u32,
     median_depth: u32,
     id: u32,                       // two words per pixel
     occluder: u32,
     backdrop: u32,
 }
 
-// An object in its camera's space, and a span: a range of its chunks with Gaussians in one buffer.
+// An object in camera space, and a span of its chunks.
 struct Object {
     position_q32: array<vec4<u32>, 3>,
     eye_q32: array<vec4<u32>, 3>,
@@ -95,7 +94,7 @@ struct Object {
     veil_exponent: i32,
     jacobian_exponent: i32,
     offset_q11: i32,
-    degree: i32,                   // degree of spherical harmonics to evaluate
+    degree: i32,
     antialiased: i32,
     orthographic: i32,
     plane_exponent: i32,
@@ -118,7 +117,6 @@ struct Object {
     crops: array<vec4<u32>, 32>,   // four per crop box: low corner, high corner, `outside`
 }
 
-// A projected Gaussian. The fields are those of fxs_splat.
 struct Splat {
     u0_q24: u32,
     v0_q24: u32,
@@ -139,7 +137,6 @@ struct Bounds {
 
 const EVERYWHERE_Q8: i32 = 0x40000000;
 
-// Returns the low half of a word for even i, the high half for odd i.
 fn half_of(word: u32, i: u32) -> u32
 {
     return (word >> (16u * (i % 2u))) & 0xffffu;

@@ -1,5 +1,4 @@
-// Decodes Gaussians and computes their colours from spherical harmonics (SH), as src/core/shade.c does. Runs one thread
-// per Gaussian.
+// Decodes Gaussians and computes their colours from spherical harmonics (SH), with the arithmetic of src/core/shade.c.
 
 const COMPACT: u32 = 1u;
 const SMALL: u32 = 2u;
@@ -78,7 +77,7 @@ fn direction_q15(position: vec3<u32>) -> vec3<i32>
                      unit_q15(d.z, zeros, inverse_q30));
 }
 
-// SH basis functions 1 to 15, padded with a zero. Functions above the evaluated degree are zero.
+// SH basis functions 1 to 15 and a zero. Functions above the evaluated degree are zero.
 struct Basis {
     a: vec4<i32>,
     b: vec4<i32>,
@@ -118,7 +117,7 @@ fn basis_of(d: vec3<i32>, degree: i32) -> Basis
     return b;
 }
 
-// Returns SH coefficient k of the three channels. The channels' rows are CHUNK bytes apart.
+// Returns SH coefficient k of the three channels.
 fn sh_of(at: u32, k: u32) -> vec3<i32>
 {
     let word = (at + 3u * k * CHUNK) / 4u;

@@ -1,19 +1,18 @@
 // Needs records sums order
-// Sorts each tile's list by ascending depth. Blocks of 512 entries are sorted in workgroup memory by a sample sort: 16
-// sampled depths bound 16 ranges of 16 bins, and each key's rank in its bin is counted. Merge passes then join sorted
-// runs in pairs. Each workgroup of a merge finds by search which keys of both runs form its 512 results. Ties are
-// broken by the index of the splat, its slot.
+// Sorts each tile's list by ascending depth, then by splat. A sample sort orders blocks of 512 entries in workgroup
+// memory: 16 sampled depths bound 16 ranges of 16 bins. Merge passes then join sorted runs in pairs; a binary search
+// finds the keys of both runs that form each block of 512 results.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<u32>;
-@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depth keys, and scratch space for the entries
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;
 
 const SAMPLES: u32 = 16u;
-const RANGE: u32 = 16u;            // bins per range
+const RANGE: u32 = 16u;
 const BINS: u32 = 256u;
 
-var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth of each key, in the order of bins
+var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth of each key
 var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then start offsets; last: number of keys
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
@@ -46,25 +45,24 @@ fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
-// Unit of the count of sorts and merges. The count shares a word with the block's number in its list.
+// Unit of the count of merges, which shares a word with the block's number.
 const DONE: u32 = 0x100000u;
 
 struct Block {
     list: u32,
     count: u32,                    // length of the list; 0: no block
-    first: u32,                    // offset of the block in the list
+    first: u32,
     done: u32,
 }
 
 var<workgroup> own_block: Block;
 
-// Each merge moves the list between `entries` and the scratch space. The last merge ends in `entries`.
+// Each merge moves the list between `entries` and scratch space; the last one ends in `entries`.
 fn merges_of(count: u32) -> u32
 {
     return max(32u - countLeadingZeros(count - 1u), 9u) - 9u;
 }
 
-// Returns the workgroup's block. Blocks of long lists come first.
 fn take_block(group: vec3<u32>, thread: u32) -> Block
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
@@ -123,7 +121,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
     workgroupBarrier();
 }
 
-// Returns the bin of a depth. The bin lies in the last range that starts at or below the depth.
+// Returns the bin of a depth, in the last range that starts at or below the depth.
 fn bin_of(depth: u32) -> u32
 {
     var range = 0u;
@@ -144,9 +142,9 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let some = min(block.count - block.first, BLOCK);
     let at = block.list + block.first;
     let to_spare = merges_of(block.count) % 2u == 1u;
-    var own: array<vec2<u32>, 4>;  // keys of this thread
+    var own: array<vec2<u32>, 4>;
     var bin_of_own: array<u32, 4>;
-    var place: array<u32, 4>;      // rank of each key in its bin, by arrival
+    var place: array<u32, 4>;
     for (var i = thread; i < BINS; i += THREADS) {
         atomicStore(&bins[i], 0u);
     }
@@ -187,7 +185,7 @@ var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
 // Returns how many of the d smallest keys of two sorted runs come from the first run. The runs have a keys at `first`
-// and b keys at `second`. Each half of the workgroup searches for its own d, with 64 probes per step.
+// and b keys at `second`. Each half of the workgroup searches for its own d.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;

@@ -1,11 +1,11 @@
-// Prefix sums over the threads of a workgroup. Sums of 16 threads come first, to save barriers.
+// Prefix sums over the threads of a workgroup, in groups of 16 threads to save barriers.
 
 const GROUP: u32 = 16u;
 
 var<workgroup> sums: array<u32, 128>;
 var<workgroup> group_sums: array<u32, 8>;
 
-// Returns a + b. With `cut`, saturates at 2^32 - 1.
+// With `cut`, saturates at 2^32 - 1.
 fn plus(a: u32, b: u32, cut: bool) -> u32
 {
     return select(a + b, 0xffffffffu, cut && a + b < a);

@@ -1,7 +1,7 @@
 // Copies the caller's depth and colour textures to the picture's input planes.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(location = 0) uniform ivec4 size;     // size of the picture; texel row of row 0; step per row
-// word offsets of the planes occluder and backdrop, -1: none; depth_bits; 1: read depth_buffer
+// word offsets of occluder and backdrop, -1: none; depth_bits; 1: read depth_buffer
 layout(location = 1) uniform ivec4 planes;
 layout(location = 2) uniform vec2 inverse;   // 1 / distance at depth 0 and at depth 1 of depth_buffer
 layout(binding = 0) uniform highp usampler2D occluder;

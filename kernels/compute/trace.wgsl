@@ -1,7 +1,7 @@
 // Needs pixel numbers records order pixels
-// Blends splats and also writes depths and ids, as src/core/trace.c does. Depths of an occluder hide splats behind it.
+// Blends splats and also writes depths and ids. An occluder hides the splats behind it.
 
-var<workgroup> own: array<vec2<u32>, 32>;  // entries of a round and their depth keys
+var<workgroup> own: array<vec2<u32>, 32>;
 
 const HALF_Q15: i32 = 16384;
 
@@ -13,7 +13,6 @@ struct Traced {
     sum: wide,                     // sum of weight * depth
 }
 
-// Equals fxs_depth_key in stage.h.
 fn key_of(depth: u32) -> u32
 {
     let zeros = zeros_of(depth | 1u);
@@ -49,8 +48,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// Returns sum / weight, rounded to nearest. `sum` has 8 extra fraction bits. The weight has 15 bits, so long division
-// with 16-bit digits fits in 32-bit words.
+// Returns sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in 16-bit digits works because the
+// weight has 15 bits.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);
@@ -151,7 +150,7 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         place_splat(here, thread, fetched, round);
         own[thread] = vec2<u32>(fetched.entry, depth);
-        fetched = fetch_splat(entry);              // loads during this round
+        fetched = fetch_splat(entry);
         depth = depth_of(entry);
         entry = fetch_entry(here, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {

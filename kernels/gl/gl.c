@@ -1,4 +1,4 @@
-/* Loads the functions of OpenGL ES, compiles programs, reads errors, and checks the caller's target. */
+/* Loads OpenGL ES functions, compiles programs, reads errors, and checks the caller's target. */
 #include "gl.h"
 #include "src/core/memory.h"
 

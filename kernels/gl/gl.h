@@ -1,4 +1,4 @@
-/* Functions shared by the OpenGL ES back ends: a table of GL function pointers, programs, errors, and the state of a GL
+/* Functions shared by the OpenGL ES back ends: GL function pointers, programs, errors, and the state of a GL
  * context. */
 #ifndef FXS_GL_H
 #define FXS_GL_H
@@ -38,7 +38,7 @@ typedef struct fxs_gl {
     FXS_GL_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_gl;
 
-/* Loads a GL function into `table`. If the function is missing, returns its name from the calling function. */
+/* Loads a GL function into `table`. Returns the function's name from the calling function if missing. */
 #define FXS_GL_LOAD(type, name) \
     table->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
     if (!table->name) \
@@ -49,8 +49,7 @@ const char *fxs_gl_load(fxs_gl *table, fxs_gl_load_fn *load, void *argument);
 
 int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 
-/* Clears pending GL errors. Returns 0 if no error was pending. Returns FXS_ERR_MEMORY if the first error is
-   GL_OUT_OF_MEMORY, otherwise FXS_ERR_DEVICE. */
+/* Clears pending GL errors. Returns 0 if there were none, or FXS_ERR_MEMORY or FXS_ERR_DEVICE for the first one. */
 int fxs_gl_check(const fxs_gl *gl);
 
 /* Like fxs_gl_check, for a call that has failed. Never returns 0. */
@@ -61,13 +60,12 @@ int fxs_gl_compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *co
                    GLsizei size);
 int fxs_gl_link(const fxs_gl *gl, GLuint program, char *log, GLsizei size);
 
-/* Deletes programs. Unbinds the current program first, because GL keeps a program in use alive. */
+/* Unbinds the current program before deletion, because GL keeps a program in use alive. */
 void fxs_gl_delete_programs(const fxs_gl *gl, int count, const GLuint *programs);
 
-/* Checks the ranges of a target's fields. Returns 0, FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
 int fxs_gl_check_target(const fxs_gles_target *target);
 
-enum { FXS_GL_UNITS = 10 };        /* texture units */
+enum { FXS_GL_UNITS = 10 };
 
 typedef struct fxs_gl_state {
     GLint program, vertex_array, unpack_buffer, draw_framebuffer;
@@ -79,7 +77,7 @@ typedef struct fxs_gl_state {
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *state);
 void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *state);
 
-/* Sets the GL state for draws, and binds the textures to units 0 to count - 1. */
+/* Sets the GL state for draws, with textures bound to units 0 to count - 1. */
 void fxs_gl_set(const fxs_gl *gl, GLuint vertex_array, int count, const GLuint *textures);
 
 /* Sets blending of premultiplied colours over the framebuffer. */

@@ -2,16 +2,15 @@
 #include "gl.h"
 #include "src/core/memory.h"
 
-/* Draws disable all of these switches except the scissor test. */
+/* Draws disable these, except the scissor test. */
 static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
                                   GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
 enum { SWITCHES = sizeof switches / sizeof *switches };
 
-/* Uploads set all of these to 0. */
+/* Uploads set these to 0. */
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 
-/* blending state that fxs_gl_blend_over changes */
 static const GLenum blend[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB,
                                GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
 enum { BLEND = sizeof blend / sizeof *blend };

@@ -1,5 +1,5 @@
-/* Internal declarations of the OpenGL ES back end. tiles.c draws with per-tile lists of splats, fetch.c without lists.
- * T is the transmittance of a pixel. The state of a pixel is T and its sums of colours. */
+/* Internal declarations of the OpenGL ES back end. tiles.c draws with per-tile lists of splats, fetch.c without. The
+ * state of a pixel is its transmittance and its sums of colours. */
 #ifndef FXS_GLES_DEVICE_H
 #define FXS_GLES_DEVICE_H
 
@@ -8,34 +8,34 @@
 #include "kernels/gl/gl.h"
 #include <fixsplat/gles.h>
 
-#define FXS_GLES_SIDE 2048         /* texels; log2 is the largest fxs_gles.shift */
+#define FXS_GLES_SIDE 2048
 #define FXS_GLES_MOST 8192         /* pixels; keeps byte counts below 2^32 */
 /* Entries of a tile's list per draw. Drivers abort long draws. */
 #define FXS_GLES_LOOP 32768u
 
-/* Programs. A program that writes pixels has an integer variant for the back end's own target, and a normalised variant
-   for the caller's target. */
+/* Programs. Those that write pixels have an integer variant for the back end's own target, and a normalised one for the
+   caller's. */
 enum {
-    FXS_GLES_STATE,                /* tiles: writes the state after part of a list */
-    FXS_GLES_INTEGER, FXS_GLES_NORMALISED,   /* tiles: write pixels */
-    FXS_GLES_BLOCKS,               /* tiles: writes masks of splats */
-    FXS_GLES_BLEND,                /* fetch: updates the state */
-    FXS_GLES_LIMITED,              /* fetch: BLEND with an occluder or the square cut-off */
-    FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED,   /* fetch: write pixels */
+    FXS_GLES_STATE,                /* writes the state after part of a list */
+    FXS_GLES_INTEGER, FXS_GLES_NORMALISED,
+    FXS_GLES_BLOCKS,
+    FXS_GLES_BLEND,
+    FXS_GLES_LIMITED,
+    FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED,
     FXS_GLES_TRACED_STATE, FXS_GLES_TRACED,    /* variants of STATE and NORMALISED with depths and ids */
     FXS_GLES_PROGRAMS
 };
 /* Textures. The first FXS_GLES_UNITS are bound to the units of their number. */
 enum {
-    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* tiles: lists, splats of the lists, masks of splats */
-    FXS_GLES_CHUNKS,               /* tiles: input for the masks */
+    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* lists of tiles, splats of the lists, masks of splats */
+    FXS_GLES_CHUNKS,
     FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's images; BUFFER: GL depths */
     FXS_GLES_CARRIED,              /* state of the pixels so far */
-    FXS_GLES_IDS, FXS_GLES_TRACES, /* tiles: ids of the splats; depths, weights and ids of the pixels so far */
+    FXS_GLES_IDS, FXS_GLES_TRACES, /* ids of splats; depths, weights and ids of the pixels so far */
     FXS_GLES_UNITS,
     FXS_GLES_NEXT = FXS_GLES_UNITS,   /* state being drawn; swaps roles with CARRIED */
-    FXS_GLES_WHOLE,                /* fetch: state of all pixels */
-    FXS_GLES_NEXT_TRACES,          /* swaps roles with TRACES */
+    FXS_GLES_WHOLE,
+    FXS_GLES_NEXT_TRACES,
     FXS_GLES_TEXTURES
 };
 enum {
@@ -61,45 +61,43 @@ struct fxs_gles {
     char renderer[128];
     int32_t shift;                 /* log2 of the width of texture RECORDS */
     int32_t most;                  /* largest side of a render target in pixels */
-    int32_t viewport[2];           /* largest viewport */
+    int32_t viewport[2];
     int points;                    /* 1: GL points may be as large as a tile */
     char no_fetch[FXS_GLES_MESSAGE];            /* why fetch.c is unsupported; empty: supported */
     int traced;                    /* objects for depths and ids: 0 not made, 1 made, negative: error */
-    int timer, timing;             /* 1: device can time draws; 1: timer is running */
+    int timer, timing;
     fxs_gles_program programs[FXS_GLES_PROGRAMS];
     GLuint textures[FXS_GLES_TEXTURES], framebuffers[FXS_GLES_FRAMEBUFFERS], renderbuffer, vertex_array;
     GLuint buffers[FXS_GLES_BUFFERS], query;
     GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
-    unsigned turn;                 /* index of the next upload in the ring of buffers */
+    unsigned turn;
     int32_t columns, rows;         /* size of texture LISTS */
     int32_t record_rows, mask_rows, id_rows;    /* rows of the textures RECORDS, MASKS and IDS */
     int32_t occluder[2], backdrop[2], whole[2]; /* sizes of the textures OCCLUDER, BACKDROP and WHOLE */
     int32_t width, height;         /* size of the back end's own target */
-    const fxs_gles_target *target; /* the caller's target, during fxs_gles_render */
+    const fxs_gles_target *target;
     uint64_t nanoseconds;
 };
 
 /* Sets the GL state for draws, and binds all textures to their units. */
 void fxs_gles_set(const fxs_gles *gles);
 
-/* Returns the pixel format of the target. */
 static inline enum fxs_format fxs_gles_format(const fxs_gles *gles, const fxs_tile_run *run)
 {
     return gles->target ? gles->target->format : run->targets->format;
 }
 
-/* Returns 0 if this back end supports the run's images, otherwise FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
+/* Returns 0 if the back end supports the run's images, otherwise FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
 int fxs_gles_has(const fxs_gles *gles, const fxs_tile_run *run);
 
-/* Makes the context current. Returns 0 or FXS_ERR_DEVICE. */
 int fxs_gles_use(const fxs_gles *gles);
 
 int fxs_gles_make_target(fxs_gles *gles, int32_t width, int32_t height);
 
-/* Maps the next buffer of the ring for writing, with at least `bytes` bytes. Returns null if the device fails. */
+/* Maps the next upload buffer for writing, with at least `bytes` bytes. Returns null if the device fails. */
 void *fxs_gles_map(fxs_gles *gles, GLsizeiptr bytes);
 
-/* Start and stop the device's timer, if the device has one. Stopping waits for the device and adds up the time. */
+/* Start and stop the device's timer, if any. Stopping waits for the device. */
 void fxs_gles_start_timer(fxs_gles *gles);
 void fxs_gles_stop_timer(fxs_gles *gles);
 
@@ -113,47 +111,40 @@ static inline int fxs_gles_is_traced(const fxs_gles *gles)
 /* Grows texture MASKS for `chunks` groups of 32 splats, up to the device's limit. Returns 0 or an error. */
 int fxs_gles_make_masks(fxs_gles *gles, uint64_t chunks);
 
-/* A rectangle of the picture that fits in a render target, in pixels and in tiles. */
 typedef struct fxs_gles_window {
     int32_t x, y, width, height, first_column, first_row, columns, rows;
 } fxs_gles_window;
 
-/* A viewport in a framebuffer, and the mapping from fragments to the picture's pixels. */
+/* A viewport in a framebuffer, and the mapping from fragments to pixels of the picture. */
 typedef struct fxs_gles_surface {
     GLuint framebuffer;
     int program;
     int32_t x, y, width, height;
     int32_t pixel_x, pixel_y;      /* pixel of the viewport's lower left fragment */
     int32_t row_step;              /* change of the pixel's row per row of fragments, 1 or -1 */
-    int32_t first_line, lines;     /* lines of the viewport that the draw covers */
+    int32_t first_line, lines;
 } fxs_gles_surface;
 
 /* Returns the surface for `lines` lines of a window. `integer` is the program for the back end's own target,
-   `normalised` the program for the caller's. */
+   `normalised` for the caller's. */
 fxs_gles_surface fxs_gles_surface_of(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                                      int32_t first_line, int32_t lines, int integer, int normalised);
 
-/* Grows texture RECORDS to `texels` texels, up to the device's limit. */
 void fxs_gles_make_records(fxs_gles *gles, uint64_t texels);
 
-/* Uploads whole rows to a texture, from `offset` in the bound buffer. */
 void fxs_gles_upload(const fxs_gles *gles, int unit, int32_t y, int32_t width, int32_t height, GLenum layout,
                      size_t offset);
 
-/* Returns true if the run has an occluder, as depths or as a GL depth buffer. */
 int fxs_gles_has_occluder(const fxs_gles *gles, const fxs_tile_run *run);
 
-/* Sets a program's uniforms for the occluder and the backdrop. */
 void fxs_gles_set_mesh(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                        const fxs_gles_program *program);
 
-/* Prepares draws to a surface. `source` sets the uniform of that name. `carried` is 1 to continue from texture
-   CARRIED. */
+/* Prepares draws to a surface. `source` sets the uniform of that name. carried: 1 to continue from texture CARRIED. */
 void fxs_gles_aim(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                   const fxs_gles_surface *surface, int carried, const int32_t source[4]);
 
-/* Calls `draw` for windows of at most most x most pixels. Reads the pixels back unless the caller has a framebuffer.
-   Returns 0 or an error. */
+/* Calls `draw` for windows of at most most x most pixels. Reads the pixels back unless the caller has a framebuffer. */
 typedef int fxs_gles_draw_window_fn(fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window);
 int fxs_gles_draw_windows(fxs_gles *gles, const fxs_tile_run *run, int32_t most, fxs_gles_draw_window_fn *draw);
 

@@ -1,18 +1,17 @@
-/* Draws the picture without per-tile lists. A single draw contains all splats in ascending order of depth, as
- * triangles. The fragment shader reads the pixel's state from the framebuffer and writes the next state, which is cheap
- * on tile-based GPUs. A final draw converts the states to colours. */
+/* Draws the picture without per-tile lists, in one draw with all splats as triangles in ascending order of depth. The
+ * fragment shader reads the pixel's state from the framebuffer and writes the next state, which is cheap on tile-based
+ * GPUs. A final draw converts the states to colours. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/lister.h"
 #include "device.h"
 
-#define TEXELS 3u                  /* texels of a record; a record describes one triangle */
-#define RECORD (TEXELS * 16)       /* bytes */
-#define PARTS 64u                  /* parallel jobs that write records */
+#define TEXELS 3u                  /* texels of a record; one record per triangle */
+#define RECORD (TEXELS * 16)
+#define PARTS 64u
 #define AHEAD 16                   /* prefetch distance, in splats */
-#define GUARD 3                    /* side of the viewport, in windows; avoids clipping */
-/* Radius in pixels from which a splat is drawn as a rectangle instead of a triangle. The rectangle has a quarter fewer
-   pixels, but two triangles. */
+#define GUARD 3                    /* side of the viewport in windows; avoids clipping */
+/* Radius in pixels from which a splat is drawn as two triangles, a rectangle with a quarter fewer pixels. */
 #define LARGE 12
 
 enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle */
@@ -35,7 +34,7 @@ static uint32_t part_start(const batch *b, uint32_t part)
 
 typedef struct drawn {
     uint32_t count, shape;
-    fxs_span columns, rows;        /* tiles that the splat may touch */
+    fxs_span columns, rows;
 } drawn;
 
 static int overlaps(int64_t first_q8, int64_t last_q8, int32_t start, int32_t length)
@@ -48,7 +47,7 @@ static int is_veil(const fxs_bounds *b)
     return b->half_width_q8 == FXS_EVERYWHERE_Q8;
 }
 
-/* Returns the tile columns of a splat, as the rows of the transposed picture. */
+/* Returns the tile columns of a splat: the rows of the transposed picture. */
 static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
     fxs_view turned = *view;
@@ -126,8 +125,7 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-/* Chooses b->end so that at most `capacity` records result, and sets the parts' start offsets. Returns the number of
-   records. */
+/* Chooses b->end so that at most `capacity` records result. Returns the number of records. */
 static uint32_t take_splats(batch *b, uint32_t capacity)
 {
     uint32_t parts = 0, count = 0;
@@ -152,7 +150,6 @@ static uint32_t take_splats(batch *b, uint32_t capacity)
 
 static int upload(fxs_gles *g, batch *b, uint32_t count)
 {
-    /* whole rows of the texture */
     const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;
     b->records = fxs_gles_map(g, (GLsizeiptr)rows * (GLsizeiptr)width * 16);
     if (!b->records)
@@ -165,7 +162,7 @@ static int upload(fxs_gles *g, batch *b, uint32_t count)
     return 0;
 }
 
-/* Sets T = 1 and no colour in all pixels of a window. */
+/* Sets all pixels of a window to transmittance 1 and no colour. */
 static int begin_states(fxs_gles *g, const fxs_gles_window *w)
 {
     static const GLint clear[4] = {FXS_CLEAR_Q15, 0, 0, 0};

@@ -1,5 +1,5 @@
-// Blends one splat into one pixel: reads the state from the framebuffer and writes it back. Without LIMITED, has no
-// uniforms, because Mesa's software renderer fetches uniforms per pixel.
+// Blends one splat into one pixel, with the pixel's state in the framebuffer. Avoids uniforms, because Mesa's software
+// renderer fetches them per pixel.
 flat in ivec4 line;
 flat in ivec4 look;
 #ifdef LIMITED

@@ -1,6 +1,6 @@
-// Places the corners of a splat's triangles. A splat is one triangle around its ellipse. A large splat is the tightest
-// rectangle, as two triangles. A veil covers the whole window. Each triangle has a record of three texels: u0, ux, uy,
-// v0; vy, offset and red, green and blue, columns; cx, cy, shape and rows, depth key.
+// Places the corners of a splat's triangles: one triangle around the ellipse, two for the rectangle of a large splat,
+// two over the whole window for a veil. A record has three texels: u0, ux, uy, v0; vy, offset and red, green and blue,
+// columns; cx, cy, shape and rows, depth key.
 uniform highp usampler2D records;
 uniform ivec4 size;                  // width and height of the window; cut-off, Q11; log2 of the width of `records`
 uniform ivec4 place;                 // first pixel of the window; side of the viewport in windows
@@ -35,7 +35,7 @@ void main()
         float sx = 16777216.0 / float(a.y), sy = 16777216.0 / float(b.x), k = float(-a.z) / float(a.y) * sy;
         float h = 0.5 * (sx * sx + k * k - sy * sy), m = k * sy, l = length(vec2(h, m));
         vec2 e = l > 0.0 ? normalize(h >= 0.0 ? vec2(h + l, m) : vec2(m, l - h)) : vec2(1.0, 0.0);
-        float r = sqrt(float(max(limit - offset, 0) + 2) / 2048.0);    // + 2 because levels are rounded
+        float r = sqrt(float(max(limit - offset, 0) + 2) / 2048.0);
         vec2 reach = r * vec2(length(vec2(sx * e.x, k * e.x + sy * e.y)), length(vec2(sx * e.y, k * e.y - sy * e.x)));
         reach += 0.125 + reach.x / 16384.0;
         if (shape == TRIANGLE)

@@ -1,5 +1,4 @@
-/* Creates the OpenGL ES back end's programs, textures and buffers, reads pixels back, and renders to the caller's
- * target. */
+/* Creates the OpenGL ES back end's GL objects, reads pixels back, and renders to the caller's target. */
 #include <fixsplat/gles.h>
 
 #include "src/core/memory.h"
@@ -165,7 +164,6 @@ static void make_fetch_programs(fxs_gles *g)
         make_program(g, FXS_GLES_RESOLVED_NORMALISED, "#define FETCHED\n", screen_vert, tiles_frag, g->no_fetch);
 }
 
-/* Makes programs and render targets for depths and ids. Returns 0 or an error. */
 static int make_traced(fxs_gles *g)
 {
     static const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -367,8 +365,7 @@ static void copy_row(unsigned char *to, const unsigned char *from, int32_t count
     }
 }
 
-/* Copies the pixels of the run's tiles. The first row of tiles may start inside the picture. The next run overwrites
-   pixels after the last tile. */
+/* Copies the pixels of the run's tiles. The next run overwrites pixels after the last tile. */
 static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
                        int32_t height, int wide)
 {
@@ -404,7 +401,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int32_t x, int32_t y, in
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_TARGET]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
-    /* every device reads integer pixels as words, most devices also as bytes */
+    /* most devices can read integer pixels as bytes, all as words */
     const int wide = has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE;
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
     bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);

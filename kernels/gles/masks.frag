@@ -1,17 +1,16 @@
-// Finds which splats may touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. Its
-// masks are four texels, one per quarter of the tile. A texel has four words, one per block of 4x4 pixels. A word has a
-// bit per splat.
+// Finds which splats touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. Its masks
+// are four texels, one per quarter of the tile, with a word per block and a bit per splat.
 uniform highp usampler2D chunks;     // first record, and count - 1 from bit 24 on; column and row of the tile
 uniform ivec4 source;                // log2 of the width of the textures; cut-off
 out uvec4 result;
 
-// Returns the smallest magnitude of u or v in blocks with values from `least` to `most`, Q13. Saturates at 4.
+// Returns the smallest magnitude of u or v in a block, Q13, saturated at 4.
 ivec4 nearest(ivec4 least, ivec4 most)
 {
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// Returns for each of four blocks whether a splat may touch it. u and v are linear, and ux and vy are not negative.
+// Returns for each of four blocks whether a splat touches it. u and v are linear, and ux and vy are not negative.
 // Arithmetic modulo 2^32 suffices.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {

@@ -1,7 +1,7 @@
-// Reads the depth of the caller's occluder at a pixel, as a depth key.
-uniform highp usampler2D occluder;   // depths, as in fxs_targets
+// Reads the depth of the caller's occluder at a pixel.
+uniform highp usampler2D occluder;
 uniform highp sampler2D depth_buffer;        // alternative to `occluder`
-// texel of pixel (0, 0) in the caller's textures; step per row; depth_bits and flags of the textures in use
+// texel of pixel (0, 0) in the caller's textures; step per row; depth_bits and flags of textures in use
 uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
 uniform vec2 planes;                 // 1 / distance at depth 0 and at depth 1 of depth_buffer
@@ -11,7 +11,6 @@ ivec2 mesh_texel(ivec2 pixel)
     return ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
 }
 
-// Equals fxs_depth_key.
 uint depth_key(uint depth, int bits)
 {
     if (depth == 0u || depth == 0xffffffffu)

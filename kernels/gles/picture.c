@@ -1,5 +1,4 @@
-/* Splits a picture into windows, uploads the caller's occluder and backdrop, and aims draws at a target. Used by
- * tiles.c and fetch.c. */
+/* Splits a picture into windows, uploads the caller's occluder and backdrop, and aims draws at a target. */
 #include <fixsplat/fixed.h>
 #include "device.h"
 

@@ -1,27 +1,26 @@
-/* Draws the picture with per-tile lists of splats. A batch uploads and draws as many tiles' lists as fit in the
- * textures. A list too long for one draw is drawn in parts, and a texture keeps the pixels' state in between. A record
- * is a splat's copy in one list, to save an indirection. A chunk is up to 32 records. A first draw finds which 4x4
- * pixel blocks each splat may touch. Tiles with long lists are drawn first, for load balance. */
+/* Draws the picture with per-tile lists of splats, as many tiles per batch as fit in the textures. A list too long for
+ * one draw is drawn in parts, and a texture keeps the pixels' state in between. A record is a splat's copy in one list,
+ * to save an indirection. A chunk is up to 32 records. A first draw finds which blocks of 4x4 pixels each splat
+ * touches. Long lists are drawn first, for load balance. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/trace.h"
 #include "device.h"
 
-#define RECORD 32                  /* bytes of a record */
+#define RECORD 32
 #define LIST 16
 #define ORDER 3                    /* word of a list that holds the drawing order */
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
 #define CHUNK_SHIFT 24             /* first bit of count - 1 in a chunk's word; the lower bits hold the first record */
-#define AHEAD 16                   /* prefetch distance, in entries */
+#define AHEAD 16
 
-/* Numbers of records and of chunks. */
 typedef struct amount {
     uint32_t records, chunks;
 } amount;
 
-/* An upload in the mapped buffer: lists of tiles, chunks, records, and ids if wanted. */
+/* An upload: lists of tiles, their chunks and records, and ids if wanted. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
@@ -29,7 +28,7 @@ typedef struct batch {
     uint32_t *lists, *chunks, *records, *ids;
     amount used, room;
     int32_t first, end;            /* range of tiles, numbered in the window */
-    int32_t ordered;               /* number of tiles to draw */
+    int32_t ordered;
     amount starts[FXS_MAX_SIZE / FXS_TILE];     /* per row of tiles: its first record and chunk */
 } batch;
 
@@ -62,7 +61,7 @@ static uint32_t chunks_of(uint32_t records)
     return (records + CHUNK_RECORDS - 1) / CHUNK_RECORDS;
 }
 
-/* Returns the texture rows for `texels` texels, at most as many as the texture is wide. */
+/* Returns the texture rows for `texels` texels, at most the texture's width. */
 static int32_t rows_of(const fxs_gles *g, uint64_t texels)
 {
     const uint64_t wanted = (texels + (1u << g->shift) - 1) >> g->shift, most = UINT64_C(1) << g->shift;
@@ -86,7 +85,7 @@ int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
     return 0;
 }
 
-/* Grows texture IDS to one texel per record, half the texels of RECORDS. */
+/* Grows texture IDS to one texel per record; RECORDS has two. */
 static void make_ids(fxs_gles *g)
 {
     const int32_t rows = (g->record_rows + 1) / 2;
@@ -115,7 +114,6 @@ static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window
     return fxs_gles_make_masks(g, chunks);
 }
 
-/* Maps the next buffer of the ring, so that uploads do not wait for the device. */
 static int begin_batch(batch *b, int32_t first)
 {
     fxs_gles *g = b->gles;
@@ -135,7 +133,6 @@ static int begin_batch(batch *b, int32_t first)
     return 0;
 }
 
-/* Uploads the batch's lists, chunks, records and ids. */
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
@@ -166,7 +163,7 @@ static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
     memcpy(record, words, sizeof words);
 }
 
-/* Writes the records of a list. An entry that is cut off becomes an invisible splat. */
+/* An entry that is cut off becomes an invisible splat. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
@@ -193,7 +190,6 @@ static void put_ids(const batch *b, uint32_t at, list l)
     }
 }
 
-/* Writes a tile's list with its chunks and records. `tile` is numbered in the window. */
 static void put_list(const batch *b, int32_t tile, amount at, list l)
 {
     const fxs_gles_window *w = b->window;
@@ -211,7 +207,7 @@ static void put_list(const batch *b, int32_t tile, amount at, list l)
         put_ids(b, at.records, l);
 }
 
-/* Marks a tile as not drawn: the list ends before its start. */
+/* Marks a tile as not drawn: its list ends before the start. */
 static void put_none(const batch *b, int32_t tile)
 {
     static const uint32_t words[ORDER] = {1};
@@ -237,7 +233,6 @@ static int in_run(const batch *b, uint32_t tile)
     return tile >= b->run->first_tile && tile <= b->run->last_tile;
 }
 
-/* Writes the lists of tile row `job` of the batch. */
 static void put_row(void *argument, uint32_t job)
 {
     const batch *b = argument;
@@ -256,7 +251,7 @@ static void put_row(void *argument, uint32_t job)
     }
 }
 
-/* Classes of lists by length in chunks. Grade 0 has the longest lists. */
+/* Classes of lists by length. Grade 0 has the longest lists. */
 enum { GRADES = FXS_GLES_LOOP / CHUNK_RECORDS + 1 };
 
 static uint32_t grade_of(const batch *b, uint32_t tile)
@@ -264,7 +259,6 @@ static uint32_t grade_of(const batch *b, uint32_t tile)
     return GRADES - 1 - chunks_of(list_of(b->run, tile).count);
 }
 
-/* Sorts the batch's tiles by grade, for the drawing order. */
 static void put_order(batch *b)
 {
     const int32_t first = b->first / b->window->columns * b->window->columns;
@@ -311,7 +305,7 @@ static void draw_masks(const batch *b)
     g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Draws tiles as GL points, or as one triangle if points are too small. For points the viewport has a margin of one
+/* Draws tiles as GL points, or as one triangle if points are too small. The viewport for points has a margin of one
    tile, because GL clips points by their centre. */
 static void draw(const batch *b, const fxs_gles_surface *s, int carried)
 {
@@ -340,7 +334,6 @@ static void take_turn(const fxs_gles *g, int turn)
     g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_TRACES : FXS_GLES_NEXT_TRACES]);
 }
 
-/* Draws the tile b->end in parts, because its list is too long for one draw. */
 static int draw_parts(batch *b)
 {
     const fxs_tile_run *run = b->run;
@@ -377,7 +370,6 @@ static int draw_parts(batch *b)
     return error;
 }
 
-/* Adds as many tiles to the batch as fit. */
 static void take_tiles(batch *b)
 {
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;

@@ -1,6 +1,6 @@
-// Blends all splats of a tile's list into one pixel, and writes its colour.
+// Blends the splats of a tile's list into one pixel.
 // FETCHED: only converts a finished state to a colour. TRACED: also writes depth and id. STATE: writes the state
-// instead.
+// instead of the colour.
 uniform highp usampler2D lists;      // per tile: first record, end, first chunk; (1, 0): do not draw
 uniform highp usampler2D masks;      // per chunk of 32 records, see masks.frag
 uniform highp isampler2D carried;    // state to continue from: transmittance, red, green, blue
@@ -11,10 +11,10 @@ uniform ivec4 background;            // red, green, blue; 1: alpha is coverage
 uniform highp sampler2D backdrop;
 
 #if defined TRACED
-uniform highp usampler2D ids;        // per record: object, Gaussian
+uniform highp usampler2D ids;
 uniform highp usampler2D traces;     // to continue from: depth key of the median, largest weight, id
 const int HALF_Q15 = 16384;
-// Of this draw: last record blended while T >= 1/2; largest weight; first record with the largest weight. -1: none.
+// last record blended while T >= 1/2; largest weight; first record with that weight; -1: none
 int median, weight_q15, largest;
 #if defined STATE
 layout(location = 1) out uvec4 trace_result;
@@ -31,7 +31,7 @@ layout(location = 0) out uvec4 result;
 layout(location = 0) out vec4 result;
 #endif
 
-// `cut` is a parameter, because Mesa's software renderer fetches a uniform again in each iteration.
+// `cut` is a parameter, because Mesa's software renderer fetches uniforms again in each iteration.
 void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
 {
     ivec2 uv = whitened(r, pixel);
@@ -64,7 +64,7 @@ int lowest(uint word)
     return (floatBitsToInt(float(word & (~word + 1u))) >> 23) - 127;
 }
 
-// Returns the first record behind the occluder, by binary search, or the end of the list.
+// Returns the first record behind the occluder, or the end of the list.
 uint first_hidden(uvec2 list, uint limit)
 {
     while (list.x < list.y) {
@@ -92,7 +92,6 @@ uvec4 resolve(ivec4 state, ivec3 under)
 }
 
 #if defined TRACED
-// Updates the depth key of the median, the largest weight and the id with the results of this draw.
 uvec4 trace_of(uvec4 before)
 {
     int shift = source.z;
@@ -103,7 +102,6 @@ uvec4 trace_of(uvec4 before)
     return before;
 }
 
-// Equals fxs_depth_of_key.
 uint depth_of_key(uint key, int bits)
 {
     int shift = int(key >> 26) - 58 + bits;
@@ -162,7 +160,7 @@ void main()
 #elif defined INTEGER
     result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    // + 0.25 gives the same byte whether GL rounds down or to nearest
+    // the same byte results whether GL rounds down or to nearest
     result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }

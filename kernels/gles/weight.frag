@@ -1,4 +1,4 @@
-// Fixed-point products with factors from 0 to 32767. FACTOR tells the compiler this range, for faster 16-bit products.
+// Fixed-point products with factors from 0 to 32767. FACTOR tells the compiler this range.
 FXS_FN int fxs_product_q15(int a, int b)
 {
     return (FACTOR(a) * FACTOR(b) + 16384) >> 15;
