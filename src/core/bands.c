@@ -1,6 +1,6 @@
-/* Divides a frame's memory, and divides the frame into bands of tile rows. If the memory holds a splat for every
- * Gaussian, one band covers the picture. Otherwise a first pass, the plan, projects all Gaussians to count the splats
- * of each tile row. A block is a range of drawn chunks, and a chunk has 256 Gaussians. A slot holds one splat. */
+/* Lays out a frame's memory and divides the frame into bands of tile rows. If the memory holds a splat for every
+ * Gaussian, one band covers the picture. Otherwise a first pass, the plan, counts the splats of each tile row. A block
+ * is a range of chunks of 256 Gaussians. A slot holds one splat. */
 #include "bands.h"
 #include "draw.h"
 #include "lister.h"
@@ -11,7 +11,7 @@
 #include "times.h"
 
 #define JOBS 8u                    /* blocks per thread in a plan */
-#define KEYS 2u                    /* list keys per slot */
+#define KEYS 2u
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and scratch space to sort it */
 #define SLICE_LEAST 128u           /* minimum number of splats in a slice */
@@ -19,7 +19,7 @@
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
-/* Bump allocator. If `rest` is null, only measures. */
+/* Bump allocator; only measures if `rest` is null. */
 typedef struct arena {
     unsigned char *rest;
     uint64_t used;
@@ -40,8 +40,8 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* Divides the work into jobs, and allocates the arrays that live for the whole frame. A plan uses fewer, larger blocks,
-   because each block of a band needs spare slots for one chunk. */
+/* Allocates the arrays that live for the whole frame. A plan uses fewer, larger blocks, because each block of a band
+   needs spare slots for one chunk. */
 static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
@@ -58,7 +58,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
-    f->views = cut(&m, f->object_count * sizeof *f->views);    /* first, so that a later layout keeps these */
+    f->views = cut(&m, f->object_count * sizeof *f->views);
     f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
@@ -76,8 +76,8 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->fixed_bytes = m.used;
 }
 
-/* Allocates the arrays of a band with `slots` slots. The lists get the rest of the memory, up to KEYS keys per slot and
-   16 per tile. Returns the bytes of the whole frame. */
+/* Allocates the arrays of a band. The lists get the rest of the memory, up to KEYS keys per slot and 16 per tile.
+   Returns the bytes of the whole frame. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -111,8 +111,7 @@ static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_sl
              to_multiple_of_16(slots) * (SLOT_BYTES + keys_a_slot * LIST_BYTES);
 }
 
-/* Return the minimum memory of a whole frame and of a plan. One key per slot suffices, because no list is longer than
-   the number of slots. */
+/* One key per slot suffices, because no list is longer than the number of slots. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
     return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
@@ -128,13 +127,12 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* A frame in slices needs at least one macro tile, a chunk and SLICE_LEAST splats. */
 static uint64_t bytes_for_slices(const fxs_frame *f)
 {
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* Returns the columns of macro tiles in a slice. A quarter of the spare memory goes to their pixels. */
+/* A quarter of the memory above the minimum goes to the pixels of a slice. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
@@ -224,7 +222,6 @@ static void begin_plan(fxs_frame *f)
     }
 }
 
-/* Returns the bytes that the fullest tile row needs. */
 static uint64_t end_plan(fxs_frame *f)
 {
     uint64_t most = 0;
@@ -274,7 +271,6 @@ int fxs_bands_init(fxs_frame *f)
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
 
-/* Lays out the pixels of a slice, and slots in the rest of the memory. */
 static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);
@@ -284,7 +280,7 @@ static void lay_out_slices(fxs_frame *f)
     lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
 
-/* Adds tile rows to the band while they fit in the memory, and lays out their slots. */
+/* Adds tile rows to the band while they fit in the memory. */
 static void lay_out_rows(fxs_frame *f)
 {
     uint32_t slots = 0;

@@ -1,16 +1,15 @@
-/* Finds the tiles that a splat touches, and lists the splats of each macro tile of 2x2 tiles. In a row of pixels the
- * ellipse u^2 + v^2 = r^2 spans x = cx + shear v +- breadth sqrt(r^2 - v^2). Its leftmost and rightmost points are at v
- * = +- r shear / sqrt(A), where A is the variance of x. A margin of 1/8 pixel and 1/256 of the ellipse's size covers
- * rounding. */
+/* Finds the tiles that a splat touches, and lists the splats of each macro tile of 2x2 tiles. On a row the ellipse u^2
+ * + v^2 = r^2 spans x = cx + shear v +- breadth sqrt(r^2 - v^2). Its leftmost and rightmost points are at v = +- r
+ * shear / sqrt(A), A: variance of x. A margin of 1/8 pixel and 1/256 of the ellipse's size covers rounding. */
 #include <fixsplat/fixed.h>
 #include "lister.h"
 #include "memory.h"
 
-#define SPANS 32                   /* tile rows per call of the kernel `spans` */
+#define SPANS 32
 #ifdef FXS_SMALL_STACK
 #define SOME 8u
 #else
-#define SOME 64u                   /* slots per call of the kernel `note` */
+#define SOME 64u
 #endif
 
 typedef fxs_span span;
@@ -18,11 +17,10 @@ typedef fxs_span span;
 typedef struct ellipse {
     const fxs_splat *splat;
     const fxs_bounds *bounds;
-    span columns, rows;            /* of the ellipse's bounding box, in tiles */
-    int32_t r_q12;                 /* set by add_radius */
+    span columns, rows;
+    int32_t r_q12;
 } ellipse;
 
-/* Returns the tile columns between two x coordinates. */
 static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right_q8)
 {
     int32_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
@@ -38,7 +36,6 @@ static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fx
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
 
-/* Sets r_q12. Separate, because many splats do not need the radius. */
 static void add_radius(ellipse *e, const fxs_view *view)
 {
     int32_t offset_q11 = e->splat->offset_q11, limit_q11 = fxs_limit_q11(offset_q11, view->cut_q11);
@@ -67,8 +64,8 @@ static int32_t larger(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* Returns the tile columns that the ellipse touches in a tile row. A veil, a splat larger than `bounds` can express,
-   touches all columns. */
+/* Returns the tile columns that the ellipse touches in a tile row. A veil, too large for `bounds`, touches all
+   columns. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
@@ -80,7 +77,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
     int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* the rightmost or leftmost point is in this tile row if v sqrt(A) = +- r shear for a v between top and bottom */
+    /* true if v sqrt(A) = +- r shear for a v between top and bottom */
     int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
@@ -94,7 +91,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Returns floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1: tile rows or columns of the square cut-off. */
+/* Returns floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1. */
 static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
@@ -177,8 +174,7 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
 
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
-/* Writes the keys of splats to the lists of macro tiles. If `keys` is null, counts the keys and takes notes instead.
-   Counters in locals stay in registers. */
+/* Writes keys to the lists of macro tiles. If `keys` is null, counts the keys and takes notes instead. */
 static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
     const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
@@ -223,7 +219,6 @@ static uint32_t pair_of(span s, int32_t c)
     return (uint32_t)(s.first <= left && left <= s.last) | (uint32_t)(s.first <= right && right <= s.last) << 1;
 }
 
-/* Lists a splat with too many tiles for an fxs_box. */
 static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
     const fxs_view *view = l->view;
@@ -304,7 +299,7 @@ static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bound
 uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries)
 {
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < count; i++) {         /* no branch, because it would be unpredictable */
+    for (uint32_t i = 0; i < count; i++) {         /* branchless, because unpredictable */
         entries[listed] = FXS_LISTED_SLOT(keys[i]);
         listed += (uint32_t)keys[i] >> tile & 1;
     }

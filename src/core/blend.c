@@ -1,5 +1,4 @@
-/* Blends the splats of a tile's list over its 256 pixels, from front to back. The variant trace also records depths and
- * ids. pixel.h has the arithmetic of a pixel. */
+/* Blends the splats of a tile's list over its 256 pixels, from front to back, with the arithmetic of pixel.h. */
 #include "draw.h"
 #include "memory.h"
 
@@ -31,8 +30,8 @@ void fxs_tile_clear(fxs_tile *tile)
 typedef struct blending {
     fxs_tile *tile;
     fxs_trace *trace;              /* null: no depths or ids */
-    int number;                     /* index of the splat in the tile's list */
-    int depth_q15;                 /* depth code of the splat, Q15 */
+    int number;
+    int depth_q15;
     uint64_t evaluated, blended;
 } blending;
 
@@ -82,7 +81,6 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile
     return closed;
 }
 
-/* depths_q15 is read only with FXS_TRACE_MEAN. */
 static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                        const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end)
 {

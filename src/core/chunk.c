@@ -85,9 +85,8 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
     }
 }
 
-/* Returns an upper bound of the Gaussians' sideways reach in camera space. On the picture the half width is at most
-   3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation, and times z / f, that is 3.34
-   sigma |J|. */
+/* Returns an upper bound of the Gaussians' sideways reach. On the picture the half width is at most 3.34 sqrt((f / z
+   sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation, and times z / f, that is 3.34 sigma |J|. */
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
     int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
@@ -97,8 +96,8 @@ static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
     return whole < 0 ? 4 : ((int64_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1) << whole >> 15) * 7 / 2 + 4;
 }
 
-/* Returns the maximum of sign * (axis i) - slope * depth in the chunk's box. The depth is z, or for an orthographic
-   view the constant 2^(32 - plane_zeros). */
+/* Returns the maximum of sign * (axis i) - slope * depth in the chunk's box. The depth is z; orthographic: 2^(32 -
+   plane_zeros). */
 static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, int sign, int64_t slope_q23)
 {
     const int shift = 32 - 23 - cv->plane_zeros;
@@ -115,7 +114,6 @@ static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, i
     return sum;
 }
 
-/* Returns true if the chunk lies entirely in the hidden part of the picture. */
 static int is_hidden(const fxs_chunk_view *cv, const fxs_view *view, int64_t reach)
 {
     int hidden = 1;

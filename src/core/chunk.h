@@ -31,7 +31,6 @@ static inline const unsigned char *fxs_aligned(const unsigned char *bytes)
     return bytes;
 }
 
-/* Returns a chunk's header, aligned to 64 bytes. */
 static inline const unsigned char *fxs_header(const fxs_scene *scene, uint32_t chunk)
 {
     return fxs_aligned(chunk < scene->chunk_count
@@ -39,7 +38,6 @@ static inline const unsigned char *fxs_header(const fxs_scene *scene, uint32_t c
                            : scene->node_chunks + (size_t)(chunk - scene->chunk_count) * sizeof(fxs_chunk));
 }
 
-/* Returns a chunk's rows, aligned to 64 bytes. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {
     return fxs_aligned(scene->places ? scene->rows + (size_t)scene->places[chunk] * scene->chunk_bytes
@@ -54,21 +52,20 @@ extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
 #define FXS_OPAQUE_Q30 1063004406u
 
 /* Returns the offset -2 ln(opacity) for the opacity 1 - (1 - opacity)^share. share_q8 is 1 to 4096; 256 keeps the
-   offset. The result is at most FXS_FAINT_Q11 + 1. */
+   offset. */
 FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8);
 
-/* Copies a chunk's header and checks its ranges, because the scene's bytes may have changed since fxs_scene_open.
-   Returns 0 or FXS_ERR_SCENE. */
+/* Copies a chunk's header and checks its ranges again, because the scene's bytes may have changed. Returns 0 or
+   FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
 
-/* Copies and checks node i of a scene's level-of-detail tree. Returns 0 or FXS_ERR_SCENE. */
+/* Copies and checks node i of the level-of-detail tree. Returns 0 or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
-/* Fills in *cv, except cv->chunk, from a header. Returns 1 if the chunk may be visible. Returns 0 for a chunk behind
-   the near plane, outside the picture or in the picture's hidden part. */
+/* Fills in *cv, except cv->chunk. Returns 0 if the chunk is behind the near plane, outside the picture or in its hidden
+   part, otherwise 1. */
 FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header);
 
-/* Like fxs_chunk_view_of, but reads the header and sets cv->chunk. May return FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
 
 void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,

@@ -1,12 +1,11 @@
-/* Decodes one Gaussian of a packed scene, in any profile. A profile is an encoding of Gaussians: default, compact or
- * small. */
+/* Decodes one Gaussian of a packed scene. A profile is an encoding of Gaussians: default, compact or small. */
 #ifndef FXS_CODES_H
 #define FXS_CODES_H
 
 #include "chunk.h"
 #include "memory.h"
 
-/* Codes of a Gaussian, laid out as in the default profile. Shorter codes fill the high bits. */
+/* Codes of a Gaussian in the layout of the default profile. Shorter codes fill the high bits. */
 typedef struct fxs_codes {
     uint16_t position[3];
     uint32_t rotation, scale, colour;
@@ -62,13 +61,12 @@ static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
     return codes;
 }
 
-/* Returns the 9-bit code of a base colour, 0 to FXS_COLOUR_MOST. */
+/* Returns a 9-bit code, 0 to FXS_COLOUR_MOST. */
 static inline uint32_t fxs_colour_code(const fxs_codes *codes, int channel)
 {
     return (codes->colour >> 8 * channel & 255) << 1 | (codes->scale >> (29 + channel) & 1);
 }
 
-/* Returns a Gaussian's spherical harmonics in the profiles compact and small. */
 static inline const unsigned char *fxs_sh_record(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
 {
     return rows + (scene->profile == FXS_PROFILE_COMPACT ? FXS_ROW_SH : FXS_SMALL_SH) +
@@ -86,7 +84,7 @@ static inline uint64_t fxs_residual(const unsigned char *record, int degree, int
     return fxs_little_64(word) >> (bit - 8 * first);
 }
 
-/* Returns the palette entry of an index, an int8_t[3][16]. Ignores the index's sign. */
+/* Returns the palette entry of a signed index, an int8_t[3][16]. Ignores the sign. */
 static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t stage, uint32_t index)
 {
     index &= FXS_PALETTE_NEGATIVE - 1;
@@ -94,8 +92,8 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
     return scene->palette + (size_t)(stage * scene->palette_entries + index) * FXS_PALETTE_STRIDE;
 }
 
-/* Sums of a Gaussian's spherical harmonics with a palette. A coefficient is the chunk's mean plus one palette entry per
-   stage, times the scene's step. The compact profile adds odd numbers, -7 to 7, times the Gaussian's gain. */
+/* Sums of spherical harmonics with a palette. A coefficient is the chunk's mean plus one palette entry per stage, times
+   the scene's step. The compact profile adds odd numbers, -7 to 7, times the Gaussian's gain. */
 typedef struct fxs_sh_sums {
     int32_t palette[3], odd[3];    /* sums of basis * number, Q15: at most 2^29 and 2^22 */
     int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */

@@ -1,9 +1,9 @@
-/* Counts the pairs of a splat and a pixel that a frame evaluates and blends. Writes no picture. */
+/* Counts the pairs of a splat and a pixel that a frame evaluates and blends. */
 #include "frame.h"
 
 typedef struct counting {
     fxs_frame frame;               /* must be first: count_tile casts it to counting */
-    fxs_targets targets;           /* all empty */
+    fxs_targets targets;
     uint64_t evaluated, blended;
 } counting;
 

@@ -1,7 +1,7 @@
-/* Chooses the chunks that a frame draws: the cut through the level-of-detail trees of its objects. A chunk has 256
- * Gaussians; a node's chunk is a coarse version of its children. The search starts at the roots and opens the node with
- * the largest key, which measures the error removed. The search ends at the first node that exceeds the budget.
- * Skipping that node for a smaller one would make levels flip when the camera moves.
+/* Chooses the chunks that a frame draws from the level-of-detail trees of its objects. A chunk has 256 Gaussians; a
+ * node's chunk is a coarse version of its children. The search starts at the roots and opens the node with the largest
+ * key, which measures the error removed. The search ends at the first node that exceeds the budget. Skipping that node
+ * for a smaller one would make levels flip when the camera moves.
  *
  * To avoid popping, the nodes opened last fade: they are drawn together with their children. A share s of an opacity is
  * 1 - (1 - opacity)^s. A 64th of the budget is reserved for fading nodes. */
@@ -12,18 +12,17 @@
 #include "sight.h"
 
 #define FADING 64u                 /* 1 / (share of the budget for fading nodes) */
-#define VISITS 4u                  /* capacity in visits: VISITS * budget in chunks + MORE_VISITS */
+#define VISITS 4u                  /* capacity: VISITS * budget in chunks + MORE_VISITS */
 #define MORE_VISITS 64u
 
-/* A visible chunk that the search has reached. */
 typedef struct visit {
     uint32_t chunk, object;        /* number of the chunk in its object's scene; object */
     uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
-    fxs_sight sight;               /* key and room do not exceed the parent's */
+    fxs_sight sight;
     uint32_t share_q8;             /* share of the chunk and its descendants while the parent fades */
     uint8_t opened;
     uint8_t short_of;              /* a child to draw is not loaded */
-    uint8_t needed;                /* must be drawn */
+    uint8_t needed;
     uint8_t absent;                /* needed, but not loaded */
     uint8_t hidden;                /* not loaded, or replaced by an ancestor */
 } visit;
@@ -32,13 +31,13 @@ typedef struct search {
     fxs_cut *cut;
     visit *visits;
     uint32_t *heap;                /* nodes that may be opened, largest key first */
-    uint32_t *opened;              /* visits in the order of opening */
+    uint32_t *opened;
     uint32_t visit_count, heap_count, opened_count;
-    uint32_t drawn, most_drawn;    /* chunks to draw, without fading nodes, and their limit */
+    uint32_t drawn, most_drawn;    /* drawn chunks without fading nodes; upper limit */
     uint32_t visit_room;
     fxs_fading fading;
     uint32_t viewed;               /* object of s->view; FXS_NOTHING: none yet */
-    fxs_view view;                 /* view in the object's space */
+    fxs_view view;
     int full, error;
 } search;
 
@@ -138,7 +137,6 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
     s->drawn++;
 }
 
-/* Opens a node: its children replace it among the drawn chunks. */
 static void open_node(search *s, uint32_t number)
 {
     const visit *v = &s->visits[number];
@@ -152,7 +150,7 @@ static void open_node(search *s, uint32_t number)
         visit_chunk(s, object, node.children[i], number);
 }
 
-/* Opens the node with the largest key. Returns 0 if no node is left or the budget is spent. */
+/* Returns 0 if no node is left or the budget is spent. */
 static int open_next(search *s)
 {
     const uint32_t visits = s->visit_count, opened = s->opened_count;
@@ -242,8 +240,7 @@ static uint32_t own_share_q8(const search *s, const visit *v)
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
 }
 
-/* Replaces each missing chunk by its nearest loaded ancestor, from the leaves up. Then requests the needed chunks in
-   the order of visits. */
+/* Replaces each missing chunk by its nearest loaded ancestor, from the leaves up, and requests the needed chunks. */
 static void find_missing(search *s)
 {
     for (uint32_t i = s->visit_count; i-- > 0;) {
@@ -279,7 +276,7 @@ static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
-/* Adds the loaded chunks of objects without a tree. Merges from the back of the array, in place. */
+/* Adds the chunks of objects without a tree, in place from the back of the array. */
 static void add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;

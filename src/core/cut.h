@@ -11,12 +11,12 @@ typedef struct fxs_drawn {
 } fxs_drawn;
 
 typedef struct fxs_cut {
-    const fxs_object *objects;     /* must be checked already */
+    const fxs_object *objects;
     uint32_t object_count;
     const fxs_options *options;
     const fxs_camera *camera;
-    const fxs_object_view *views;  /* objects in the camera's space */
-    uint32_t room;                 /* result of fxs_cut_room */
+    const fxs_object_view *views;
+    uint32_t room;
     void *memory;                  /* fxs_cut_bytes(room) bytes, aligned to 8 */
 
     fxs_drawn *drawn;              /* result, in `memory`: chunks in ascending order */
@@ -32,7 +32,7 @@ uint64_t fxs_cut_bytes(uint32_t room);
 /* Fills in the results. Returns 0 or FXS_ERR_SCENE. */
 int fxs_cut_find(fxs_cut *cut);
 
-/* Returns how many numbers a scene takes in the numbering of all objects' chunks. */
+/* Returns how many chunk numbers a scene takes when chunks are counted over all objects. */
 static inline uint32_t fxs_cut_chunks(const fxs_scene *scene, int is_cut)
 {
     return is_cut ? fxs_scene_chunks(scene) : scene->chunk_count;

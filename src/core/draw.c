@@ -1,4 +1,4 @@
-/* Draws macro tiles of 2x2 tiles on the processor: sorts each list, blends and writes the pixels. */
+/* Draws macro tiles of 2x2 tiles on the processor: sorts each list, blends, writes the pixels. */
 #include "draw.h"
 #include "lister.h"
 #include "lists.h"
@@ -48,7 +48,7 @@ static void draw_macro(void *argument, uint32_t job)
             if (length)
                 fxs_lap(f, &laps, FXS_RESOLVED);
         }
-    if (!length)                   /* empty lists read the clock once */
+    if (!length)
         fxs_lap(f, &laps, FXS_RESOLVED);
 }
 

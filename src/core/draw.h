@@ -7,7 +7,6 @@
 /* Sorts the lists of macro tiles first_macro to last_macro and draws their tiles. Returns 0 or FXS_ERR_STOPPED. */
 int fxs_draw_macros(fxs_frame *f);
 
-/* Blends a tile and writes its pixels. */
 void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps);
 
 /* Sets the tile's sums to 0 and its transmittance to 1. */

@@ -44,7 +44,7 @@ int fxs_frame_render(fxs_frame *f)
     while (!error && fxs_band_next(f)) {
         if (f->mode == FXS_FRAME_SLICES)
             error = fxs_slices_draw(f);
-        else if (!(error = fxs_prepare_band(f)))                    /* project, shade, bin */
+        else if (!(error = fxs_prepare_band(f)))
             error = fxs_frame_draw(f);
     }
     f->stats.frame_nanoseconds += fxs_now(f) - start;
@@ -61,9 +61,9 @@ int fxs_frame_draw(fxs_frame *f)
     if (fxs_runs_by_rows(f))
         return fxs_runs_draw_rows(f);
     for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
-        fxs_lists_fill(f, end);                                     /* bin */
-        error = f->draw_tile ? fxs_draw_macros(f)                   /* sort, blend and resolve */
-                             : fxs_runs_draw(f);                    /* a back end draws */
+        fxs_lists_fill(f, end);
+        error = f->draw_tile ? fxs_draw_macros(f)
+                             : fxs_runs_draw(f);
     }
     for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
         f->stats.entries += f->tile_counts[tile];

@@ -8,7 +8,6 @@
 
 #define FXS_SORT_BUCKETS 2048
 
-/* Splats that are in memory at once. */
 enum fxs_frame_mode {
     FXS_FRAME_WHOLE,               /* all splats: a slot for every Gaussian */
     FXS_FRAME_PLAN,                /* none: only counts the splats of each tile row */
@@ -27,7 +26,6 @@ typedef struct fxs_laps {
     uint64_t start, *times;
 } fxs_laps;
 
-/* Receives a tile with its finished list. */
 struct fxs_frame;
 typedef void fxs_tile_fn(struct fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps);
 
@@ -43,25 +41,23 @@ typedef struct fxs_extent {
 } fxs_extent;
 
 typedef struct fxs_frame {
-    /* Arguments. */
     const fxs_context *context;
     const fxs_options *options;
     const fxs_object *objects;
     uint32_t object_count;
     uint32_t chunk_count;                  /* number of drawn chunks */
-    uint32_t cut_room;                     /* largest number of chunks in the level-of-detail cut; 0: no cut */
+    uint32_t cut_room;                     /* capacity of the level-of-detail cut; 0: no cut */
     unsigned char *memory;
     uint64_t memory_bytes;
     fxs_tile_fn *draw_tile;                /* null: a back end draws */
     uint32_t only_tile;                    /* tile to draw for fxs_pick; FXS_NOTHING: all */
 
-    /* The current eye. */
     fxs_view view;                         /* view in world space */
     fxs_camera camera;
     const fxs_targets *targets;
 
-    /* Jobs. Project, shade and bin run once per block of chunks. The lists are made once per part of the blocks. Sort,
-       blend and resolve run once per macro tile. */
+    /* Project, shade and bin run once per block of chunks, the lists once per part of the blocks, the other stages once
+       per macro tile. */
     enum fxs_frame_mode mode;
     uint32_t blocks, block_chunks;
     uint32_t parts;                        /* one part per thread */
@@ -69,24 +65,23 @@ typedef struct fxs_frame {
 
     /* Arrays that live for the whole frame, fixed_bytes in all. */
     uint64_t fixed_bytes, bytes_for_all;   /* minimum memory for FXS_FRAME_WHOLE */
-    fxs_object_view *views;                /* objects in the camera's space */
+    fxs_object_view *views;
     uint32_t *block_slots;                 /* first slot of each block; last: end of the last block */
     uint32_t *block_counts;                /* splats of each block; FXS_BLOCK_FAILED: error */
     uint64_t *block_times;                 /* per block: nanoseconds in project, shade and bin */
-    void *cut_memory;                      /* fxs_cut_bytes(cut_room) bytes */
+    void *cut_memory;
     const fxs_drawn *drawn;                /* chunks to draw; null: all */
-    fxs_row_counts *row_counts;            /* plan: tiles_y + 1 entries per block */
-    fxs_extent *extents;                   /* plan: one per drawn chunk */
+    fxs_row_counts *row_counts;
+    fxs_extent *extents;
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* one per part; used by back ends without lists */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list; end of the list, for back ends */
     uint32_t *lengths;                     /* length of each macro tile's list */
     uint32_t *next;                        /* per part: a counter per macro tile, then FXS_NEXT_MORE numbers */
     uint64_t *macro_times;                 /* per macro tile: nanoseconds in sort, bin, blend and resolve */
 
-    /* Arrays of the current band. */
     int32_t first_row, end_row;
-    int32_t first_column, end_column;      /* tile columns; a slice does not cover all columns */
-    uint32_t count;                        /* number of splats in the band */
+    int32_t first_column, end_column;      /* tile columns; all, except for slices */
+    uint32_t count;
     fxs_splat *splats;                     /* by slot; each block has consecutive slots */
     fxs_bounds *bounds;
     fxs_box *boxes;
@@ -97,12 +92,11 @@ typedef struct fxs_frame {
 
     /* Slices only. */
     uint32_t slice_room, slice_macros;     /* capacity in splats; columns of macro tiles, 0: no slices */
-    fxs_tile *pixels;                      /* one per tile */
+    fxs_tile *pixels;
     fxs_trace *nothing;                    /* one per macro tile; requests no depths or ids */
 
-    /* Work in progress. */
-    uint32_t first_macro, last_macro;      /* range of macro tiles with lists */
-    uint32_t first_tile, last_tile;        /* range of tiles that a back end draws */
+    uint32_t first_macro, last_macro;
+    uint32_t first_tile, last_tile;
     int stopped;                           /* 1: options.stop returned true */
 
     fxs_stats stats;
@@ -116,13 +110,13 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
 int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye);
 
 /* Lays out the memory, transforms the objects and chooses their chunks. Returns 0, FXS_ERR_OBJECT, FXS_ERR_SCENE or
-   FXS_ERR_STOPPED. Returns FXS_ERR_MEMORY if a tile row does not fit; stats.memory.least is then the minimum. */
+   FXS_ERR_STOPPED. Returns FXS_ERR_MEMORY if a tile row does not fit in the memory. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* Returns the errors of fxs_frame_begin except FXS_ERR_SCENE and FXS_ERR_STOPPED. Sets stats.memory.least. */
+/* Returns the errors of fxs_frame_begin except FXS_ERR_SCENE and FXS_ERR_STOPPED. */
 int fxs_frame_check(fxs_frame *f);
 
-/* Lists and sorts the splats of the band, and draws them. Returns 0, FXS_ERR_STOPPED or a back end's error. */
+/* Lists, sorts and draws the splats of the band. Returns 0, FXS_ERR_STOPPED or a back end's error. */
 int fxs_frame_draw(fxs_frame *f);
 
 /* Renders all bands. Returns the errors of fxs_frame_begin and fxs_frame_draw. */
@@ -133,8 +127,7 @@ static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_
     fxs_run(&f->context->config, job, (void *)f, jobs);
 }
 
-/* Returns true if the caller stopped the frame. Each job calls this function; options.stop is not called again after it
-   returned true. */
+/* Returns true if the caller stopped the frame. Does not call options.stop again after it returned true. */
 static inline int fxs_frame_stopped(fxs_frame *f)
 {
     const fxs_options *o = f->options;
@@ -149,7 +142,6 @@ static inline uint64_t fxs_now(const fxs_frame *f)
     return config->clock ? config->clock(config->clock_argument) : 0;
 }
 
-/* Returns the block's first index in the array of drawn chunks. */
 static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 {
     uint64_t chunk = (uint64_t)block * f->block_chunks;
@@ -175,7 +167,6 @@ static inline void fxs_frame_move(const fxs_frame *f, uint32_t to, uint32_t slot
     f->indices[to] = f->indices[slot];
 }
 
-/* Returns the number of tiles above a tile row. */
 static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
 {
     return (uint32_t)(row * f->view.tiles_x);

@@ -4,14 +4,13 @@
 
 #include "frame.h"
 
-/* Returns the tile rows that may list a splat. */
+/* Return the tile rows, and the tile columns, that may list a splat. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
-/* Returns the tile columns that may list a splat. */
 fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds);
 
 /* State of a job that makes the lists of macro tiles first_macro to last_macro. The first pass counts the keys of each
-   list, the second writes them. The first pass keeps notes of its results while space lasts. */
+   list and notes its results while space lasts. The second pass writes the keys. */
 typedef struct fxs_lister {
     const fxs_view *view;
     const fxs_splat *splats;
@@ -19,7 +18,7 @@ typedef struct fxs_lister {
     const fxs_box *boxes;
     const uint32_t *depths;        /* depth keys, for sorting */
     void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
-                  fxs_span *spans);    /* kernels; see fxs_kernels */
+                  fxs_span *spans);
     uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
                      uint32_t *listed);
     uint32_t first_macro, last_macro;
@@ -29,7 +28,7 @@ typedef struct fxs_lister {
     uint32_t noted, from;          /* the first `noted` notes cover all slots before `from` */
 } fxs_lister;
 
-/* First pass for `count` slots from `first` on: increments next[macro] for each listed splat, and takes notes. */
+/* First pass for `count` slots from `first` on: increments next[macro] for each listed splat. */
 void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 
 /* Second pass: writes each key to keys[next[macro]++]. */
@@ -38,8 +37,7 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 /* Second pass for the slots before `from`, from the notes. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
-/* Sets FXS_ENTRY_CUT_OFF in each entry of a tile's list with an ellipse that misses the tile. Only for the square
-   cut-off. */
+/* Square cut-off only: sets FXS_ENTRY_CUT_OFF in the entries of splats with an ellipse that misses the tile. */
 void fxs_mark_cut_off(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
 
 #endif

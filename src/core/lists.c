@@ -1,11 +1,11 @@
-/* Makes the lists of splats for macro tiles of 2x2 tiles. The first pass counts the keys of each list. The second pass
- * fills as many lists as fit in the memory. Parallel jobs each take a part of the splats. */
+/* Makes the lists of splats for macro tiles of 2x2 tiles: counts the keys of each list, then fills as many lists as fit
+ * in the memory. Parallel jobs each take a part of the splats. */
 #include "lister.h"
 #include "lists.h"
 #include "memory.h"
 
 /* Layout of fxs_frame.next for one part, after its counters: number of notes, end slot of the notes, offset and
-   capacity of the notes in `spare`. */
+   capacity of the notes. */
 enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
@@ -100,7 +100,6 @@ int fxs_lists_rows_fit(const fxs_frame *f)
     return 1;
 }
 
-/* Lists contain the keys of part 0, then part 1 and so on. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->view.tiles_x), row_end = (f->first_macro / across + 1) * across;

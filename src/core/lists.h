@@ -1,12 +1,11 @@
-/* Counts, fills and sorts the lists of splats of a band's macro tiles. A macro tile is 2x2 tiles. */
+/* Counts, fills and sorts the lists of splats of macro tiles, 2x2 tiles each. */
 #ifndef FXS_LISTS_H
 #define FXS_LISTS_H
 
 #include "lister.h"
 
-#define FXS_NEXT_MORE 4u           /* numbers per part in fxs_frame.next, after the counters */
+#define FXS_NEXT_MORE 4u
 
-/* Returns the state of the job that lists one part of the splats. */
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part);
 
 /* Counts the keys of the lists of the band's macro tiles, first_macro to last_macro. */
@@ -15,12 +14,12 @@ void fxs_lists_count(fxs_frame *f);
 /* Returns true if the lists of each row of macro tiles fit in the memory. Call fxs_lists_count first. */
 int fxs_lists_rows_fit(const fxs_frame *f);
 
-/* Fills as many lists of macro tiles from first_macro to `end` - 1 as fit in the memory, at least one. Sets last_macro.
-   For a back end, the macro tiles are whole rows or part of one row. */
+/* Fills as many lists from macro tile first_macro to `end` - 1 as fit in the memory, at least one. Sets last_macro. For
+   a back end, the macro tiles are whole rows or part of one row. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end);
 
-/* fxs_list_of returns the unsorted list of a macro tile. fxs_list_sort sorts and returns the list. fxs_list_room
-   returns scratch space for as many keys as the list has. */
+/* fxs_list_of returns a macro tile's unsorted list. fxs_list_sort sorts and returns the list. fxs_list_room returns
+   scratch space for as many keys. */
 const fxs_key *fxs_list_of(const fxs_frame *f, uint32_t macro);
 const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro);
 uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro);

@@ -1,4 +1,4 @@
-/* Includes the only header of the C library that the renderer needs: memcpy, memset and string functions. */
+/* Includes the only header of the C library that the renderer needs. */
 #ifndef FXS_MEMORY_H
 #define FXS_MEMORY_H
 

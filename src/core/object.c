@@ -1,5 +1,5 @@
-/* Transforms the camera to an object's space, so that the stages need not know objects. Also converts depths to world
- * units, and applies crop boxes and tint to splats. */
+/* Transforms the camera to an object's space, so that the stages need not know objects. Applies crop boxes, tint and
+ * scale to splats. */
 #include "object.h"
 
 #include "codes.h"
@@ -152,7 +152,7 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
         splat->colour_q13[c] = (int16_t)fxs_min((splat->colour_q13[c] * object->tint_q13[c] + 4096) >> 13, 32767);
 }
 
-#ifndef __CUDACC__                 /* device code has no table of kernels */
+#ifndef __CUDACC__
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
                            uint32_t *indices, uint32_t *depths)

@@ -1,5 +1,5 @@
-/* An object in a camera's space. The functions apply the object's scale, crop boxes, opacity and tint to its splats. A
- * chunk has 256 Gaussians. */
+/* An object in a camera's space, and the changes that its scale, crop boxes and tint make to splats. A chunk has 256
+ * Gaussians. */
 #ifndef FXS_OBJECT_H
 #define FXS_OBJECT_H
 
@@ -19,7 +19,6 @@ typedef struct fxs_object_view {
     uint32_t crop_count, keep_count;   /* number of crop boxes; number without the flag `outside` */
 } fxs_object_view;
 
-/* Checks an object's fields. Returns 0, FXS_ERR_ARGUMENT or FXS_ERR_OBJECT. */
 int fxs_object_check(const fxs_object *object);
 
 /* Fills in *out for a checked object, except first_chunk and end_chunk. Returns the errors of fxs_view_of_object. */
@@ -38,13 +37,12 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);
 /* Returns 0 if the crop boxes remove all Gaussians of a chunk. */
 FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chunk *header);
 
-/* Projects a chunk of the object; `chunk` is numbered in the object. share_q8 is the share of the optical depth to
-   draw, 1 to 1024; 256: unchanged. grow_q8 is the growth of the sigmas, log2, 0 to 256. */
+/* Projects a chunk, numbered in the object. share_q8: share of the optical depth to draw, 1 to 1024; 256: unchanged.
+   grow_q8: growth of the sigmas, log2, 0 to 256. */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
                            uint32_t *indices, uint32_t *depths);
 
-/* Computes the colours of splats, with the object's tint. */
 int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                      const uint32_t *indices, uint32_t count, fxs_splat *splats);
 

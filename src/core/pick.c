@@ -1,4 +1,4 @@
-/* Finds the Gaussian at a pixel: renders only the pixel's tile, and reads the most visible splat. */
+/* Finds the Gaussian at a pixel: renders the pixel's tile, and reads the splat with the largest weight. */
 #include "memory.h"
 #include "trace.h"
 
@@ -7,7 +7,7 @@
 
 typedef struct pick {
     fxs_frame frame;               /* must be first: pick_tile casts it to pick */
-    fxs_targets targets;           /* no output images */
+    fxs_targets targets;
     int32_t x, y;
     uint32_t key, index;           /* depth key and number of the Gaussian found */
 } pick;

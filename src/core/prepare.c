@@ -1,5 +1,5 @@
-/* Projects Gaussians, computes their colours and finds their tiles, in parallel jobs. Each job handles a block of
- * chunks of 256 Gaussians, with its own slots for splats. */
+/* Projects Gaussians, computes their colours and finds their tiles. Each parallel job has a block of chunks of 256
+ * Gaussians, and its own slots for splats. */
 #include "chunk.h"
 #include <fixsplat/fixed.h>
 #include "memory.h"
@@ -25,8 +25,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
-/* Returns the colour of a chunk's tree level, for options.show_levels. Nodes are numbered by descending number of
-   leaves, about leaves / (number + 1). The level is log2 of the number of leaves. */
+/* Returns the colour of a chunk's tree level, for options.show_levels. Node number n covers about chunk_count / (n + 1)
+   leaves, and log2 of that is the level. */
 static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
 {
     static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
@@ -64,7 +64,6 @@ void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count)
     f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
 }
 
-/* Prefetches bytes `from` to `end` - 1 of a chunk's rows. */
 static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
 {
     const fxs_object_view *object = &f->views[number];
@@ -74,8 +73,8 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
     (void)rows;
 }
 
-/* Projects, shades and bins the chunks first to end - 1, at most FXS_BLOCK, so that their splats fit in the cache.
-   Returns the number of splats stored from `slot` on, or FXS_ERR_SCENE. */
+/* Projects, shades and bins chunks first to end - 1, at most FXS_BLOCK, so that their splats fit in the cache. Returns
+   the number of splats stored from `slot` on, or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
@@ -109,8 +108,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     return (int32_t)(starts[end - first] - slot);
 }
 
-/* Counts the splats of a block by tile row, reusing the slots of one chunk. Returns the number of splats or
-   FXS_ERR_SCENE. */
+/* Counts the splats of a block by tile row. Returns their number or FXS_ERR_SCENE. */
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {
     uint32_t all = 0;

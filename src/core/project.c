@@ -1,18 +1,18 @@
 /* Projects packed Gaussians to the picture by EWA splatting (Zwicker et al. 2001; Kerbl et al. 2023): Sigma' = J W R S
  * S^T R^T W^T J^T + 0.3 I. The matrix T = J W R S is in fixed point, in units of 2^E pixels, with E from the Gaussian's
- * size. Output: centre, covariance, rows that map pixels to u and v, and depth. */
+ * size. */
 #include "codes.h"
 #include <fixsplat/fixed.h>
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 
 typedef struct projected {
-    int32_t camera[3];             /* x, y, z in units of fxs_chunk_view */
+    int32_t camera[3];
     int zeros;                     /* leading zeros of the depth; orthographic: plane_zeros */
     uint32_t inverse_q30;          /* 2^62 / (depth << zeros) */
     int32_t slope_q23[2];          /* x / depth and y / depth, clamped to +-64 */
     int32_t position_q14[2];       /* pixels; 0: centre of the first pixel; invalid if out_of_range */
-    int out_of_range;              /* too far from the axis or the picture */
+    int out_of_range;
 } projected;
 
 /* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation 0.3 I, Q60. */
@@ -20,10 +20,9 @@ typedef struct covariance {
     uint32_t a_q30, c_q30;
     int32_t b_q30;
     uint64_t det_q60, det_undilated_q60;
-    int exponent;                  /* E */
+    int exponent;
 } covariance;
 
-/* Projects a Gaussian's centre. Returns 0 if the centre is behind the near plane. */
 static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
     for (int i = 0; i < 3; i++)
@@ -169,7 +168,6 @@ static uint32_t scale_down(uint32_t x, int shift)
     return (fxs_shift_down(x, shift - 1) + 1) >> 1;
 }
 
-/* sqrt(x) 2^exponent */
 static uint32_t sqrt_q8(root r, int exponent)
 {
     return scale_down(fxs_mulhi(r.m, r.inverse_q30), 22 - r.half - exponent);
@@ -266,8 +264,8 @@ static int64_t shift_and_cut(int64_t x, int shift)
                      : cut_to_16_q26(x >> (shift < 62 ? shift : 62));
 }
 
-/* Returns the offset of a Gaussian's centre from the middle of the picture, in units of 2^exponent pixels, Q26, clamped
-   to +-16. */
+/* Returns the offset of a Gaussian's centre from the picture's middle, in units of 2^exponent pixels, Q26, clamped to
+   +-16. */
 static int64_t from_middle_q26(const projected *centre, int i, int64_t f_q12, int64_t c_q12, int32_t tiles,
                                int exponent)
 {
@@ -282,8 +280,7 @@ static int64_t magnitude_of(int64_t x)
     return x < 0 ? -x : x;
 }
 
-/* Like `whiten`, for a veil, relative to the middle of the picture. Returns 0 if the veil's ellipse misses the
-   picture. */
+/* Like `whiten`, for a veil, relative to the picture's middle. Returns 0 if the veil's ellipse misses the picture. */
 static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s,
                 const projected *centre, uint32_t r_q12)
 {
@@ -313,7 +310,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 
 /* ---------------------------------------------------------------------------------------------------------------- */
 
-/* Computes size, shape and opacity, after project_centre. Returns 0 if the Gaussian touches no pixel. */
+/* Returns 0 if the Gaussian touches no pixel. */
 static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
@@ -369,7 +366,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
                                              : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
-/* Returns the depth as a 32-bit key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
+/* Returns the depth as a key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
    2^(shift - 32), shift 0 to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
@@ -378,7 +375,6 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return (uint32_t)(cv->shift - zeros - 1 + FXS_DEPTH_BIAS) << 26 | ((z << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Projects a Gaussian with the offset -2 ln(opacity). Returns 0 if the Gaussian touches no pixel. */
 static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
                        const fxs_chunk_view *cv, enum fxs_profile profile, const fxs_codes *codes, uint32_t offset_q11)
 {

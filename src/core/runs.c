@@ -1,5 +1,5 @@
-/* Passes runs of consecutive tiles with their lists of splats to a back end's function config.draw. A back end without
- * lists receives all splats of the band in order of depth. A macro tile is 2x2 tiles. */
+/* Passes runs of consecutive tiles with their lists of splats to a back end. A back end without lists receives all
+ * splats of the band, sorted by depth. A macro tile is 2x2 tiles. */
 #include "lister.h"
 #include "lists.h"
 #include "runs.h"
@@ -18,7 +18,7 @@ static void gather_part(void *argument, uint32_t part)
         }
 }
 
-/* Returns the keys of all splats of the band in ascending order of depth. */
+/* Returns the keys of all splats of the band, sorted by depth. */
 static const fxs_key *sort_all(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);
@@ -40,7 +40,7 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of a macro tile's tiles in the run. Other jobs write behind the ends of these lists. */
+/* Makes the lists of a macro tile's tiles. Must not write behind their ends, where other jobs write. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -60,7 +60,6 @@ static void list_macro(void *argument, uint32_t job)
     }
 }
 
-/* Passes a run of tiles to the back end: lists, the keys of all splats, or blended pixels. */
 static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blended)
 {
     const fxs_config *config = &f->context->config;
@@ -137,7 +136,7 @@ int fxs_runs_by_rows(const fxs_frame *f)
     return !f->draw_tile && f->context->config.draw_blended && f->end_row - f->first_row > 1 && !fxs_lists_rows_fit(f);
 }
 
-/* Draws each tile row with its own lists. Lists for part of a row of macro tiles would mix two tile rows. */
+/* Gives each tile row its own lists, because lists for part of a row of macro tiles would mix two tile rows. */
 int fxs_runs_draw_rows(fxs_frame *f)
 {
     const int32_t first = f->first_row, end = f->end_row;

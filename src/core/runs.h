@@ -4,8 +4,8 @@
 
 #include "frame.h"
 
-/* Sorts the lists of macro tiles first_macro to last_macro, and passes their tiles to the back end. The drawing
-   functions of this file return 0 or the back end's error. */
+/* Sorts the lists of macro tiles first_macro to last_macro, and passes their tiles to the back end. Returns 0 or the
+   back end's error. */
 int fxs_runs_draw(fxs_frame *f);
 
 /* fxs_runs_unlisted returns true if the back end needs no lists. fxs_runs_draw_unlisted draws the band without
@@ -13,8 +13,8 @@ int fxs_runs_draw(fxs_frame *f);
 int fxs_runs_unlisted(const fxs_frame *f);
 int fxs_runs_draw_unlisted(fxs_frame *f);
 
-/* fxs_runs_by_rows returns true if the back end needs one tile row per call; call fxs_lists_count first.
-   fxs_runs_draw_rows draws the band in this way. */
+/* fxs_runs_by_rows returns true if the back end needs one tile row per call. fxs_runs_draw_rows draws the band in this
+   way. */
 int fxs_runs_by_rows(const fxs_frame *f);
 int fxs_runs_draw_rows(fxs_frame *f);
 

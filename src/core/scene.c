@@ -2,7 +2,6 @@
 #include "chunk.h"
 #include "memory.h"
 
-/* Offsets of a packed scene's parts, and its size in bytes. */
 typedef struct layout {
     uint64_t palette, rows, bytes;
 } layout;
@@ -35,7 +34,6 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
     return layout_of(&l, count, sh_degree, profile, palette_entries) && l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
-/* Offsets of the parts of a level-of-detail tree, and its size in bytes. */
 typedef struct tree_layout {
     uint64_t chunks, rows, bytes;
 } tree_layout;

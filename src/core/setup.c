@@ -60,7 +60,6 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-/* Lays out the memory for the largest number of chunks, and transforms the objects. */
 static int place_objects(fxs_frame *f)
 {
     uint32_t first_chunk = 0;

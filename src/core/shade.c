@@ -1,9 +1,8 @@
-/* Computes a splat's colour from quantised spherical harmonics (SH) and the view direction: max(0, 0.5 + sum basis *
+/* Computes a splat's colour from spherical harmonics (SH) and the view direction: max(0, 0.5 + sum basis *
  * coefficient). Basis and signs are those of Kerbl et al. 2023 and KHR_gaussian_splatting. */
 #include "codes.h"
 #include <fixsplat/fixed.h>
 
-/* Converts a constant in millionths to Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
 /* Returns the unit vector from the camera to a Gaussian, Q15. */
@@ -98,7 +97,6 @@ static fxs_sh_sums sum_of(const fxs_scene *scene, const fxs_chunk *chunk, const 
     return s;
 }
 
-/* Evaluates the SH basis in the direction of a Gaussian. Functions above the view's degree are 0. */
 static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *chunk, const uint16_t position[3])
 {
     int64_t offset_q32[3];

@@ -1,11 +1,10 @@
-/* Decides whether a camera sees a chunk of 256 Gaussians, and computes the key that orders the nodes of a
- * level-of-detail tree. The node with the largest key is replaced by its children first. The key is the gain of that
- * step in log2:
+/* Decides whether a camera sees a chunk of 256 Gaussians, and orders the nodes of a level-of-detail tree by a key. The
+ * node with the largest key is replaced by its children first. The key is the gain of that step in log2:
  *
  *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
  *
- * gain and sigma are stored with the node, d is the distance from the camera to the node's box, f the focal length in
- * pixels. The last term is blur: errors below the size of a pixel are hardly visible. */
+ * gain and sigma are stored with the node, d is the distance to the node's box, f the focal length in pixels. The last
+ * term is blur: errors below the size of a pixel are hardly visible. */
 #include "sight.h"
 
 #include <fixsplat/fixed.h>
@@ -51,9 +50,9 @@ static uint64_t exp2_q16(int32_t x_q8)
     return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
 }
 
-/* Returns log2 of the growth of a node's mass, (area + 0.15 swell) / (area + 0.15). The dilation of 0.3 pixels^2 makes
-   many small Gaussians cover more than the few coarse ones of the node. Half the dilation is used, because small
-   Gaussians hide each other. Antialiased scenes already compensate for the dilation. */
+/* Returns log2 of the growth of a node's mass, (area + 0.15 swell) / (area + 0.15). The dilation by 0.3 pixels^2 makes
+   many small Gaussians cover more than a node's few coarse ones. Half is used, because small Gaussians hide each other.
+   Antialiased scenes already compensate. */
 static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;

@@ -1,6 +1,5 @@
 /* Draws a tile row with more splats than the memory holds, in slices: blends the nearest splats that fit, then the next
- * ones over the same pixels. Each pass covers some columns of the row. Slow, because every slice projects all Gaussians
- * of the row again. */
+ * ones over the same pixels. Slow, because every slice projects the row's Gaussians again. */
 #include "bands.h"
 #include "draw.h"
 #include "lister.h"
@@ -24,8 +23,7 @@ static fxs_key key_of(const fxs_frame *f, uint32_t slot)
     return FXS_KEY(f->depths[slot], f->indices[slot]);
 }
 
-/* Keeps the newly projected splats that are in the slice's range of keys and columns. There are `count` of them, after
-   the slice's own. */
+/* Keeps the new splats in the slice's range of keys and columns, out of `count` after the slice's own. */
 static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
@@ -36,7 +34,7 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
     }
 }
 
-/* Keeps the nearest 3/4 of the capacity in the scene's order, and moves `last` to the farthest splat kept. */
+/* Keeps the nearest splats, 3/4 of the capacity, and moves `last` to the farthest of these. */
 static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
@@ -58,7 +56,6 @@ static int may_have(const fxs_frame *f, const slice *s, uint32_t chunk)
            e->farthest >= s->first >> 32 && e->nearest <= s->last >> 32;
 }
 
-/* Projects the splats of the slice. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 static int take(fxs_frame *f, slice *s)
 {
     s->last = UINT64_MAX;
@@ -80,7 +77,7 @@ static int take(fxs_frame *f, slice *s)
     return 0;
 }
 
-/* Computes colours and tiles of the splats in slots 0 to count - 1. Returns 0 or FXS_ERR_SCENE. */
+/* Computes colours and tiles of the first `count` slots. Returns 0 or FXS_ERR_SCENE. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {
@@ -98,8 +95,7 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Prepares the splats of the next slice. Returns 0 or FXS_ERR_STOPPED. Returns FXS_ERR_SCENE also if the scene changes
-   and yields endless splats. */
+/* Prepares the next slice. Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -111,7 +107,7 @@ static int next_slice(fxs_frame *f, slice *s)
 
 /* ---- Drawing ----------------------------------------------------------------------------------------------------- */
 
-/* Blends a slice's list into a tile. Uses the kernel `trace`, because `blend` always starts with an empty tile. */
+/* Blends a slice's list into a tile. The kernel `blend` would start with an empty tile. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     const int32_t column = (int32_t)tile % f->view.tiles_x - f->first_column;
@@ -127,7 +123,6 @@ static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps
     fxs_lap(f, laps, FXS_BLENDED);
 }
 
-/* Writes the blended tiles, or passes them to the back end. Returns 0 or the back end's error. */
 static int hand_over(fxs_frame *f)
 {
     const uint32_t above = fxs_tiles_above(f, f->first_row);

@@ -1,5 +1,5 @@
-/* Sorts keys by ascending depth, then by splat, with a radix sort. One job sorts the list of a macro tile. Several jobs
- * together sort all splats of a band. The result does not depend on the number of jobs. */
+/* Sorts keys by ascending depth, then by splat, with a radix sort. One job sorts the list of a macro tile; several jobs
+ * together sort all splats of a band. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "sort.h"
@@ -14,11 +14,11 @@
 #define HUGE 32768u                /* keys; more do not fit in a cache */
 #endif
 #define MOVES 4u                   /* most moves per key by insertion */
-#define DIGIT 11                   /* log2 of FXS_SORT_BUCKETS */
+#define DIGIT 11
 
 typedef struct digit {
     int shift;
-    uint32_t buckets;              /* power of two */
+    uint32_t buckets;
 } digit;
 
 typedef struct sorter {
@@ -98,7 +98,7 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-/* Insertion sort for nearly sorted keys. Gives up after more than `left` moves and returns 0. */
+/* Insertion sort for nearly sorted keys. Returns 0 after more than `left` moves. */
 static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 {
     for (uint32_t i = 1; i < count; i++) {
@@ -157,8 +157,7 @@ static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digits of the range of depths, then by insertion. If many depths are close together, sorts by all
-   digits first. */
+/* Sorts by the top digits of the range of depths, then by insertion. Many close depths need a sort by all digits. */
 void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;

@@ -1,4 +1,4 @@
-/* Checks the images of a request, and writes the colours and coverage of a tile. trace.c writes depths and ids. */
+/* Checks the images of a request, and writes the colours and coverage of a tile. */
 #include "memory.h"
 #include "targets.h"
 
@@ -11,7 +11,6 @@ void fxs_targets_init(fxs_targets *targets)
 
 /* ---- Checks ------------------------------------------------------------------------------------------------------ */
 
-/* An image of a request: bytes per pixel, alignment, 1: written. */
 typedef struct part {
     const fxs_image *image;
     int bytes, alignment, written;
@@ -26,7 +25,6 @@ static void parts_of(part parts[IMAGES], const fxs_targets *t)
     memcpy(parts, all, sizeof all);
 }
 
-/* Address range of an image, from its first byte to the end of its last. */
 typedef struct extent {
     uintptr_t low, high;
 } extent;
@@ -61,13 +59,12 @@ static int overlap(const part *a, const part *b, int32_t width, int32_t height)
     if ((strides[0] != strides[1] && strides[0] != -strides[1]) || !stride)
         return 1;
     const part *parts[2] = {a, b};
-    const int first = extents[1].low < extents[0].low;     /* index of the image with the lower address */
+    const int first = extents[1].low < extents[0].low;
     const uintptr_t ahead = (extents[!first].low - extents[first].low) % stride;
     return ahead < (uintptr_t)(width * (ptrdiff_t)parts[first]->bytes) ||
            ahead + (uintptr_t)(width * (ptrdiff_t)parts[!first]->bytes) > stride;
 }
 
-/* Returns true if two images overlap and at least one is written. */
 static int collide(const part *a, const part *b, int32_t width, int32_t height)
 {
     return a->image->pixels && b->image->pixels && (a->written || b->written) && overlap(a, b, width, height);
@@ -136,15 +133,13 @@ static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows
             pixels[y * stride + x] = (unsigned char)fxs_coverage_8bit(tile->transmittance_q15[y * FXS_TILE + x]);
 }
 
-#ifndef __CUDACC__                 /* device code has no table of kernels */
-/* Returns the format to write before swap_bytes. */
+#ifndef __CUDACC__
 static enum fxs_format resolved_format(enum fxs_format format)
 {
     return format == FXS_FORMAT_BGRA8 ? FXS_FORMAT_RGBA8
            : format == FXS_FORMAT_RGB565_SWAPPED ? FXS_FORMAT_RGB565 : format;
 }
 
-/* Swaps byte 0 of each pixel with byte 2 for BGRA8, or with byte 1 for RGB565_SWAPPED. */
 static void swap_bytes(enum fxs_format format, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 {
     const int bytes = fxs_pixel_bytes(format), other = format == FXS_FORMAT_BGRA8 ? 2 : 1;

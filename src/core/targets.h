@@ -4,10 +4,9 @@
 
 #include "frame.h"
 
-/* Checks the images for pictures of this size. Returns 0 or FXS_ERR_TARGET. */
 int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height);
 
-/* Returns true if the checked images of two pictures of this size overlap and one of them is written. */
+/* Returns true if images of two pictures of this size overlap and one of them is written. */
 int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t width, int32_t height);
 
 /* Returns FXS_ERR_TARGET if an eye has no image to write and no back end draws, otherwise 0. */
@@ -16,7 +15,6 @@ int fxs_targets_missing(const fxs_context *context, const fxs_request *request);
 /* Returns true if the kernel `trace` is needed instead of `blend`: for depths, ids or an occluder. */
 int fxs_targets_traced(const fxs_targets *targets);
 
-/* Writes the colours and coverage of the tile at pixel (x, y). */
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y);
 
 /* Like fxs_resolve_c, with an RGBA8 picture as the background. */

@@ -4,7 +4,6 @@
 
 #include "frame.h"
 
-/* Laps of a macro tile's stopwatch. */
 enum { FXS_SORTED, FXS_LISTED_TILES, FXS_BLENDED, FXS_RESOLVED, FXS_LAPS };
 
 /* Adds the time since the last lap to lap `which`, if the macro tile is timed. */

@@ -6,24 +6,24 @@
 #include "targets.h"
 #include "trace.h"
 
-#define STRETCH 32767u             /* most entries per stretch, so that their numbers fit in 16 bits */
-#define PART 512u                  /* most entries per part */
+#define STRETCH 32767u             /* entries; their numbers fit in 16 bits */
+#define PART 512u
 #define AHEAD 16                   /* prefetch distance, in entries */
 
 typedef struct tracer {
     const fxs_frame *f;
     const fxs_targets *targets;
     int bits;                      /* fraction bits of depths in the caller's images */
-    const uint32_t *list;          /* a stretch of the tile's list */
+    const uint32_t *list;
     uint32_t count;
     uint32_t first, end;           /* range of the current part in the stretch */
     fxs_trace trace;
-    int16_t before_q15[FXS_TILE_PIXELS];   /* transmittance before the part */
+    int16_t before_q15[FXS_TILE_PIXELS];
     int16_t codes_q15[PART];       /* depth / 2^octave - 1, Q15 */
     uint32_t keys[PART];
     uint32_t limits[FXS_TILE_PIXELS];      /* depth keys of the occluder; farther splats are hidden */
     uint64_t sums[FXS_TILE_PIXELS];        /* sums of weight * depth */
-    uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];   /* slots: indices of splats */
+    uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];
 } tracer;
 
 static uint32_t slot_of(uint32_t entry)
@@ -106,7 +106,6 @@ static int end_part(tracer *t, const fxs_tile *tile)
     return open;
 }
 
-/* Blends a stretch of the list. Returns true if any pixel is not yet opaque. */
 static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
 {
     int open = 1;

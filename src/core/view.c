@@ -1,5 +1,4 @@
-/* Prepares the camera for the stages, once per frame and object: computes the parts of the projection that do not
- * depend on the Gaussian. */
+/* Computes the parts of the projection that do not depend on the Gaussian, once per frame and object. */
 #include "view.h"
 
 #include <fixsplat/fixed.h>
@@ -42,7 +41,6 @@ static int is_window(const fxs_camera *camera)
     return camera->whole_width || camera->whole_height;
 }
 
-/* Checks that a window lies inside its whole picture. */
 static int check_window(const fxs_camera *camera)
 {
     const int32_t whole[2] = {camera->whole_width, camera->whole_height}, own[2] = {camera->width, camera->height};
@@ -102,8 +100,8 @@ static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
     view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
 }
 
-/* Field of view plus 30 % (Kerbl et al. 2023; off-centre as in gsplat), as slopes x/z: -c / f - 0.3 size / (2 f) and
-   (size - c) / f + 0.3 size / (2 f). Clamped to +-60. */
+/* Field of view plus 30 % (Kerbl et al. 2023), as slopes x/z: -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size /
+   (2 f). Clamped to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     const int64_t most = (int64_t)60 << 23;
@@ -115,8 +113,7 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
 }
 
 /* Returns the size exponent below which a Gaussian with its centre out of range is dropped. From slope 64 or 65536
-   pixels away, a smaller radius of 3.5 (2^exponent + 1) pixels does not reach the picture. At least 7 and log2(size /
-   16). */
+   pixels away, a smaller radius of 3.5 (2^exponent + 1) pixels does not reach the picture. */
 static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
@@ -166,7 +163,6 @@ static void jacobian_rows(fxs_view *view)
         }
 }
 
-/* Returns the size and principal point of the whole picture, of which the camera may be a window. */
 static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[2])
 {
     const int window = is_window(camera);
@@ -176,8 +172,7 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
     c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
 }
 
-/* Derives the values that depend on focal lengths, position and rotation. A window has its own edges; the other values
-   come from the whole picture. */
+/* A window has its own edges; the other values come from the whole picture. */
 static void derive(fxs_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
@@ -218,7 +213,7 @@ static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 }
 
 /* Converts the orthographic fx and fy, in pixels per unit, to focal lengths for a plane at depth 2^plane_exponent. One
-   focal length is 1/2 to 1 times plane_focal_q12, so slopes in the picture are at most 32. */
+   focal length is 1/2 to 1 times plane_focal_q12, so slopes are at most 32. */
 static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
@@ -238,7 +233,6 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
     memset(camera, 0, sizeof *camera);
     camera->width = width;
     camera->height = height;
-    /* unsigned: width is unchecked */
     camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);
     camera->cy_q12 = (int32_t)((uint32_t)height * 2048);
     camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
@@ -318,7 +312,6 @@ static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3],
     return 1;
 }
 
-/* Computes W R. */
 static void turn(int32_t out_q30[9], const int32_t w_q30[9], const int32_t r_q30[9])
 {
     for (int i = 0; i < 3; i++)

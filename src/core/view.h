@@ -4,14 +4,14 @@
 
 #include <fixsplat/stage.h>
 
-/* Fills in the camera in world space. Returns 0, FXS_ERR_CAMERA or FXS_ERR_SIZE. */
+/* Prepares the camera in world space. Returns 0, FXS_ERR_CAMERA or FXS_ERR_SIZE. */
 int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options);
 
-/* Fills in the camera in the space of a checked object. Returns 0, or FXS_ERR_OBJECT if the object is too far away. */
+/* Prepares the camera in the space of a checked object. Returns 0, or FXS_ERR_OBJECT if the object is too far away. */
 int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
 
-/* Replaces a view's edges by those of the whole picture, of which the camera may be a window. Removes the hidden
-   part. */
+/* Replaces a view's edges by those of the whole picture, without a hidden part. The camera may be a window of the
+   picture. */
 FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera);
 
 /* Returns true if the matrix is a right-handed rotation, within 2^-10. */
