@@ -35,14 +35,14 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_NEON;           /* every AArch64 processor has NEON */
+    return FXS_CPU_NEON;
 }
 #elif defined(__ARM_FEATURE_MVE)
 #define PROCESSOR HELIUM
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_MVE;            /* the build requires Helium */
+    return FXS_CPU_MVE;
 }
 #elif __ARM_ARCH_PROFILE == 'M'
 #define PROCESSOR CORTEX_M

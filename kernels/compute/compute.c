@@ -33,7 +33,6 @@ int fxs_compute_check(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_check(&c->gl), why);
 }
 
-/* Returns the error of a GL call that failed. Never returns 0. */
 static int failure(const fxs_compute *c, fxs_message *why)
 {
     return said(fxs_gl_failure(&c->gl), why);
@@ -82,7 +81,6 @@ void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
     c->limit = bytes;
 }
 
-/* Returns null, or the name of a missing function. */
 static const char *load_more(fxs_compute_gl *table, fxs_gl_load_fn *load, void *argument)
 {
     FXS_COMPUTE_FUNCTIONS(FXS_GL_LOAD)
@@ -433,8 +431,7 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
 
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
-/* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has two words per pixel if `bytes`
-   is 8, otherwise one. */
+/* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has one or two words per pixel. */
 static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
@@ -451,7 +448,6 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
     }
 }
 
-/* Reads the frame's counters and, if the frame is complete, the pixels. Returns the result of fxs_plan_look. */
 static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;

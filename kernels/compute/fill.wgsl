@@ -3,12 +3,12 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;
-@group(1) @binding(0) var<storage, read_write> later: array<u32>;          // arguments of the later indirect dispatches
+@group(1) @binding(0) var<storage, read_write> later: array<u32>;
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<u32>;
 
-var<workgroup> spans: array<vec4<i32>, 8>;  // per tile row: first and last listed column, first and last touched column
+var<workgroup> spans: array<vec4<i32>, 8>;
 
 fn fits() -> bool
 {
@@ -49,7 +49,6 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
-    // blend needs one workgroup per 8x8 pixels, or eight for the longest lists
     let patches = 2u * (frame.tile_bits - 3u);
     let empty = atomicLoad(&counts[CLASS_COUNTS]);
     let longest = atomicLoad(&counts[CLASS_COUNTS + CLASSES - 1u]);

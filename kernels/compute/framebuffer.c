@@ -93,7 +93,7 @@ void fxs_compute_end_drawing(fxs_compute *c)
     c->word_rows = 0;
 }
 
-/* Makes the GL objects for drawing on first use. c->shift is nonzero if fragment shaders have no storage buffers. */
+/* Makes the GL objects for drawing on first use. c->shift: nonzero if fragment shaders have no storage buffers. */
 static int begin_drawing(fxs_compute *c, fxs_message *why)
 {
     GLint blocks = 0, side = 0;
@@ -139,7 +139,6 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_me
     return fxs_compute_check(c, why);
 }
 
-/* Copies the picture's words to a texture: whole rows, then the last partial row. */
 static int put_words(fxs_compute *c, fxs_message *why)
 {
     const uint64_t words = c->plan.read_words;

@@ -1,5 +1,4 @@
-// Copies a finished picture from device memory to the caller's framebuffer.
-// BUFFERED: fragment shaders can read storage buffers.
+// Copies a finished picture to the caller's framebuffer. BUFFERED: fragment shaders can read storage buffers.
 layout(location = 0) uniform ivec4 place;    // pixel of fragment (0, 0); step per row; width of the picture
 // word offsets of colours, depths, ids; log2 of the width of texture `words`
 layout(location = 1) uniform ivec4 planes;

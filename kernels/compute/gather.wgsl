@@ -1,5 +1,5 @@
 // Needs numbers records sums
-// Compacts the visible chunks into a list, and counts them per object. Runs as one workgroup.
+// Compacts the visible chunks into a list, and counts them per object.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
@@ -41,7 +41,6 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     }
     storageBarrier();
     workgroupBarrier();
-    // the last entry stands for the whole frame
     for (var i = thread; i <= frame.spans; i += THREADS) {
         let span = frame.spans_at + SPAN * i;
         let low = rank_of(memory[span]);

@@ -8,7 +8,7 @@
 #include "kernels/gl/gl.h"
 #include "plan.h"
 
-/* Calls F(name of the type, name of the function) for each GL function of OpenGL ES 3.1. */
+/* Calls F(type's name, function's name) for each GL function of OpenGL ES 3.1. */
 #define FXS_COMPUTE_FUNCTIONS(F) \
     F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERSUBDATA, BufferSubData) \
     F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DISPATCHCOMPUTE, DispatchCompute) \
@@ -34,7 +34,7 @@ struct fxs_compute {
     fxs_plan plan;
     uint64_t nanoseconds;
     GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* made on first use by framebuffer.c */
-    int32_t word_rows, most_rows;  /* rows of texture `words`; most rows of any texture */
+    int32_t word_rows, most_rows;
     int shift;              /* log2 of the width of texture `words`; 0: no such texture */
 };
 
@@ -53,10 +53,8 @@ int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fx
 int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
                        fxs_stats *stats, fxs_message *why);
 
-/* Copies the target's depth and colour textures to device memory. */
 int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
 
-/* Draws the finished picture into the target. */
 int fxs_compute_show(fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
 
 void fxs_compute_end_drawing(fxs_compute *compute);

@@ -1,5 +1,5 @@
 // Needs numbers records crop
-// Transforms the bounding boxes of chunks of 256 Gaussians to camera space and culls chunks. Runs one thread per chunk.
+// Transforms the bounding boxes of chunks of 256 Gaussians to camera space and culls chunks.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
@@ -9,7 +9,7 @@
 
 var<workgroup> seen_bits: array<atomic<u32>, 4>;
 
-const LIMIT_Q32: wide = wide(0u, 0x10000000u);   // 2^60
+const LIMIT_Q32: wide = wide(0u, 0x10000000u);
 
 fn is_within(x: wide, most: wide) -> bool
 {
@@ -210,7 +210,6 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
     }
 }
 
-// Returns true if the chunk may be visible, and then writes its record.
 fn look_at(place: u32) -> bool
 {
     var chunk = place;

@@ -43,7 +43,6 @@ fn less(a: wide, b: wide) -> bool
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
 }
 
-// Multiplies in halves of 16 bits.
 fn mul_wide(a: u32, b: u32) -> wide
 {
     let al = a & 0xffffu;
@@ -73,7 +72,6 @@ fn mul_signed(a: i32, b: i32) -> wide
     return wide(product.x, product.y - select(0u, bitcast<u32>(a), b < 0));
 }
 
-// Returns the low 64 bits of the product.
 fn mul_word(a: wide, b: u32) -> wide
 {
     let product = mul_wide(a.x, b);
@@ -116,7 +114,7 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
-// Rounds towards plus infinity; n > 0. Not -(-a >> n), see negate.
+// Rounds towards plus infinity; n > 0.
 fn shift_up(a: wide, n: u32) -> wide
 {
     let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);

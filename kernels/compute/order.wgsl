@@ -1,7 +1,5 @@
 // Finds the tile to draw at a given position: tiles with longer lists come first, in 16 classes by length.
 
-// Returns how many of four classes end at or before position `number` of the drawing order. *start becomes the end of
-// the last such class.
 fn classes_before(number: u32, sizes: vec4<u32>, start: ptr<function, u32>, all: ptr<function, u32>) -> u32
 {
     let w = *all + sizes.w;

@@ -1,6 +1,6 @@
 // Pixel functions of blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each round takes 32
-// splats of the tile's list: each thread tests one splat, then all threads blend the splats that touch a pixel. For the
-// longest lists a workgroup draws only 8 pixels, for load balance.
+// splats: each thread tests one splat, then all threads blend the splats that touch a pixel. For the longest lists a
+// workgroup draws only 8 pixels, for load balance.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -17,7 +17,7 @@ var<workgroup> shapes: array<vec4<u32>, 32>;
 var<workgroup> shades: array<vec4<u32>, 32>;
 // bit i: splat i touches a pixel; one word per round, alternating
 var<workgroup> touching: array<atomic<u32>, 2>;
-var<workgroup> open_round: u32;                    // last round that started with an open pixel
+var<workgroup> open_round: u32;
 var<workgroup> open_pixels: array<atomic<u32>, 2>; // one bit per open pixel, 8 bits per row
 
 struct Pixel {
@@ -25,7 +25,6 @@ struct Pixel {
     sum: vec3<i32>,
 }
 
-// A splat loaded for a later round.
 struct Fetched {
     entry: u32,                    // index of the splat; CUT_OFF set: no splat
     a: vec4<u32>,
@@ -98,13 +97,12 @@ fn take(i: u32, row: u32) -> Taken
     let shade = shades[i];
     let v = bitcast<i32>(shape.y + row * shade.x);
     let v_q13 = fxs_coordinate_q13(v);
-    // saturation is not needed, because saturated values exceed the limit
     let level_q11 = fxs_mul_q15(v_q13, v_q13) + i32(shade.y & 0xffffu);
     return Taken(shape.x + row * shape.w, shape.z, (u32(level_q11) << 15u) + 16384u, i32(shade.w),
                  vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
 }
 
-// Blends a splat into a pixel. Returns the splat's weight.
+// Blends a splat into a pixel. Returns its weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
@@ -163,7 +161,7 @@ struct Patch {
 
 fn corner_of(tile: u32, number: u32) -> vec2<u32>
 {
-    let halves = frame.tile_bits - 3u;             // bits per axis for the position in the tile
+    let halves = frame.tile_bits - 3u;
     let across = u32(frame.tiles.x);
     return (vec2<u32>(tile % across, tile / across) << vec2<u32>(frame.tile_bits)) +
            vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;
@@ -188,9 +186,9 @@ fn patch_of(group: vec3<u32>) -> Patch
 }
 
 struct Place {
-    column: u32,                   // relative to the workgroup's first pixel
+    column: u32,
     row: u32,
-    at: u32,                       // index of the first pixel in a plane of the picture
+    at: u32,
     inside: vec2<bool>,
 }
 
@@ -238,7 +236,6 @@ fn put_splat(here: Patch, thread: u32, f: Fetched)
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
-// Stores a splat in workgroup memory, and marks it if it touches an open pixel.
 fn place_splat(here: Patch, thread: u32, f: Fetched, round: u32)
 {
     if ((f.entry & CUT_OFF) != 0u) {

@@ -455,7 +455,6 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Bindings 0 to 3 of each program. */
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
 #define NONE FXS_PLAN_NONE
 #define OF(program, a, b, c, d) [FXS_COMPUTE_##program] = {a, b, c, d},
@@ -502,7 +501,6 @@ static uint64_t groups_of(uint64_t threads)
     return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
 }
 
-/* Passes a dispatch per span of a visible object to `step`. */
 static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
 {
     span s = {0, 0, 0, 0};

@@ -1,5 +1,5 @@
 /* Plan of a frame of the compute back ends: buffers, dispatches, and the retry if a list exceeded its capacity. The
- * plan calls no graphics API. compute.c executes the plan with OpenGL ES, port/web/webgpu.js with WebGPU.
+ * plan calls no graphics API.
  *
  *     fxs_plan_begin(&plan, request, memory, why)         then fill in plan.part_chunks
  *     do {
@@ -14,11 +14,10 @@
 #include "records.h"
 #include "src/core/cut.h"
 
-/* Capacities of a device's lists, which grow on demand. */
 typedef struct fxs_plan_rooms {
     uint64_t most;                 /* largest storage buffer in bytes */
     uint32_t chunks, larges, pages, merges;
-    uint32_t whole_tiles;          /* 1: the lists of 8x8 pixel tiles once exceeded a buffer */
+    uint32_t whole_tiles;
 } fxs_plan_rooms;
 
 typedef struct fxs_plan {
@@ -40,7 +39,7 @@ enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
 typedef struct fxs_step {
     uint32_t program;
     uint32_t waits;                /* 1: needs a barrier, to read what earlier steps wrote */
-    uint32_t groups[2];            /* workgroups along x and y; 0: read from buffer `arguments` */
+    uint32_t groups[2];
     int32_t arguments;             /* buffer with the workgroup counts; FXS_PLAN_NONE: use `groups` */
     uint32_t arguments_at;
     int32_t buffers[4];
@@ -60,7 +59,7 @@ int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
 /* Return the size in bytes of the table of drawn chunks, and write the table. It belongs at word plan->frame.spans_at
-   of the buffer FXS_COMPUTE_MEMORY, which starts with fxs_offset_of_code_q11. */
+   of FXS_COMPUTE_MEMORY, which starts with fxs_offset_of_code_q11. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
@@ -72,7 +71,6 @@ int fxs_plan_look(fxs_plan *plan, fxs_plan_rooms *rooms, const uint32_t *status,
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-/* A range of a scene's bytes, and its offset in a buffer. */
 typedef struct fxs_piece {
     const void *from;
     uint64_t bytes, at;

@@ -1,6 +1,5 @@
 // Needs pixel numbers records crop project shade bin
-// Projects and shades the Gaussians of visible chunks, and finds their tiles. Runs two workgroups per chunk of 256
-// Gaussians.
+// Projects and shades the Gaussians of visible chunks, and finds their tiles.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
@@ -10,7 +9,7 @@
 @group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;
 
 var<workgroup> visible_here: atomic<u32>;
-var<workgroup> record: array<u32, 64>;           // the chunk's record, see put_record in locate.wgsl
+var<workgroup> record: array<u32, 64>;
 
 fn scale_depth(key: u32) -> u32
 {
@@ -46,8 +45,7 @@ fn offset_of(opacity: u32, share_q8: u32) -> i32
     return i32(offset_q11) + object.offset_q11;
 }
 
-// Adds a span of tiles to the lengths of their lists: +1 at the first tile, -1 after the last. start_lists forms the
-// prefix sums.
+// Adds a span of tiles to the lengths of their lists, as differences for a prefix sum.
 fn count_tiles(row: i32, s: Span)
 {
     if (s.first > s.last) {
@@ -60,7 +58,6 @@ fn count_tiles(row: i32, s: Span)
     }
 }
 
-// Records a large splat for fill_large.
 fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
 {
     let place = atomicAdd(&counts[LARGES], 1u);

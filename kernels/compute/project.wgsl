@@ -166,7 +166,6 @@ fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<fu
     return mantissa << u32(zeros);
 }
 
-// Returns true if a Gaussian of this size misses the picture.
 fn off_picture(centre: ptr<function, Projected>, exponent: i32) -> bool
 {
     let radius_q14 = 57344u * ((1u << u32(max(exponent, 0))) + 1u);
@@ -269,7 +268,6 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
     (*out).splat.vy_q24 = vy;
 }
 
-// Returns false if the ellipse misses the visible picture.
 fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
 {
     var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
@@ -291,7 +289,7 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     return true;
 }
 
-// The square cut-off of Kerbl et al. 2023. Returns false if the square misses the picture.
+// The square cut-off of Kerbl et al. 2023.
 fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
 {
     let e = (*s).exponent;
@@ -367,7 +365,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
     let x_q26 = from_middle_q26(centre, 0u, e);
     let y_q26 = from_middle_q26(centre, 1u, e);
     let u_q44 = add_wide(mul_signed(x_q26, ux_q18), mul_signed(y_q26, uy_q18));
-    let u_q24 = shift_up(u_q44, 20u);                  // u_q24 and v_q24 are negated
+    let u_q24 = shift_up(u_q44, 20u);
     let v_q24 = shift_up(mul_signed(y_q26, vy_q18), 20u);
     let ux = low_of(round_shift(wide_of(ux_q18), shift));
     let uy = low_of(round_shift(wide_of(uy_q18), shift));

@@ -1,5 +1,4 @@
-/* Declarations shared by the host and the shaders of the compute back ends. Structs and constants match
- * records.wgsl. */
+/* Declarations shared by the host and the shaders of the compute back ends. They match records.wgsl. */
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
 
@@ -21,7 +20,7 @@ enum {
     FXS_COMPUTE_BUFFERS
 };
 
-enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };   /* in bytes; in words */
+enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };
 
 enum {
     FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,

@@ -1,13 +1,13 @@
 // Data passed between the stages of a frame, as in records.h. Offsets count words of the array `memory` unless `counts`
-// is named. A slot is the index of a splat. A place is the index of a drawn chunk of 256 Gaussians.
+// is named. A slot is the index of a splat, a place the index of a drawn chunk of 256 Gaussians.
 
 const CHUNK: u32 = 256u;
 const THREADS: u32 = 128u;
 const ROW_OF_GROUPS: u32 = 32768u; // most workgroups along x
-const RECORD: u32 = 64u;           // words in the record of a chunk
-const LARGE: u32 = 8u;             // words in the record of a large splat
+const RECORD: u32 = 64u;
+const LARGE: u32 = 8u;
 const LARGE_ROWS: i32 = 8;
-const SPAN: u32 = 8u;              // words in the record of a span, a range of drawn chunks
+const SPAN: u32 = 8u;              // words in the record of a range of drawn chunks
 const PAGE: u32 = 4096u;           // entries; a tile row's lists start at a multiple
 const MERGES: u32 = 19u;
 const BLOCK: u32 = 512u;           // entries that one workgroup sorts
@@ -18,18 +18,17 @@ const NOTHING: u32 = 0xffffffffu;
 const BOX_COLUMNS: i32 = 6;
 const BOX_ROWS: i32 = 7;
 
-// Indices in `counts`.
 const VISIBLE_CHUNKS: u32 = 0u;
 const LARGES: u32 = 1u;
 const PAGES: u32 = 2u;
 const DAMAGED: u32 = 3u;
 const VISIBLE: u32 = 4u;
 const ENTRIES: u32 = 5u;
-const SHORT_BLOCKS: u32 = 7u;      // blocks of lists that have one block
+const SHORT_BLOCKS: u32 = 7u;
 const LONG_BLOCKS: u32 = 8u;
 const LONGEST: u32 = 9u;
 const CLASS_COUNTS: u32 = 16u;
-const TILES: u32 = 64u;            // first of the list lengths per tile
+const TILES: u32 = 64u;
 
 struct Frame {
     size: vec2<i32>,
@@ -41,11 +40,11 @@ struct Frame {
     page_room: u32,
     drawn: u32,                    // chunk and share of each place; 0: every chunk is drawn
     seen: u32,                     // in `counts`: one bit per place; 1: visible
-    ranks: u32,                    // visible places before each word of `seen`
+    ranks: u32,
     visible: u32,
     records: u32,                  // record of each visible place
     depths: u32,                   // depth key of each slot
-    boxes: u32,                    // tiles of each slot, two words
+    boxes: u32,
     larges: u32,
     spans_at: u32,                 // per span: first and end place, first and end visible place, object id, first chunk
     next: u32,                     // in `counts`: index of each tile's next entry
@@ -54,7 +53,7 @@ struct Frame {
     block_room: u32,
     spare: u32,
     tile_bits: u32,                // log2 of a tile's side in pixels, 3 or 4
-    cleared: u32,                  // words of `counts` to clear
+    cleared: u32,
     cutoff: i32,
     cut_q11: i32,
     format: u32,
@@ -69,7 +68,6 @@ struct Frame {
     backdrop: u32,
 }
 
-// An object in camera space, and a span of its chunks.
 struct Object {
     position_q32: array<vec4<u32>, 3>,
     eye_q32: array<vec4<u32>, 3>,
@@ -108,12 +106,12 @@ struct Object {
     plain: i32,
     crop_count: u32,
     keep_count: u32,
-    first_chunk: u32,              // number of the object's first chunk in the frame
-    first_place: u32,              // first place of the span
+    first_chunk: u32,
+    first_place: u32,
     end_place: u32,
     span: u32,
-    part_chunk: u32,               // first chunk in the span's buffer
-    rows_at: u32,                  // offset of the chunks' Gaussians in the buffer
+    part_chunk: u32,
+    rows_at: u32,
     crops: array<vec4<u32>, 32>,   // four per crop box: low corner, high corner, `outside`
 }
 

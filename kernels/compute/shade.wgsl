@@ -153,7 +153,6 @@ fn dot_of(b: vec4<i32>, word: u32) -> i32
     return b.x * bytes.x + b.y * bytes.y + b.z * bytes.z + b.w * bytes.w;
 }
 
-// Returns the dot product of the basis with 16 signed bytes.
 fn dot_16(b: Basis, a: u32, c: u32, d: u32, e: u32) -> i32
 {
     return dot_of(b.a, a) + dot_of(b.b, c) + dot_of(b.c, d) + dot_of(b.d, e);

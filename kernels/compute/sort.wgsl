@@ -1,7 +1,7 @@
 // Needs records sums order
-// Sorts each tile's list by ascending depth, then by splat. A sample sort orders blocks of 512 entries in workgroup
-// memory: 16 sampled depths bound 16 ranges of 16 bins. Merge passes then join sorted runs in pairs; a binary search
-// finds the keys of both runs that form each block of 512 results.
+// Sorts each tile's list by ascending depth, then by splat. A sample sort orders blocks of 512 entries: 16 sampled
+// depths bound 16 ranges of 16 bins. Merge passes then join sorted runs in pairs; a binary search finds the keys of
+// both runs for each block of 512 results.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
@@ -12,7 +12,7 @@ const SAMPLES: u32 = 16u;
 const RANGE: u32 = 16u;
 const BINS: u32 = 256u;
 
-var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth of each key
+var<workgroup> keys: array<vec2<u32>, 512>;
 var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then start offsets; last: number of keys
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
@@ -45,12 +45,11 @@ fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
-// Unit of the count of merges, which shares a word with the block's number.
 const DONE: u32 = 0x100000u;
 
 struct Block {
     list: u32,
-    count: u32,                    // length of the list; 0: no block
+    count: u32,
     first: u32,
     done: u32,
 }
@@ -184,8 +183,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// Returns how many of the d smallest keys of two sorted runs come from the first run. The runs have a keys at `first`
-// and b keys at `second`. Each half of the workgroup searches for its own d.
+// Returns how many of the d smallest keys of two sorted runs come from the first run: a keys at `first`, b keys at
+// `second`. Each half of the workgroup has its own d.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
@@ -208,7 +207,7 @@ fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d
     return low;
 }
 
-// Returns how many of `count` sorted keys from keys[first] on are below `key`.
+// Counts the keys below `key` among `count` sorted keys.
 fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 {
     var below = 0u;

@@ -34,7 +34,6 @@ fn sum_before(thread: u32, own: u32, cut: bool) -> u32
     return sum;
 }
 
-// Returns the sum of `own` over all threads. Call sum_before first.
 fn sum_of_all(cut: bool) -> u32
 {
     var sum = 0u;

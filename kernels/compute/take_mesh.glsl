@@ -1,4 +1,4 @@
-// Copies the caller's depth and colour textures to the picture's input planes.
+// Copies the caller's depth and colour textures to device memory.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(location = 0) uniform ivec4 size;     // size of the picture; texel row of row 0; step per row
 // word offsets of occluder and backdrop, -1: none; depth_bits; 1: read depth_buffer

@@ -8,7 +8,7 @@ const HALF_Q15: i32 = 16384;
 struct Traced {
     limit: u32,                    // depth key of the occluder; farther splats are hidden
     weight: i32,                   // largest weight of any splat so far
-    largest: u32,                  // index of the splat with the largest weight
+    largest: u32,
     median: u32,                   // depth key of the median depth
     sum: wide,                     // sum of weight * depth
 }
@@ -48,8 +48,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// Returns sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in 16-bit digits works because the
-// weight has 15 bits.
+// Returns sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in 16-bit digits, because the weight
+// has 15 bits.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);

@@ -1,5 +1,4 @@
-/* Functions shared by the OpenGL ES back ends: GL function pointers, programs, errors, and the state of a GL
- * context. */
+/* Functions shared by the OpenGL ES back ends: GL function pointers, programs, errors, and GL state. */
 #ifndef FXS_GL_H
 #define FXS_GL_H
 
@@ -7,7 +6,7 @@
 
 #include <fixsplat/gl_target.h>
 
-/* Calls F(name of the type, name of the function) for each GL function. */
+/* Calls F(type's name, function's name) for each GL function. */
 #define FXS_GL_FUNCTIONS(F) \
     F(ACTIVETEXTURE, ActiveTexture) F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) \
     F(BINDBUFFER, BindBuffer) F(BINDFRAMEBUFFER, BindFramebuffer) \
@@ -80,7 +79,6 @@ void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *state);
 /* Sets the GL state for draws, with textures bound to units 0 to count - 1. */
 void fxs_gl_set(const fxs_gl *gl, GLuint vertex_array, int count, const GLuint *textures);
 
-/* Sets blending of premultiplied colours over the framebuffer. */
 void fxs_gl_blend_over(const fxs_gl *gl);
 
 #endif

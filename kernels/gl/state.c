@@ -1,4 +1,4 @@
-/* Saves the state of a GL context, sets the state for a draw, and restores it. */
+/* Saves, sets and restores the state of a GL context. */
 #include "gl.h"
 #include "src/core/memory.h"
 

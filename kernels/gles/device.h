@@ -9,20 +9,20 @@
 #include <fixsplat/gles.h>
 
 #define FXS_GLES_SIDE 2048
-#define FXS_GLES_MOST 8192         /* pixels; keeps byte counts below 2^32 */
+#define FXS_GLES_MOST 8192
 /* Entries of a tile's list per draw. Drivers abort long draws. */
 #define FXS_GLES_LOOP 32768u
 
-/* Programs. Those that write pixels have an integer variant for the back end's own target, and a normalised one for the
-   caller's. */
+/* Programs. Those that write pixels exist for the back end's own integer target and for the caller's normalised
+   target. */
 enum {
-    FXS_GLES_STATE,                /* writes the state after part of a list */
+    FXS_GLES_STATE,
     FXS_GLES_INTEGER, FXS_GLES_NORMALISED,
     FXS_GLES_BLOCKS,
     FXS_GLES_BLEND,
     FXS_GLES_LIMITED,
     FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED,
-    FXS_GLES_TRACED_STATE, FXS_GLES_TRACED,    /* variants of STATE and NORMALISED with depths and ids */
+    FXS_GLES_TRACED_STATE, FXS_GLES_TRACED,
     FXS_GLES_PROGRAMS
 };
 /* Textures. The first FXS_GLES_UNITS are bound to the units of their number. */
@@ -30,10 +30,10 @@ enum {
     FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* lists of tiles, splats of the lists, masks of splats */
     FXS_GLES_CHUNKS,
     FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's images; BUFFER: GL depths */
-    FXS_GLES_CARRIED,              /* state of the pixels so far */
+    FXS_GLES_CARRIED,
     FXS_GLES_IDS, FXS_GLES_TRACES, /* ids of splats; depths, weights and ids of the pixels so far */
     FXS_GLES_UNITS,
-    FXS_GLES_NEXT = FXS_GLES_UNITS,   /* state being drawn; swaps roles with CARRIED */
+    FXS_GLES_NEXT = FXS_GLES_UNITS,
     FXS_GLES_WHOLE,
     FXS_GLES_NEXT_TRACES,
     FXS_GLES_TEXTURES
@@ -59,8 +59,8 @@ struct fxs_gles {
     fxs_gl_use_fn *use;            /* null: the caller makes the context current */
     void *use_argument;
     char renderer[128];
-    int32_t shift;                 /* log2 of the width of texture RECORDS */
-    int32_t most;                  /* largest side of a render target in pixels */
+    int32_t shift;
+    int32_t most;
     int32_t viewport[2];
     int points;                    /* 1: GL points may be as large as a tile */
     char no_fetch[FXS_GLES_MESSAGE];            /* why fetch.c is unsupported; empty: supported */
@@ -71,15 +71,14 @@ struct fxs_gles {
     GLuint buffers[FXS_GLES_BUFFERS], query;
     GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
     unsigned turn;
-    int32_t columns, rows;         /* size of texture LISTS */
-    int32_t record_rows, mask_rows, id_rows;    /* rows of the textures RECORDS, MASKS and IDS */
-    int32_t occluder[2], backdrop[2], whole[2]; /* sizes of the textures OCCLUDER, BACKDROP and WHOLE */
-    int32_t width, height;         /* size of the back end's own target */
+    int32_t columns, rows;
+    int32_t record_rows, mask_rows, id_rows;
+    int32_t occluder[2], backdrop[2], whole[2];
+    int32_t width, height;
     const fxs_gles_target *target;
     uint64_t nanoseconds;
 };
 
-/* Sets the GL state for draws, and binds all textures to their units. */
 void fxs_gles_set(const fxs_gles *gles);
 
 static inline enum fxs_format fxs_gles_format(const fxs_gles *gles, const fxs_tile_run *run)
@@ -120,8 +119,8 @@ typedef struct fxs_gles_surface {
     GLuint framebuffer;
     int program;
     int32_t x, y, width, height;
-    int32_t pixel_x, pixel_y;      /* pixel of the viewport's lower left fragment */
-    int32_t row_step;              /* change of the pixel's row per row of fragments, 1 or -1 */
+    int32_t pixel_x, pixel_y;
+    int32_t row_step;
     int32_t first_line, lines;
 } fxs_gles_surface;
 

@@ -1,6 +1,6 @@
-/* Draws the picture without per-tile lists, in one draw with all splats as triangles in ascending order of depth. The
- * fragment shader reads the pixel's state from the framebuffer and writes the next state, which is cheap on tile-based
- * GPUs. A final draw converts the states to colours. */
+/* Draws the picture without per-tile lists, in one draw with all splats as triangles, nearest first. The fragment
+ * shader reads the pixel's state from the framebuffer and writes the next state, which is cheap on tile-based GPUs. A
+ * final draw converts the states to colours. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/lister.h"
@@ -9,19 +9,18 @@
 #define TEXELS 3u                  /* texels of a record; one record per triangle */
 #define RECORD (TEXELS * 16)
 #define PARTS 64u
-#define AHEAD 16                   /* prefetch distance, in splats */
+#define AHEAD 16
 #define GUARD 3                    /* side of the viewport in windows; avoids clipping */
 /* Radius in pixels from which a splat is drawn as two triangles, a rectangle with a quarter fewer pixels. */
 #define LARGE 12
 
 enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle */
 
-/* Splats first to end - 1, with 0 to 2 records each. */
 typedef struct batch {
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t first, end;
-    uint32_t counts[PARTS];        /* number of records per part, then start offset of each part */
+    uint32_t counts[PARTS];
     uint32_t *records;
 } batch;
 

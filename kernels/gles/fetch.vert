@@ -26,7 +26,7 @@ void main()
 #ifdef LIMITED
     limits = ivec3(b.w, c.z >> 4, c.w);
 #endif
-    number += shape & 1;             // corners 0, 1, 2 of the first triangle, 1, 2, 3 of the second
+    number += shape & 1;
     vec2 corner = vec2(float(number & 1), float(number >> 1)) * 2.0 - 1.0, pixel;
     if (shape >= VEIL) {
         pixel = (corner * 0.5 + 0.5) * vec2(size.xy);

@@ -10,8 +10,7 @@ ivec4 nearest(ivec4 least, ivec4 most)
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// Returns for each of four blocks whether a splat touches it. u and v are linear, and ux and vy are not negative.
-// Arithmetic modulo 2^32 suffices.
+// u and v are linear, and ux and vy are not negative. Arithmetic modulo 2^32 suffices.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {
     ivec2 uv = whitened(r, pixel);

@@ -1,4 +1,4 @@
-/* Splits a picture into windows, uploads the caller's occluder and backdrop, and aims draws at a target. */
+/* Splits a picture into windows, uploads the caller's occluder and backdrop, and prepares draws. */
 #include <fixsplat/fixed.h>
 #include "device.h"
 

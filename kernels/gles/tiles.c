@@ -1,7 +1,6 @@
 /* Draws the picture with per-tile lists of splats, as many tiles per batch as fit in the textures. A list too long for
  * one draw is drawn in parts, and a texture keeps the pixels' state in between. A record is a splat's copy in one list,
- * to save an indirection. A chunk is up to 32 records. A first draw finds which blocks of 4x4 pixels each splat
- * touches. Long lists are drawn first, for load balance. */
+ * to save an indirection. A chunk is up to 32 records. Long lists are drawn first, for load balance. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/trace.h"
@@ -9,7 +8,7 @@
 
 #define RECORD 32
 #define LIST 16
-#define ORDER 3                    /* word of a list that holds the drawing order */
+#define ORDER 3
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
@@ -20,16 +19,15 @@ typedef struct amount {
     uint32_t records, chunks;
 } amount;
 
-/* An upload: lists of tiles, their chunks and records, and ids if wanted. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t *lists, *chunks, *records, *ids;
     amount used, room;
-    int32_t first, end;            /* range of tiles, numbered in the window */
+    int32_t first, end;
     int32_t ordered;
-    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* per row of tiles: its first record and chunk */
+    amount starts[FXS_MAX_SIZE / FXS_TILE];
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -61,7 +59,6 @@ static uint32_t chunks_of(uint32_t records)
     return (records + CHUNK_RECORDS - 1) / CHUNK_RECORDS;
 }
 
-/* Returns the texture rows for `texels` texels, at most the texture's width. */
 static int32_t rows_of(const fxs_gles *g, uint64_t texels)
 {
     const uint64_t wanted = (texels + (1u << g->shift) - 1) >> g->shift, most = UINT64_C(1) << g->shift;

@@ -58,7 +58,6 @@ uint mask_of(uint chunk, ivec2 pixel, int shift)
     return (pixel.x & 4) == 0 ? row.x : row.y;
 }
 
-// Returns the index of the lowest set bit; word != 0.
 int lowest(uint word)
 {
     return (floatBitsToInt(float(word & (~word + 1u))) >> 23) - 127;

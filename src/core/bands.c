@@ -10,11 +10,11 @@
 #include "targets.h"
 #include "times.h"
 
-#define JOBS 8u                    /* blocks per thread in a plan */
+#define JOBS 8u
 #define KEYS 2u
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and scratch space to sort it */
-#define SLICE_LEAST 128u           /* minimum number of splats in a slice */
+#define SLICE_LEAST 128u
 #define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
@@ -132,7 +132,6 @@ static uint64_t bytes_for_slices(const fxs_frame *f)
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* A quarter of the memory above the minimum goes to the pixels of a slice. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;

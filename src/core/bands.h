@@ -17,7 +17,6 @@ int fxs_bands_can_slice(const fxs_frame *f);
 /* Counts the splats of each tile row. Returns 0, FXS_ERR_SCENE, FXS_ERR_STOPPED or FXS_ERR_MEMORY. */
 int fxs_bands_plan(fxs_frame *f);
 
-/* Advances to the next band. Returns 0 after the last band. */
 int fxs_band_next(fxs_frame *f);
 
 /* Counts `count` splats from `slot` on by tile row. `place` is the index of their chunk among the drawn chunks. */

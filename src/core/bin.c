@@ -71,7 +71,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if ((top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2) && e->bounds->half_width_q8 != FXS_EVERYWHERE_Q8)
         return (span){0, -1};
-    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
+    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);
     int32_t x_top_q8 = (int32_t)((int64_t)e->bounds->shear_q8 * top >> 12), half_top_q8 = half_width_q8(e, top);
     int32_t x_bottom_q8 = (int32_t)((int64_t)e->bounds->shear_q8 * bottom >> 12);
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
@@ -120,7 +120,7 @@ static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
                                              : ellipse_span(e, view, row);
 }
 
-/* Spreads the mask of six tiles in a row to the masks of three macro tiles. */
+/* Spreads the mask of six tiles in a row to three macro tiles. */
 static uint64_t spread_row(uint32_t tiles, int32_t row)
 {
     return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
@@ -190,7 +190,7 @@ static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, con
         else if (taken < room)
             notes[taken++] = FXS_KEY(macro, listed[i]);
         else
-            taken = UINT32_MAX;    /* no space for more notes */
+            taken = UINT32_MAX;
     }
     l->taken = taken;
 }

@@ -13,7 +13,7 @@
 /* A chunk in camera space. Camera coordinates are (base + m code) * 2^-16, in units of 2^(shift - 32), below 2^30. */
 typedef struct fxs_chunk_view {
     uint32_t chunk;
-    int32_t scale_q16;             /* the header's scale plus view->grow_q16 */
+    int32_t scale_q16;
     uint32_t scale_step_q24, opacity_law;
     int64_t base_q16[3];
     int32_t m_q16[3][3];           /* each below 2^29 */

@@ -43,7 +43,6 @@ static inline uint32_t fxs_spread_colour(uint32_t r, uint32_t g, uint32_t b)
     return (r << 1 | r >> 6) | (g << 1 | g >> 6) << 8 | (b << 2 | b >> 4) << 16;
 }
 
-/* Returns the lowest bits of the 9-bit colour codes, in bits 29 to 31. */
 static inline uint32_t fxs_spread_colour_low(uint32_t r, uint32_t g, uint32_t b)
 {
     return (r >> 5 & 1) << 29 | (g >> 5 & 1) << 30 | (b >> 3 & 1) << 31;
@@ -61,7 +60,6 @@ static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
     return codes;
 }
 
-/* Returns a 9-bit code, 0 to FXS_COLOUR_MOST. */
 static inline uint32_t fxs_colour_code(const fxs_codes *codes, int channel)
 {
     return (codes->colour >> 8 * channel & 255) << 1 | (codes->scale >> (29 + channel) & 1);

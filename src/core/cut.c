@@ -11,19 +11,19 @@
 #include "memory.h"
 #include "sight.h"
 
-#define FADING 64u                 /* 1 / (share of the budget for fading nodes) */
-#define VISITS 4u                  /* capacity: VISITS * budget in chunks + MORE_VISITS */
+#define FADING 64u
+#define VISITS 4u
 #define MORE_VISITS 64u
 
 typedef struct visit {
-    uint32_t chunk, object;        /* number of the chunk in its object's scene; object */
+    uint32_t chunk, object;
     uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
     fxs_sight sight;
     uint32_t share_q8;             /* share of the chunk and its descendants while the parent fades */
     uint8_t opened;
     uint8_t short_of;              /* a child to draw is not loaded */
     uint8_t needed;
-    uint8_t absent;                /* needed, but not loaded */
+    uint8_t absent;
     uint8_t hidden;                /* not loaded, or replaced by an ancestor */
 } visit;
 
@@ -33,7 +33,7 @@ typedef struct search {
     uint32_t *heap;                /* nodes that may be opened, largest key first */
     uint32_t *opened;
     uint32_t visit_count, heap_count, opened_count;
-    uint32_t drawn, most_drawn;    /* drawn chunks without fading nodes; upper limit */
+    uint32_t drawn, most_drawn;
     uint32_t visit_room;
     fxs_fading fading;
     uint32_t viewed;               /* object of s->view; FXS_NOTHING: none yet */

@@ -32,7 +32,6 @@ uint64_t fxs_cut_bytes(uint32_t room);
 /* Fills in the results. Returns 0 or FXS_ERR_SCENE. */
 int fxs_cut_find(fxs_cut *cut);
 
-/* Returns how many chunk numbers a scene takes when chunks are counted over all objects. */
 static inline uint32_t fxs_cut_chunks(const fxs_scene *scene, int is_cut)
 {
     return is_cut ? fxs_scene_chunks(scene) : scene->chunk_count;

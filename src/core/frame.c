@@ -7,8 +7,8 @@
  *     blend     blend.c     blends a tile's splats over its pixels
  *     resolve   resolve.c   converts the pixels to the caller's format
  *
- * The table fxs_kernels points to the fastest version of each stage. If the memory cannot hold all splats, bands.c
- * divides the frame into bands of tile rows, and slices.c draws tile rows that are too full. */
+ * If the memory cannot hold all splats, bands.c divides the frame into bands of tile rows, and slices.c draws tile rows
+ * that are too full. */
 #include "memory.h"
 #include "bands.h"
 #include "draw.h"
@@ -51,7 +51,6 @@ int fxs_frame_render(fxs_frame *f)
     return error;
 }
 
-/* Draws the band, with as many macro tiles per step as the lists' memory allows. */
 int fxs_frame_draw(fxs_frame *f)
 {
     int error = 0;

@@ -34,7 +34,6 @@ typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
 
-/* Tiles that a chunk's splats touch, and the range of the splats' depth keys. */
 typedef struct fxs_extent {
     fxs_span rows, columns;
     uint32_t nearest, farthest;
@@ -52,7 +51,7 @@ typedef struct fxs_frame {
     fxs_tile_fn *draw_tile;                /* null: a back end draws */
     uint32_t only_tile;                    /* tile to draw for fxs_pick; FXS_NOTHING: all */
 
-    fxs_view view;                         /* view in world space */
+    fxs_view view;
     fxs_camera camera;
     const fxs_targets *targets;
 
@@ -60,40 +59,39 @@ typedef struct fxs_frame {
        per macro tile. */
     enum fxs_frame_mode mode;
     uint32_t blocks, block_chunks;
-    uint32_t parts;                        /* one part per thread */
+    uint32_t parts;
     uint32_t tiles, macros;                /* number in the picture */
 
     /* Arrays that live for the whole frame, fixed_bytes in all. */
-    uint64_t fixed_bytes, bytes_for_all;   /* minimum memory for FXS_FRAME_WHOLE */
+    uint64_t fixed_bytes, bytes_for_all;
     fxs_object_view *views;
     uint32_t *block_slots;                 /* first slot of each block; last: end of the last block */
     uint32_t *block_counts;                /* splats of each block; FXS_BLOCK_FAILED: error */
-    uint64_t *block_times;                 /* per block: nanoseconds in project, shade and bin */
+    uint64_t *block_times;
     void *cut_memory;
     const fxs_drawn *drawn;                /* chunks to draw; null: all */
     fxs_row_counts *row_counts;
     fxs_extent *extents;
-    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* one per part; used by back ends without lists */
+    uint32_t (*histograms)[FXS_SORT_BUCKETS];
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list; end of the list, for back ends */
-    uint32_t *lengths;                     /* length of each macro tile's list */
+    uint32_t *lengths;
     uint32_t *next;                        /* per part: a counter per macro tile, then FXS_NEXT_MORE numbers */
-    uint64_t *macro_times;                 /* per macro tile: nanoseconds in sort, bin, blend and resolve */
+    uint64_t *macro_times;
 
     int32_t first_row, end_row;
-    int32_t first_column, end_column;      /* tile columns; all, except for slices */
+    int32_t first_column, end_column;
     uint32_t count;
     fxs_splat *splats;                     /* by slot; each block has consecutive slots */
     fxs_bounds *bounds;
     fxs_box *boxes;
     uint32_t *depths;
     uint32_t *indices;                     /* by slot: number of the Gaussian, counted over all objects */
-    fxs_key *keys, *spare;                 /* lists of macro tiles; scratch space */
-    uint32_t key_capacity;                 /* capacity of each of `keys` and `spare` */
+    fxs_key *keys, *spare;
+    uint32_t key_capacity;
 
-    /* Slices only. */
     uint32_t slice_room, slice_macros;     /* capacity in splats; columns of macro tiles, 0: no slices */
     fxs_tile *pixels;
-    fxs_trace *nothing;                    /* one per macro tile; requests no depths or ids */
+    fxs_trace *nothing;
 
     uint32_t first_macro, last_macro;
     uint32_t first_tile, last_tile;
@@ -113,7 +111,6 @@ int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye);
    FXS_ERR_STOPPED. Returns FXS_ERR_MEMORY if a tile row does not fit in the memory. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* Returns the errors of fxs_frame_begin except FXS_ERR_SCENE and FXS_ERR_STOPPED. */
 int fxs_frame_check(fxs_frame *f);
 
 /* Lists, sorts and draws the splats of the band. Returns 0, FXS_ERR_STOPPED or a back end's error. */

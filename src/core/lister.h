@@ -16,7 +16,7 @@ typedef struct fxs_lister {
     const fxs_splat *splats;
     const fxs_bounds *bounds;
     const fxs_box *boxes;
-    const uint32_t *depths;        /* depth keys, for sorting */
+    const uint32_t *depths;
     void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
                   fxs_span *spans);
     uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
@@ -25,7 +25,7 @@ typedef struct fxs_lister {
     uint32_t *next;                /* per macro tile: number of keys; in the second pass, index of the next key */
     uint64_t *notes;
     uint32_t room, taken;          /* capacity for notes; notes taken, UINT32_MAX: overflow */
-    uint32_t noted, from;          /* the first `noted` notes cover all slots before `from` */
+    uint32_t noted, from;
 } fxs_lister;
 
 /* First pass for `count` slots from `first` on: increments next[macro] for each listed splat. */

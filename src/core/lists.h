@@ -8,7 +8,6 @@
 
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part);
 
-/* Counts the keys of the lists of the band's macro tiles, first_macro to last_macro. */
 void fxs_lists_count(fxs_frame *f);
 
 /* Returns true if the lists of each row of macro tiles fit in the memory. Call fxs_lists_count first. */

@@ -93,7 +93,6 @@ FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count,
 
 /* ---- Changes by an object ---------------------------------------------------------------------------------------- */
 
-/* Multiplies the depth in a depth key by the scale, with saturation. */
 static uint32_t scale_depth(uint32_t key, fxs_scale scale)
 {
     const uint32_t product = fxs_mulhi((1u << 26 | (key & 0x3ffffff)) << 5, scale.mantissa);

@@ -12,10 +12,10 @@ typedef struct fxs_object_view {
     uint32_t first_chunk, end_chunk;   /* range of the object's chunks, counted over all objects */
     uint32_t id;
     int visible;
-    int plain;                     /* 1: scale is 1, and no crop boxes */
+    int plain;
     fxs_scale scale;               /* factor from object depths to world depths */
     int32_t tint_q13[3];
-    const fxs_crop *crops;         /* owned by the caller */
+    const fxs_crop *crops;
     uint32_t crop_count, keep_count;   /* number of crop boxes; number without the flag `outside` */
 } fxs_object_view;
 

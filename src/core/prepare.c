@@ -108,7 +108,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     return (int32_t)(starts[end - first] - slot);
 }
 
-/* Counts the splats of a block by tile row. Returns their number or FXS_ERR_SCENE. */
+/* Returns the number of a block's splats or FXS_ERR_SCENE. */
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {
     uint32_t all = 0;
@@ -163,6 +163,6 @@ int fxs_prepare_band(fxs_frame *f)
     f->count = 0;
     for (uint32_t block = 0; block < f->blocks; block++)
         f->count += f->block_counts[block];
-    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;     /* otherwise already counted by the plan */
+    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;
     return 0;
 }

@@ -4,7 +4,7 @@
 
 #include "frame.h"
 
-#define FXS_BLOCK 16u              /* chunks that pass through the stages together */
+#define FXS_BLOCK 16u
 #define FXS_BLOCK_FAILED UINT32_MAX   /* error code in fxs_frame.block_counts */
 
 /* Run the stages project and shade for a chunk, and bin for any slots. `place` is the index of the chunk among the

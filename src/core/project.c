@@ -9,7 +9,7 @@
 typedef struct projected {
     int32_t camera[3];
     int zeros;                     /* leading zeros of the depth; orthographic: plane_zeros */
-    uint32_t inverse_q30;          /* 2^62 / (depth << zeros) */
+    uint32_t inverse_q30;
     int32_t slope_q23[2];          /* x / depth and y / depth, clamped to +-64 */
     int32_t position_q14[2];       /* pixels; 0: centre of the first pixel; invalid if out_of_range */
     int out_of_range;
@@ -63,7 +63,6 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
     }
 }
 
-/* First axis of a Gaussian, two directions perpendicular to it, and the angle of roll about it. */
 typedef struct axes {
     int32_t axis_q15[3], side_q15[2][3];
     int32_t cos_q15, sin_q15;      /* second axis = cos side[0] + sin side[1] */
@@ -99,7 +98,7 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
 static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, const projected *centre, int32_t log2_q16,
                             int *exponent)
 {
-    int32_t whole = -(-log2_q16 >> 16);          /* rounds up */
+    int32_t whole = -(-log2_q16 >> 16);
     uint32_t size_q15 = (uint32_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1);
     uint32_t over_z_q30 = (uint32_t)((uint64_t)size_q15 * centre->inverse_q30 >> 15);
     uint32_t mantissa = fxs_mulhi(over_z_q30, view->focal_q32);
@@ -111,7 +110,6 @@ static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, cons
 /* Returns true if the Gaussian cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
 static int off_picture(const fxs_view *view, const projected *centre, int exponent)
 {
-    /* below 2^32 - 2^30, because exponent <= 16 */
     const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
     const int32_t x_q14 = centre->position_q14[0], y_q14 = centre->position_q14[1];
     return (uint32_t)(x_q14 < 0 ? -x_q14 : 0) > radius_q14 || (uint32_t)(y_q14 < 0 ? -y_q14 : 0) > radius_q14 ||
@@ -144,7 +142,7 @@ static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, ui
 
 /* Reciprocal square root of x = m 2^-32 4^half, with m 2^-32 in [1/4, 1). */
 typedef struct root {
-    uint32_t m, inverse_q30;       /* mantissa; 1 / sqrt(m * 2^-32) */
+    uint32_t m, inverse_q30;
     int half;                      /* sqrt(x) = sqrt(m * 2^-32) * 2^half */
 } root;
 
@@ -162,7 +160,6 @@ static root root_of_q30(uint32_t x)
     return (root){m, fxs_rsqrt(m), 1 - zeros / 2};
 }
 
-/* x * 2^-shift, rounded to nearest; shift > 0, x < 2^32 - 1 */
 static uint32_t scale_down(uint32_t x, int shift)
 {
     return (fxs_shift_down(x, shift - 1) + 1) >> 1;
@@ -310,7 +307,6 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 
 /* ---------------------------------------------------------------------------------------------------------------- */
 
-/* Returns 0 if the Gaussian touches no pixel. */
 static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {

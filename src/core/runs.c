@@ -18,7 +18,6 @@ static void gather_part(void *argument, uint32_t part)
         }
 }
 
-/* Returns the keys of all splats of the band, sorted by depth. */
 static const fxs_key *sort_all(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);

@@ -15,7 +15,6 @@ static layout lay_out(uint64_t chunks, uint64_t chunk_bytes, uint64_t palette_by
     return l;
 }
 
-/* Returns 0 if an argument is out of range. */
 static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
 {
     if (count > FXS_MAX_COUNT || sh_degree < 0 || sh_degree > 3 || (uint32_t)profile > FXS_PROFILE_SMALL)

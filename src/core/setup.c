@@ -76,7 +76,6 @@ static int place_objects(fxs_frame *f)
     return error;
 }
 
-/* Chooses the chunks to draw, then lays out the memory again for their number. */
 static int choose_chunks(fxs_frame *f)
 {
     fxs_cut cut = {.objects = f->objects, .object_count = f->object_count, .options = f->options,

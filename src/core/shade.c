@@ -20,7 +20,7 @@ static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
     }
     int zeros = fxs_clz32(square + !square) & ~1;
     uint32_t inverse_q30 = fxs_rsqrt((square + !square) << zeros);
-    for (int i = 0; i < 3; i++) {  /* d 2^(zeros / 2) is below 2^16 */
+    for (int i = 0; i < 3; i++) {
         int64_t x = fxs_round_shift(fxs_mul_add(d[i] * (1 << zeros / 2), (int32_t)inverse_q30, 0), 31);
         d_q15[i] = fxs_clamp((int32_t)x, -32767, 32767);
     }
@@ -136,7 +136,7 @@ static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *s
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
     int32_t sum_q16[3];
     for (int c = 0; c < 3; c++) {
-        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(&codes, c);   /* at most 2^27 */
+        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(&codes, c);
         sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
     }
     if (view->sh_degree > 0)

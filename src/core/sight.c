@@ -11,7 +11,7 @@
 #include "memory.h"
 
 #define BLUR 4                     /* power of the size by which the error of tiny Gaussians falls */
-#define BLURRED_Q8 (-256)          /* log2 of half a pixel */
+#define BLURRED_Q8 (-256)
 #define UNLIMITED_Q8 (1 << 24)
 #define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
 

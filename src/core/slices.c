@@ -13,9 +13,9 @@
 /* A slice has the splats with keys from `first` to `last`. A key is a depth and a Gaussian's number, hence unique. */
 typedef struct slice {
     fxs_key first, last;
-    uint32_t count, room;          /* number of splats; capacity */
-    uint64_t taken;                /* splats in all slices so far */
-    int more;                      /* 1: splats remain beyond `last` */
+    uint32_t count, room;
+    uint64_t taken;
+    int more;
 } slice;
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
@@ -95,7 +95,7 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Prepares the next slice. Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
+/* Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);

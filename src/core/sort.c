@@ -4,13 +4,13 @@
 #include "memory.h"
 #include "sort.h"
 
-#define FEW 24u                    /* up to this many keys: insertion sort only */
-#define MANY 1500u                 /* from this many keys on: longer digits */
+#define FEW 24u
+#define MANY 1500u
 #ifdef FXS_SMALL_STACK             /* small boards: short digits, no recursion */
 #define LIST_DIGIT 7
 #define HUGE UINT32_MAX
 #else
-#define LIST_DIGIT DIGIT           /* largest digit of a list, in bits */
+#define LIST_DIGIT DIGIT
 #define HUGE 32768u                /* keys; more do not fit in a cache */
 #endif
 #define MOVES 4u                   /* most moves per key by insertion */
@@ -178,5 +178,5 @@ void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
         return;
     for (int shift = 0; shift < range; shift += 2 * fxs_min(8, LIST_DIGIT))
         sort_by_two(keys, spare, count, least, shift, fxs_min(8, LIST_DIGIT));
-    insert_each(keys, count, UINT64_MAX);      /* orders equal depths by splat */
+    insert_each(keys, count, UINT64_MAX);
 }

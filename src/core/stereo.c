@@ -26,7 +26,7 @@ int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
         return FXS_ERR_TARGET;
     const uint64_t start = fxs_now(f);
     int error = each_eye(f, request, fxs_frame_check);
-    f->stats.visible = f->stats.missing = 0;               /* counted again while rendering */
+    f->stats.visible = f->stats.missing = 0;
     error = error ? error : each_eye(f, request, fxs_frame_render);
     f->stats.frame_nanoseconds = fxs_now(f) - start;
     return error;

@@ -8,7 +8,7 @@
 
 #define STRETCH 32767u             /* entries; their numbers fit in 16 bits */
 #define PART 512u
-#define AHEAD 16                   /* prefetch distance, in entries */
+#define AHEAD 16
 
 typedef struct tracer {
     const fxs_frame *f;
@@ -16,13 +16,13 @@ typedef struct tracer {
     int bits;                      /* fraction bits of depths in the caller's images */
     const uint32_t *list;
     uint32_t count;
-    uint32_t first, end;           /* range of the current part in the stretch */
+    uint32_t first, end;
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];
     int16_t codes_q15[PART];       /* depth / 2^octave - 1, Q15 */
     uint32_t keys[PART];
     uint32_t limits[FXS_TILE_PIXELS];      /* depth keys of the occluder; farther splats are hidden */
-    uint64_t sums[FXS_TILE_PIXELS];        /* sums of weight * depth */
+    uint64_t sums[FXS_TILE_PIXELS];
     uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];
 } tracer;
 
@@ -94,7 +94,6 @@ static void note_slots(const tracer *t, const int16_t numbers[FXS_TILE_PIXELS], 
         slots[i] = numbers[i] < 0 ? slots[i] : slot_of(t->list[numbers[i]]);
 }
 
-/* Returns true if any pixel is not yet opaque. */
 static int end_part(tracer *t, const fxs_tile *tile)
 {
     int open = 0;

@@ -4,8 +4,8 @@
 #include <fixsplat/fixed.h>
 #include "memory.h"
 
-#define POSITION_LIMIT_Q32 ((int64_t)1 << 60)   /* 2^28 units */
-#define NEAR_LEAST_Q32 ((int64_t)1 << 12)       /* 2^-20 units */
+#define POSITION_LIMIT_Q32 ((int64_t)1 << 60)
+#define NEAR_LEAST_Q32 ((int64_t)1 << 12)
 #define NEAR_MOST_Q32 ((int64_t)1 << 60)
 #define NEAR_DEFAULT_Q32 858993459              /* 0.2 */
 #define ONE_Q60 ((int64_t)1 << 60)
@@ -105,7 +105,7 @@ static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     const int64_t most = (int64_t)60 << 23;
-    int64_t margin = size * 614;                     /* 0.15 size, Q12 */
+    int64_t margin = size * 614;
     int64_t low = -((c_q12 + margin) * (1 << 23)) / f_q12;
     int64_t high = (((size << 12) - c_q12 + margin) * (1 << 23)) / f_q12;
     *low_q23 = cut_slope(low, most);
