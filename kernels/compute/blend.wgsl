@@ -1,5 +1,5 @@
-// Needs pixel records order pixels
 // Blends the splats of each tile from front to back, and writes the pixels.
+// Needs pixel records order pixels
 
 // Blends a round of splats into the thread's two pixels, two splats per step to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)

@@ -5,10 +5,8 @@
 #include "src/core/memory.h"
 #include "src/core/targets.h"
 
-#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
-
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 int fxs_compute_allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
 {
@@ -50,8 +48,6 @@ static int use(const fxs_compute *c, fxs_message *why)
     return c->use && c->use(c->use_argument)
                ? fxs_plan_say(why, FXS_ERR_DEVICE, "the context cannot be made current", "") : 0;
 }
-
-/* ---- The device -------------------------------------------------------------------------------------------------- */
 
 size_t fxs_compute_bytes(void)
 {
@@ -218,8 +214,6 @@ static void give_back(fxs_compute *c)
     fxs_compute_check(c, &why);
 }
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
 {
     if (bytes)
@@ -296,8 +290,6 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
     memset(copy, 0, sizeof *copy);
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
 size_t fxs_compute_memory(const fxs_request *request)
 {
     return fxs_plan_memory(request);
@@ -360,8 +352,6 @@ static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, 
         memcpy(to + (uint64_t)y * row, fxs_image_at(image, 0, y, 4), row);
     return unmap(c, why);
 }
-
-/* ---- Stages ------------------------------------------------------------------------------------------------------ */
 
 typedef struct walk {
     const fxs_compute *c;
@@ -428,8 +418,6 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
                               (GLsizeiptr)(c->plan.bytes[FXS_COMPUTE_DOWNLOAD] - 4 * FXS_COMPUTE_STATUS));
     return fxs_compute_check(c, why);
 }
-
-/* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
 /* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has one or two words per pixel. */
 static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)

@@ -1,5 +1,5 @@
-// Needs pixel numbers records bin
 // Fills each tile's list with the numbers of its splats, unsorted.
+// Needs pixel numbers records bin
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;

@@ -5,8 +5,6 @@
 
 enum { TAKE_MESH, COLOURS, TRACED };
 
-/* ---- State ------------------------------------------------------------------------------------------------------- */
-
 /* Buffer bindings that the compute stages change. */
 static const GLenum bound[][2] = {{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
                                   {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
@@ -43,7 +41,7 @@ static void save(const fxs_compute *c, kept *k)
     }
 }
 
-/* A size of 0 means the whole buffer, or no buffer. */
+/* A binding of size 0 covers the whole buffer, or has no buffer. */
 static void restore(const fxs_compute *c, const kept *k)
 {
     for (int i = 0; i < PLACES; i++)
@@ -56,8 +54,6 @@ static void restore(const fxs_compute *c, const kept *k)
         c->gl.BindBuffer(bound[i][0], (GLuint)k->bound[i]);
     fxs_gl_restore(&c->gl, &k->state);
 }
-
-/* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
 static int add_shader(const fxs_compute *c, int which, GLenum kind, const char *text, fxs_message *why)
 {
@@ -118,8 +114,6 @@ static int begin_drawing(fxs_compute *c, fxs_message *why)
         fxs_compute_end_drawing(c);
     return error;
 }
-
-/* ---- A frame ----------------------------------------------------------------------------------------------------- */
 
 int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
 {

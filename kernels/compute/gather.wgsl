@@ -1,5 +1,5 @@
-// Needs numbers records sums
 // Compacts the visible chunks into a list, and counts them per object.
+// Needs numbers records sums
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;

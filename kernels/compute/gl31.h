@@ -33,7 +33,7 @@ struct fxs_compute {
     fxs_plan_rooms rooms;
     fxs_plan plan;
     uint64_t nanoseconds;
-    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* made on first use by framebuffer.c */
+    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* GL objects made on first use by framebuffer.c */
     int32_t word_rows, most_rows;
     int shift;              /* log2 of the width of texture `words`; 0: no such texture */
 };

@@ -1,5 +1,5 @@
-// Needs records
 // Converts the splat numbers of each pixel to object and Gaussian ids.
+// Needs records
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;

@@ -1,5 +1,5 @@
-// Needs numbers records sums
 // Assigns memory to the tiles' lists, one workgroup per row of tiles.
+// Needs numbers records sums
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;

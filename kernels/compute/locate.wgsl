@@ -1,5 +1,5 @@
-// Needs numbers records crop
 // Transforms the bounding boxes of chunks of 256 Gaussians to camera space and culls chunks.
+// Needs numbers records crop
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
@@ -232,7 +232,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Sets a bit per visible chunk. Two objects may share a word, hence the atomic OR.
+// Sets a bit per visible chunk. Two objects may share a word.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -23,7 +23,7 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Not 0 - a: NVIDIA's GLSL compiler (driver 580) loses its sign in a following shift.
+// Avoids 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of the result in a following shift.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -37,7 +37,7 @@ fn magnitude(a: wide) -> wide
     return a;
 }
 
-// Compares signed numbers.
+// Compares signed 64-bit numbers.
 fn less(a: wide, b: wide) -> bool
 {
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
@@ -78,7 +78,7 @@ fn mul_word(a: wide, b: u32) -> wide
     return wide(product.x, product.y + a.y * b);
 }
 
-// n is 0 to 63.
+// Shifts by n bits, 0 to 63.
 fn shift_left(a: wide, n: u32) -> wide
 {
     if (n == 0u) {
@@ -101,7 +101,7 @@ fn shift_right(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), a.y >> n);
 }
 
-// Rounds towards minus infinity.
+// Shifts right and rounds towards minus infinity.
 fn shift_signed(a: wide, n: u32) -> wide
 {
     let high = bitcast<i32>(a.y);
@@ -114,7 +114,7 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
-// Rounds towards plus infinity; n > 0.
+// Shifts right and rounds towards plus infinity; n > 0.
 fn shift_up(a: wide, n: u32) -> wide
 {
     let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);

@@ -82,11 +82,10 @@ fn open_of(row: u32) -> u32
     return (atomicLoad(&open_pixels[row / 4u]) >> (8u * (row % 4u))) & 0xffu;
 }
 
-// A splat evaluated for one row of pixels.
 struct Taken {
     u: u32,
     ux: u32,
-    level_q26: u32,                // row level without u^2, plus 1/2 for rounding
+    level_q26: u32,                // v^2 + offset, plus 1/2 for rounding
     limit_q11: i32,
     colour: vec3<i32>,
 }
@@ -154,7 +153,7 @@ struct Patch {
     tile: u32,                     // NOTHING: no pixels to draw
     x: u32,
     y: u32,
-    rows: vec2<u32>,               // first and last row, relative to y
+    rows: vec2<u32>,               // first and last row of pixels, relative to y
     list: u32,
     count: u32,
 }

@@ -11,8 +11,6 @@ typedef struct span {
     uint32_t object, first_place, end_place, part;
 } span;
 
-/* ---- Messages ---------------------------------------------------------------------------------------------------- */
-
 int fxs_plan_say(fxs_message *why, int error, const char *text, const char *what)
 {
     const char *parts[] = {text, what};
@@ -41,8 +39,6 @@ static int too_large(fxs_message *why, uint64_t bytes)
     why->bytes_needed = bytes;
     return FXS_ERR_MEMORY;
 }
-
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
 static uint32_t palette_bytes(const fxs_scene *scene)
 {
@@ -88,8 +84,6 @@ uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t p
     pieces[2] = (fxs_piece){scene->palette, palette, 0};
     return two_pieces(scene, palette, first, end, scene->chunk_bytes, scene->rows, scene->node_rows, pieces);
 }
-
-/* ---- The request ------------------------------------------------------------------------------------------------- */
 
 static int count_objects(fxs_plan *p)
 {
@@ -183,8 +177,6 @@ int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_me
         error = FXS_ERR_STOPPED;
     return said(why, error);
 }
-
-/* ---- Spans ------------------------------------------------------------------------------------------------------- */
 
 static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
 {
@@ -286,8 +278,6 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, const span *s,
         o->crops[i][12] = crop->outside != 0;
     }
 }
-
-/* ---- Memory of a frame ------------------------------------------------------------------------------------------- */
 
 static uint32_t larger(uint64_t a, uint64_t b)
 {
@@ -453,8 +443,6 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
     }
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
-
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
 #define NONE FXS_PLAN_NONE
 #define OF(program, a, b, c, d) [FXS_COMPUTE_##program] = {a, b, c, d},
@@ -549,8 +537,6 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     if (f->id != FXS_NOTHING)
         DO(direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));
 }
-
-/* ---- Lists longer than their room -------------------------------------------------------------------------------- */
 
 static uint32_t merges_of(uint32_t longest)
 {

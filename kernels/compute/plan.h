@@ -69,8 +69,6 @@ void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
    frame again with longer lists, or an error. */
 int fxs_plan_look(fxs_plan *plan, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 typedef struct fxs_piece {
     const void *from;
     uint64_t bytes, at;
@@ -80,8 +78,6 @@ typedef struct fxs_piece {
 uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why);
 
 uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3]);
-
-/* ---- Messages ---------------------------------------------------------------------------------------------------- */
 
 int fxs_plan_say(fxs_message *why, int error, const char *text, const char *what);
 

@@ -1,5 +1,5 @@
-// Needs pixel numbers records crop project shade bin
 // Projects and shades the Gaussians of visible chunks, and finds their tiles.
+// Needs pixel numbers records crop project shade bin
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;

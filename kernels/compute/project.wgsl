@@ -104,7 +104,7 @@ fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
     return true;
 }
 
-// Returns a row of J W, divided by f/z 2^jacobian_exponent, Q15.
+// Returns a row of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent, Q15.
 fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
 {
     let slope = clamp(slope_q23, object.slope_low_q23[i], object.slope_high_q23[i]);
@@ -385,7 +385,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
 
 // ----------------------------------------------------------------------------------------------------------------
 
-// Returns 2^-below times the longest axis, Q15.
+// Returns the length of an axis, 2^-below times the longest axis, Q15.
 fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
 {
     let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));
@@ -397,7 +397,7 @@ fn dot_q15(a: vec3<i32>, b: vec3<i32>) -> i32
     return (dot_i(a, b) + 16384) >> 15u;
 }
 
-// Returns a row of T = J W R S, Q15.
+// Returns a row of the splatting matrix T = J W R S, Q15.
 fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
 {
     let p = dot_q15(row, axes.side_x_q15);

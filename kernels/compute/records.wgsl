@@ -3,15 +3,15 @@
 
 const CHUNK: u32 = 256u;
 const THREADS: u32 = 128u;
-const ROW_OF_GROUPS: u32 = 32768u; // most workgroups along x
+const ROW_OF_GROUPS: u32 = 32768u; // largest number of workgroups along x
 const RECORD: u32 = 64u;
 const LARGE: u32 = 8u;
 const LARGE_ROWS: i32 = 8;
 const SPAN: u32 = 8u;              // words in the record of a range of drawn chunks
-const PAGE: u32 = 4096u;           // entries; a tile row's lists start at a multiple
+const PAGE: u32 = 4096u;           // entries of a page; a tile row's lists start at a page
 const MERGES: u32 = 19u;
-const BLOCK: u32 = 512u;           // entries that one workgroup sorts
-const CLASSES: u32 = 16u;          // classes of tiles by the length of their lists; 0: empty
+const BLOCK: u32 = 512u;           // list entries that one workgroup sorts
+const CLASSES: u32 = 16u;          // number of classes of tiles by list length
 const CUT_OFF: u32 = 0x80000000u;
 const NOTHING: u32 = 0xffffffffu;
 
@@ -38,18 +38,18 @@ struct Frame {
     chunk_room: u32,               // capacity for splats, in chunks
     large_room: u32,
     page_room: u32,
-    drawn: u32,                    // chunk and share of each place; 0: every chunk is drawn
-    seen: u32,                     // in `counts`: one bit per place; 1: visible
+    drawn: u32,                    // offset of the chunk and share of each place; 0: every chunk is drawn
+    seen: u32,                     // offset in `counts` of one bit per place; 1: visible
     ranks: u32,
     visible: u32,
-    records: u32,                  // record of each visible place
-    depths: u32,                   // depth key of each slot
+    records: u32,                  // offset of the record of each visible place
+    depths: u32,                   // offset of the depth key of each slot
     boxes: u32,
     larges: u32,
-    spans_at: u32,                 // per span: first and end place, first and end visible place, object id, first chunk
-    next: u32,                     // in `counts`: index of each tile's next entry
-    classes: u32,                  // in `counts`: tiles by class
-    blocks: u32,                   // in `counts`: tile and number of each block to sort
+    spans_at: u32,      // offset of the spans: first and end place, first and end visible place, object id, first chunk
+    next: u32,
+    classes: u32,
+    blocks: u32,                   // offset in `counts` of the tile and number of each block to sort
     block_room: u32,
     spare: u32,
     tile_bits: u32,                // log2 of a tile's side in pixels, 3 or 4
@@ -63,7 +63,7 @@ struct Frame {
     coverage: u32,
     mean_depth: u32,
     median_depth: u32,
-    id: u32,                       // two words per pixel
+    id: u32,                       // offset of the ids, two words per pixel
     occluder: u32,
     backdrop: u32,
 }
@@ -112,7 +112,7 @@ struct Object {
     span: u32,
     part_chunk: u32,
     rows_at: u32,
-    crops: array<vec4<u32>, 32>,   // four per crop box: low corner, high corner, `outside`
+    crops: array<vec4<u32>, 32>,   // four vectors per crop box: low corner, high corner, `outside`
 }
 
 struct Splat {

@@ -1,7 +1,7 @@
-// Needs records sums order
 // Sorts each tile's list by ascending depth, then by splat. A sample sort orders blocks of 512 entries: 16 sampled
 // depths bound 16 ranges of 16 bins. Merge passes then join sorted runs in pairs; a binary search finds the keys of
 // both runs for each block of 512 results.
+// Needs records sums order
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
@@ -13,7 +13,7 @@ const RANGE: u32 = 16u;
 const BINS: u32 = 256u;
 
 var<workgroup> keys: array<vec2<u32>, 512>;
-var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then start offsets; last: number of keys
+var<workgroup> bins: array<atomic<u32>, 257>;    // sizes of the bins, then their start offsets; last: number of keys
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
 var<workgroup> bounds: array<vec2<u32>, 16>;     // per range: smallest depth, log2 of the width of a bin
@@ -224,7 +224,7 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let block = take_block(group, thread);
-    let run = 8u + block.done;                   // a run has 2^run keys
+    let run = 8u + block.done;                   // a sorted run has 2^run keys
     if (block.count <= 1u << run) {
         return;
     }

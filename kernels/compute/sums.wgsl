@@ -5,7 +5,7 @@ const GROUP: u32 = 16u;
 var<workgroup> sums: array<u32, 128>;
 var<workgroup> group_sums: array<u32, 8>;
 
-// With `cut`, saturates at 2^32 - 1.
+// Returns a + b. With `cut`, saturates at 2^32 - 1.
 fn plus(a: u32, b: u32, cut: bool) -> u32
 {
     return select(a + b, 0xffffffffu, cut && a + b < a);

@@ -1,5 +1,5 @@
-// Needs pixel numbers records order pixels
 // Blends splats and also writes depths and ids. An occluder hides the splats behind it.
+// Needs pixel numbers records order pixels
 
 var<workgroup> own: array<vec2<u32>, 32>;
 
@@ -9,7 +9,7 @@ struct Traced {
     limit: u32,                    // depth key of the occluder; farther splats are hidden
     weight: i32,                   // largest weight of any splat so far
     largest: u32,
-    median: u32,                   // depth key of the median depth
+    median: u32,                   // depth key of the splat at which the transmittance falls below 1/2
     sum: wide,                     // sum of weight * depth
 }
 

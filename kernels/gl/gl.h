@@ -51,7 +51,7 @@ int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 /* Clears pending GL errors. Returns 0 if there were none, or FXS_ERR_MEMORY or FXS_ERR_DEVICE for the first one. */
 int fxs_gl_check(const fxs_gl *gl);
 
-/* Like fxs_gl_check, for a call that has failed. Never returns 0. */
+/* Returns the error of a call that has failed. Never returns 0. */
 int fxs_gl_failure(const fxs_gl *gl);
 
 /* Return 1, or 0 with the device's message in `log`. */

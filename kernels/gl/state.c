@@ -2,12 +2,12 @@
 #include "gl.h"
 #include "src/core/memory.h"
 
-/* Draws disable these, except the scissor test. */
+/* Draws disable these GL switches, except the scissor test. */
 static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
                                   GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
 enum { SWITCHES = sizeof switches / sizeof *switches };
 
-/* Uploads set these to 0. */
+/* Uploads set these pixel parameters to 0. */
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 

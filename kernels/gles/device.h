@@ -10,7 +10,7 @@
 
 #define FXS_GLES_SIDE 2048
 #define FXS_GLES_MOST 8192
-/* Entries of a tile's list per draw. Drivers abort long draws. */
+/* Most entries of a tile's list per draw, because drivers abort long draws. */
 #define FXS_GLES_LOOP 32768u
 
 /* Programs. Those that write pixels exist for the back end's own integer target and for the caller's normalised
@@ -27,9 +27,10 @@ enum {
 };
 /* Textures. The first FXS_GLES_UNITS are bound to the units of their number. */
 enum {
-    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* lists of tiles, splats of the lists, masks of splats */
+    /* textures of tiles.c: lists of tiles, splats of the lists, masks of splats */
+    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,
     FXS_GLES_CHUNKS,
-    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's images; BUFFER: GL depths */
+    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* textures of the caller; BUFFER: GL depth buffer */
     FXS_GLES_CARRIED,
     FXS_GLES_IDS, FXS_GLES_TRACES, /* ids of splats; depths, weights and ids of the pixels so far */
     FXS_GLES_UNITS,

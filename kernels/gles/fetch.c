@@ -29,8 +29,6 @@ static uint32_t part_start(const batch *b, uint32_t part)
     return b->first + fxs_part(b->end - b->first, PARTS, part);
 }
 
-/* ---- Records ----------------------------------------------------------------------------------------------------- */
-
 typedef struct drawn {
     uint32_t count, shape;
     fxs_span columns, rows;
@@ -145,8 +143,6 @@ static uint32_t take_splats(batch *b, uint32_t capacity)
     return count;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------------------------- */
-
 static int upload(fxs_gles *g, batch *b, uint32_t count)
 {
     const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;
@@ -161,7 +157,6 @@ static int upload(fxs_gles *g, batch *b, uint32_t count)
     return 0;
 }
 
-/* Sets all pixels of a window to transmittance 1 and no colour. */
 static int begin_states(fxs_gles *g, const fxs_gles_window *w)
 {
     static const GLint clear[4] = {FXS_CLEAR_Q15, 0, 0, 0};

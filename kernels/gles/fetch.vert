@@ -4,7 +4,7 @@
 uniform highp usampler2D records;
 uniform ivec4 size;                  // width and height of the window; cut-off, Q11; log2 of the width of `records`
 uniform ivec4 place;                 // first pixel of the window; side of the viewport in windows
-flat out ivec4 line;                 // u, ux, uy, v at the window's first pixel, Q24
+flat out ivec4 line;                 // splat coordinates u, ux, uy, v at the window's first pixel, Q24
 flat out ivec4 look;                 // vy; offset, Q11, and red; green and blue, Q13; limit, Q11
 #ifdef LIMITED
 flat out ivec3 limits;               // first and last tile column; first and last tile row; depth key

@@ -39,8 +39,6 @@ uint64_t fxs_gles_nanoseconds(const fxs_gles *g)
     return g->nanoseconds;
 }
 
-/* ---- Functions and limits ---------------------------------------------------------------------------------------- */
-
 /* Accepts OpenGL ES 3.0 and later, and desktop OpenGL with GL_ARB_ES3_compatibility. */
 static int check_version(fxs_gles *g, char *message)
 {
@@ -77,8 +75,6 @@ static int check_limits(fxs_gles *g, char *message)
         g->shift++;
     return 0;
 }
-
-/* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
 static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
 static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
@@ -199,8 +195,6 @@ static int prepare_traced(fxs_gles *g)
     return g->traced < 0 ? g->traced : 0;
 }
 
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
-
 static int make_objects(fxs_gles *g, char *message)
 {
     const fxs_gl *gl = &g->gl;
@@ -315,8 +309,6 @@ void *fxs_gles_map(fxs_gles *g, GLsizeiptr bytes)
     return g->gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
 }
 
-/* ---- Time -------------------------------------------------------------------------------------------------------- */
-
 void fxs_gles_start_timer(fxs_gles *g)
 {
     if (!g->timer || g->timing || g->target)
@@ -337,8 +329,6 @@ void fxs_gles_stop_timer(fxs_gles *g)
     g->timing = 0;
     g->nanoseconds += disjoint ? 0 : nanoseconds;
 }
-
-/* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
 static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format format)
 {

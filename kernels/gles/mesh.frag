@@ -1,6 +1,6 @@
 // Reads the depth of the caller's occluder at a pixel.
 uniform highp usampler2D occluder;
-uniform highp sampler2D depth_buffer;        // alternative to `occluder`
+uniform highp sampler2D depth_buffer;        // GL depth buffer, alternative to `occluder`
 // texel of pixel (0, 0) in the caller's textures; step per row; depth_bits and flags of textures in use
 uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;

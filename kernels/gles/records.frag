@@ -27,7 +27,7 @@ int high(uint word)
     return int(word >> 16);
 }
 
-// Returns u and v at a pixel, Q24.
+// Returns the splat coordinates u and v at a pixel, Q24.
 ivec2 whitened(record r, ivec2 pixel)
 {
     return ivec2(r.a.x + uint(pixel.x) * r.a.y + uint(pixel.y) * r.a.z, r.a.w + uint(pixel.y) * r.b.x);

@@ -35,8 +35,6 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* ---- Uploads ----------------------------------------------------------------------------------------------------- */
-
 static void make_texture(const fxs_gles *g, int unit, GLint format, GLenum layout, int32_t width, int32_t height)
 {
     g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
@@ -82,7 +80,6 @@ int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
     return 0;
 }
 
-/* Grows texture IDS to one texel per record; RECORDS has two. */
 static void make_ids(fxs_gles *g)
 {
     const int32_t rows = (g->record_rows + 1) / 2;
@@ -149,8 +146,6 @@ static int end_batch(batch *b)
     return 0;
 }
 
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
-
 static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
 {
     const uint32_t words[RECORD / 4] = {
@@ -160,7 +155,7 @@ static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
     memcpy(record, words, sizeof words);
 }
 
-/* An entry that is cut off becomes an invisible splat. */
+/* Writes an entry that is cut off as an invisible splat. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
@@ -217,7 +212,6 @@ static void add(amount *to, uint32_t records)
     to->chunks += chunks_of(records);
 }
 
-/* Converts a tile's number in the window to its number in the picture. */
 static uint32_t tile_of(const batch *b, int32_t tile)
 {
     const fxs_gles_window *w = b->window;
@@ -278,8 +272,6 @@ static uint32_t longest(const fxs_gles *g)
 {
     return least((uint32_t)g->record_rows << (g->shift - 1), FXS_GLES_LOOP);
 }
-
-/* ---- Draws ------------------------------------------------------------------------------------------------------- */
 
 static fxs_gles_surface surface_of(const batch *b)
 {

@@ -7,7 +7,7 @@ uniform highp isampler2D carried;    // state to continue from: transmittance, r
 uniform ivec4 place;                 // pixel of fragment (0, 0); step per row; 1: continue from `carried`
 // first tile of `lists`, or with FETCHED first pixel of `carried`; log2 of the width of `records`; cut-off
 uniform ivec4 source;
-uniform ivec4 background;            // red, green, blue; 1: alpha is coverage
+uniform ivec4 background;            // background: red, green, blue; 1: alpha is coverage
 uniform highp sampler2D backdrop;
 
 #if defined TRACED
@@ -159,7 +159,7 @@ void main()
 #elif defined INTEGER
     result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    // the same byte results whether GL rounds down or to nearest
+    // + 0.25 gives the same byte whether GL rounds down or to nearest
     result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }

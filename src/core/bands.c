@@ -13,11 +13,9 @@
 #define JOBS 8u
 #define KEYS 2u
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
-#define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and scratch space to sort it */
+#define LIST_BYTES (2 * sizeof(fxs_key))       /* bytes of a list key and of the space to sort it */
 #define SLICE_LEAST 128u
 #define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
-
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
 /* Bump allocator; only measures if `rest` is null. */
 typedef struct arena {
@@ -154,8 +152,6 @@ uint64_t fxs_bands_measure(fxs_frame *f)
     f->stats.memory.least = (size_t)smaller(smaller(least, bytes_for_all(f)), SIZE_MAX);
     return all;
 }
-
-/* ---- Bands ----------------------------------------------------------------------------------------------------- */
 
 static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
 {

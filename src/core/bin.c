@@ -77,7 +77,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
     int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* true if v sqrt(A) = +- r shear for a v between top and bottom */
+    /* The extreme point lies in this row if v sqrt(A) = +- r shear for a v between top and bottom. */
     int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
@@ -91,7 +91,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Returns floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1. */
+/* Returns the tiles of the square cut-off: floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1. */
 static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
@@ -120,7 +120,6 @@ static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
                                              : ellipse_span(e, view, row);
 }
 
-/* Spreads the mask of six tiles in a row to three macro tiles. */
 static uint64_t spread_row(uint32_t tiles, int32_t row)
 {
     return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
@@ -172,8 +171,6 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
         spans[i] = span_of(&e, view, row + i);
 }
 
-/* ---- Lists ----------------------------------------------------------------------------------------------------- */
-
 /* Writes keys to the lists of macro tiles. If `keys` is null, counts the keys and takes notes instead. */
 static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
@@ -212,7 +209,6 @@ uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, 
     return noted;
 }
 
-/* Returns a mask of a span's tiles in columns 2 c and 2 c + 1. */
 static uint32_t pair_of(span s, int32_t c)
 {
     const int32_t left = 2 * c, right = left + 1;
@@ -299,7 +295,7 @@ static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bound
 uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries)
 {
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < count; i++) {         /* branchless, because unpredictable */
+    for (uint32_t i = 0; i < count; i++) {         /* no branch, because branches would be unpredictable */
         entries[listed] = FXS_LISTED_SLOT(keys[i]);
         listed += (uint32_t)keys[i] >> tile & 1;
     }

@@ -90,7 +90,7 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
     int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
-    int32_t whole = -(-log2_q16 >> 16);          /* rounds up */
+    int32_t whole = -(-log2_q16 >> 16);          /* ceiling */
     if (whole > 40)
         return INT64_MAX / 4;
     return whole < 0 ? 4 : ((int64_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1) << whole >> 15) * 7 / 2 + 4;
@@ -132,10 +132,10 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
-    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* square tiles reach further than the test below */
+    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* the square cut-off reaches further than the test below */
         return 1;
     int64_t reach = reach_across(cv, view);
-    for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture */
+    for (int i = 0; i < 2; i++)                  /* left of the picture if x + reach < edge_low z */
         if (farthest(cv, view, i, 1, view->edge_low_q23[i]) + reach < 0 ||
             farthest(cv, view, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
             return 0;

@@ -5,7 +5,7 @@
 #include <fixsplat/packed.h>
 #include <fixsplat/stage.h>
 
-#define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
+#define FXS_DILATION_Q30 322122547u              /* dilation of splats, 0.3 pixels^2 */
 #define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: limits the aspect of needles to 4096 */
 #define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels; larger Gaussians are veils */
 #define FXS_DEPTH_BIAS 32                        /* makes floor(log2 z), -32 to 30, fit in 6 bits */
@@ -16,7 +16,7 @@ typedef struct fxs_chunk_view {
     int32_t scale_q16;
     uint32_t scale_step_q24, opacity_law;
     int64_t base_q16[3];
-    int32_t m_q16[3][3];           /* each below 2^29 */
+    int32_t m_q16[3][3];           /* matrix entries, each below 2^29 */
     int shift;
     int32_t plane_zeros;           /* orthographic: depth of the plane is 2^(32 - plane_zeros); -22 to 38 */
     int32_t plane_side;            /* 64 times the plane's depth, saturated at 2^31 - 1 */

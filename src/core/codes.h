@@ -94,7 +94,7 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
    the scene's step. The compact profile adds odd numbers, -7 to 7, times the Gaussian's gain. */
 typedef struct fxs_sh_sums {
     int32_t palette[3], odd[3];    /* sums of basis * number, Q15: at most 2^29 and 2^22 */
-    int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
+    int gain;                      /* gain of the residual: (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
 } fxs_sh_sums;
 
 static inline int32_t fxs_sh_sum_q16(const fxs_sh_sums *s, const fxs_scene *scene, int channel)

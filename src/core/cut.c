@@ -21,10 +21,10 @@ typedef struct visit {
     fxs_sight sight;
     uint32_t share_q8;             /* share of the chunk and its descendants while the parent fades */
     uint8_t opened;
-    uint8_t short_of;              /* a child to draw is not loaded */
+    uint8_t short_of;              /* 1: a child to draw is not loaded */
     uint8_t needed;
     uint8_t absent;
-    uint8_t hidden;                /* not loaded, or replaced by an ancestor */
+    uint8_t hidden;                /* 1: not loaded, or replaced by an ancestor */
 } visit;
 
 typedef struct search {
@@ -36,7 +36,7 @@ typedef struct search {
     uint32_t drawn, most_drawn;
     uint32_t visit_room;
     fxs_fading fading;
-    uint32_t viewed;               /* object of s->view; FXS_NOTHING: none yet */
+    uint32_t viewed;               /* object that the view belongs to; FXS_NOTHING: none */
     fxs_view view;
     int full, error;
 } search;
@@ -69,8 +69,6 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
     return (uint32_t)(most < least ? least : most);
 }
 
-/* ---- Heap -------------------------------------------------------------------------------------------------------- */
-
 /* Orders nodes by descending key, then ascending object and chunk. */
 static int is_before(const search *s, uint32_t a, uint32_t b)
 {
@@ -101,8 +99,6 @@ static uint32_t pop(search *s)
     s->heap[at] = last;
     return top;
 }
-
-/* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
 static void set_view(search *s, uint32_t object)
 {
@@ -150,7 +146,7 @@ static void open_node(search *s, uint32_t number)
         visit_chunk(s, object, node.children[i], number);
 }
 
-/* Returns 0 if no node is left or the budget is spent. */
+/* Opens the next node. Returns 0 if no node is left or the budget is spent. */
 static int open_next(search *s)
 {
     const uint32_t visits = s->visit_count, opened = s->opened_count;
@@ -223,7 +219,6 @@ static visit *parent_of(const search *s, const visit *v)
     return v->parent == FXS_NOTHING ? 0 : &s->visits[v->parent];
 }
 
-/* Computes each chunk's share, from the roots down. */
 static void find_shares(search *s)
 {
     for (uint32_t i = 0; i < s->opened_count; i++)

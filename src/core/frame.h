@@ -10,7 +10,7 @@
 
 enum fxs_frame_mode {
     FXS_FRAME_WHOLE,               /* all splats: a slot for every Gaussian */
-    FXS_FRAME_PLAN,                /* none: only counts the splats of each tile row */
+    FXS_FRAME_PLAN,                /* no splats: only counts them per tile row */
     FXS_FRAME_BAND,                /* splats of one band */
     FXS_FRAME_SLICES               /* part of a tile row, nearest splats first */
 };
@@ -60,7 +60,7 @@ typedef struct fxs_frame {
     enum fxs_frame_mode mode;
     uint32_t blocks, block_chunks;
     uint32_t parts;
-    uint32_t tiles, macros;                /* number in the picture */
+    uint32_t tiles, macros;                /* numbers of tiles and macro tiles in the picture */
 
     /* Arrays that live for the whole frame, fixed_bytes in all. */
     uint64_t fixed_bytes, bytes_for_all;
@@ -81,11 +81,11 @@ typedef struct fxs_frame {
     int32_t first_row, end_row;
     int32_t first_column, end_column;
     uint32_t count;
-    fxs_splat *splats;                     /* by slot; each block has consecutive slots */
+    fxs_splat *splats;                     /* splats by slot; each block has consecutive slots */
     fxs_bounds *bounds;
     fxs_box *boxes;
     uint32_t *depths;
-    uint32_t *indices;                     /* by slot: number of the Gaussian, counted over all objects */
+    uint32_t *indices;                     /* number of each splat's Gaussian, counted over all objects */
     fxs_key *keys, *spare;
     uint32_t key_capacity;
 

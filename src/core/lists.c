@@ -53,7 +53,6 @@ static void fill_part(void *argument, uint32_t part)
     notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites the notes */
 }
 
-/* Divides the space for notes among the parts, in proportion to their splats. */
 static void share_notes(fxs_frame *f)
 {
     uint32_t before = 0, block = 0;

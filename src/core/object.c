@@ -101,7 +101,6 @@ static uint32_t scale_depth(uint32_t key, fxs_scale scale)
            : (uint32_t)exponent << 26 | ((product << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Returns true if the box low..high lies inside a crop box, entirely or with `any` partly. */
 static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fxs_crop *crop, int any)
 {
     for (int i = 0; i < 3; i++) {
@@ -162,7 +161,7 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (object->plain && share_q8 == 256 && !grow_q8)      /* the common case, before the locals take stack */
+    if (object->plain && share_q8 == 256 && !grow_q8)      /* common case */
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     if (share_q8 != 256 || grow_q8) {
         changed = *view;

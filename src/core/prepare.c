@@ -108,7 +108,6 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     return (int32_t)(starts[end - first] - slot);
 }
 
-/* Returns the number of a block's splats or FXS_ERR_SCENE. */
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {
     uint32_t all = 0;

@@ -11,7 +11,7 @@ typedef struct projected {
     int zeros;                     /* leading zeros of the depth; orthographic: plane_zeros */
     uint32_t inverse_q30;
     int32_t slope_q23[2];          /* x / depth and y / depth, clamped to +-64 */
-    int32_t position_q14[2];       /* pixels; 0: centre of the first pixel; invalid if out_of_range */
+    int32_t position_q14[2];       /* position in pixels; 0: centre of the first pixel; invalid if out_of_range */
     int out_of_range;
 } projected;
 
@@ -52,7 +52,8 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     return 1;
 }
 
-/* Rows of J W, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i, Q15. */
+/* Rows of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i,
+   Q15. */
 static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected *centre)
 {
     for (int i = 0; i < 2; i++) {
@@ -286,7 +287,8 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     const root c = root_of_q30(s->c_q30), d = root_of_q60(s->det_q60);
     const int64_t inverse_q29 = (int64_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
     const int64_t ratio_q30 = (int64_t)((uint64_t)fxs_mulhi(c.m, c.inverse_q30) * d.inverse_q30 >> 30);
-    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);   /* per 2^exponent pixels */
+    /* change of u per 2^exponent pixels */
+    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);
     const int64_t uy_q18 = -fxs_round_shift(s->b_q30 * inverse_q29, 41 + c.half + d.half);
     const int64_t vy_q18 = fxs_round_shift(c.inverse_q30, 12 + c.half);
     const int64_t x_q26 = from_middle_q26(centre, 0, view->fx_q12, view->cx_q12, view->tiles_x, s->exponent);

@@ -34,7 +34,6 @@ static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
     return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
 }
 
-/* Returns log2 of the pixels per unit at the chunk's nearest point. */
 static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
 {
     const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;

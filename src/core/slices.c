@@ -23,7 +23,7 @@ static fxs_key key_of(const fxs_frame *f, uint32_t slot)
     return FXS_KEY(f->depths[slot], f->indices[slot]);
 }
 
-/* Keeps the new splats in the slice's range of keys and columns, out of `count` after the slice's own. */
+/* Keeps those of the last `count` splats that lie in the slice's range of keys and columns. */
 static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
@@ -77,7 +77,7 @@ static int take(fxs_frame *f, slice *s)
     return 0;
 }
 
-/* Computes colours and tiles of the first `count` slots. Returns 0 or FXS_ERR_SCENE. */
+/* Computes the colours and tiles of the first `count` splats. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {
@@ -95,7 +95,7 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
+/* Prepares the next slice. Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -105,13 +105,11 @@ static int next_slice(fxs_frame *f, slice *s)
     return error ? error : s->taken > (uint64_t)f->chunk_count * FXS_CHUNK ? FXS_ERR_SCENE : 0;
 }
 
-/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
-
 /* Blends a slice's list into a tile. The kernel `blend` would start with an empty tile. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     const int32_t column = (int32_t)tile % f->view.tiles_x - f->first_column;
-    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to its arrays */
+    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to the arrays of `nothing` */
     int32_t x, y;
     nothing->which = 0;
     fxs_tile_origin(f, tile, &x, &y);

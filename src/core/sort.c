@@ -11,7 +11,7 @@
 #define HUGE UINT32_MAX
 #else
 #define LIST_DIGIT DIGIT
-#define HUGE 32768u                /* keys; more do not fit in a cache */
+#define HUGE 32768u                /* number of keys above which a list exceeds the cache */
 #endif
 #define MOVES 4u                   /* most moves per key by insertion */
 #define DIGIT 11

@@ -9,8 +9,6 @@ void fxs_targets_init(fxs_targets *targets)
     memset(targets, 0, sizeof *targets);
 }
 
-/* ---- Checks ------------------------------------------------------------------------------------------------------ */
-
 typedef struct part {
     const fxs_image *image;
     int bytes, alignment, written;
@@ -43,7 +41,7 @@ static int is_valid(const part *p, int32_t width, int32_t height)
     if (top % (unsigned)p->alignment || stride % p->alignment || stride > most || stride < -most ||
         (height > 1 && stride < row && stride > -row))
         return 0;
-    const extent e = extent_of(p, width, height);      /* high < low: wraps around the address space */
+    const extent e = extent_of(p, width, height);      /* high < low if the range wraps around the address space */
     return e.low <= top && top < e.high;
 }
 
@@ -122,8 +120,6 @@ int fxs_targets_traced(const fxs_targets *t)
 {
     return t && (t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels || t->occluder.pixels);
 }
-
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                              ptrdiff_t stride)

@@ -6,7 +6,7 @@
 #include "targets.h"
 #include "trace.h"
 
-#define STRETCH 32767u             /* entries; their numbers fit in 16 bits */
+#define STRETCH 32767u             /* most entries in a stretch, so that their numbers fit in 16 bits */
 #define PART 512u
 #define AHEAD 16
 
@@ -30,8 +30,6 @@ static uint32_t slot_of(uint32_t entry)
 {
     return entry & ~FXS_ENTRY_CUT_OFF;
 }
-
-/* ---- A part of the list ------------------------------------------------------------------------------------------ */
 
 /* Finds the end of the next part. Without depths, the part is the rest of the stretch. */
 static void begin_part(tracer *t)
@@ -123,8 +121,6 @@ static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
         note_slots(t, t->trace.largest, t->largest);
     return open;
 }
-
-/* ---- Targets ----------------------------------------------------------------------------------------------------- */
 
 static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_t rows)
 {

@@ -7,7 +7,7 @@
 #define POSITION_LIMIT_Q32 ((int64_t)1 << 60)
 #define NEAR_LEAST_Q32 ((int64_t)1 << 12)
 #define NEAR_MOST_Q32 ((int64_t)1 << 60)
-#define NEAR_DEFAULT_Q32 858993459              /* 0.2 */
+#define NEAR_DEFAULT_Q32 858993459              /* default near plane, 0.2 units */
 #define ONE_Q60 ((int64_t)1 << 60)
 #define ONE_Q30 ((int64_t)1 << 30)
 
@@ -112,8 +112,8 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
-/* Returns the size exponent below which a Gaussian with its centre out of range is dropped. From slope 64 or 65536
-   pixels away, a smaller radius of 3.5 (2^exponent + 1) pixels does not reach the picture. */
+/* Returns the smallest size exponent of a Gaussian that may reach the picture with its centre out of range: at slope
+   64, or 65536 pixels away. The radius is 3.5 (2^exponent + 1) pixels. */
 static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
@@ -289,14 +289,14 @@ static int64_t divide_q32(uint64_t x, uint64_t divisor)
 FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
 {
     int64_t high = 0, low = 0;
-    for (int k = 0; k < 3; k++) {                /* in two halves, because 2^61 times 2^30 overflows */
+    for (int k = 0; k < 3; k++) {                /* multiplies in two halves, because 2^61 times 2^30 overflows */
         high += m_q30[3 * k + i] * (v[k] >> 31);
         low += m_q30[3 * k + i] * (v[k] & INT32_MAX);
     }
     return high * 2 + fxs_round_shift(low, 30);
 }
 
-/* Computes R^T (P - T) / s. Returns 0 if the result is too far out. */
+/* Computes R^T (P - T) / s, the camera's position in the object's space. Returns 0 if too far out. */
 static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3], const fxs_object *object)
 {
     int64_t apart_q32[3];
