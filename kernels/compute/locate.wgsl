@@ -232,7 +232,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Sets a bit per visible chunk. Two objects may share a word.
+// Uses an atomic OR, because two objects may share a word.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -68,7 +68,7 @@ fn touch(f: Fetched, here: Patch) -> bool
         let right = bitcast<i32>(u + firstLeadingBit(open) * ux);
         let u_q13 = min(max(max(left, -right), 0) >> 11u, 32767);
         let v_q13 = fxs_coordinate_q13(bitcast<i32>(v));
-        // round(u^2) + level <= limit
+        // tests round(u^2) + level <= limit
         let most_q26 = (limit_q11 - fxs_mul_q15(v_q13, v_q13) - offset_q11 + 1) * 32768 - 16384;
         touches |= open != 0u && u_q13 * u_q13 < most_q26;
         u += f.a.w;
@@ -109,7 +109,7 @@ fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
     let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
-    // the sums only grow, so put_colour alone saturates them
+    // The sums of colours only grow, so put_colour alone saturates them.
     (*p).sum += vec3<i32>(fxs_mul_q15(weight, t.colour.x), fxs_mul_q15(weight, t.colour.y),
                           fxs_mul_q15(weight, t.colour.z));
     return weight;

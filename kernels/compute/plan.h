@@ -43,7 +43,7 @@ typedef struct fxs_step {
     int32_t arguments;             /* buffer with the workgroup counts; FXS_PLAN_NONE: use `groups` */
     uint32_t arguments_at;
     int32_t buffers[4];
-    uint32_t uniform;              /* offset of the object in the uniform buffer in bytes; 0: none */
+    uint32_t uniform;              /* offset of the object in the uniform buffer, in bytes; 0: none */
     uint32_t object, part;
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);

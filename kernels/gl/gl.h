@@ -48,7 +48,7 @@ const char *fxs_gl_load(fxs_gl *table, fxs_gl_load_fn *load, void *argument);
 
 int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 
-/* Clears pending GL errors. Returns 0 if there were none, or FXS_ERR_MEMORY or FXS_ERR_DEVICE for the first one. */
+/* Clears pending GL errors. Returns 0 if there were none, otherwise FXS_ERR_MEMORY or FXS_ERR_DEVICE. */
 int fxs_gl_check(const fxs_gl *gl);
 
 /* Returns the error of a call that has failed. Never returns 0. */

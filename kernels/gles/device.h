@@ -25,7 +25,7 @@ enum {
     FXS_GLES_TRACED_STATE, FXS_GLES_TRACED,
     FXS_GLES_PROGRAMS
 };
-/* Textures. The first FXS_GLES_UNITS are bound to the units of their number. */
+/* Textures, by texture unit. */
 enum {
     /* textures of tiles.c: lists of tiles, splats of the lists, masks of splats */
     FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,
@@ -65,7 +65,7 @@ struct fxs_gles {
     int32_t viewport[2];
     int points;                    /* 1: GL points may be as large as a tile */
     char no_fetch[FXS_GLES_MESSAGE];            /* why fetch.c is unsupported; empty: supported */
-    int traced;                    /* objects for depths and ids: 0 not made, 1 made, negative: error */
+    int traced;                 /* whether the GL objects for depths and ids are made: 0: no, 1: yes, negative: error */
     int timer, timing;
     fxs_gles_program programs[FXS_GLES_PROGRAMS];
     GLuint textures[FXS_GLES_TEXTURES], framebuffers[FXS_GLES_FRAMEBUFFERS], renderbuffer, vertex_array;
@@ -115,7 +115,6 @@ typedef struct fxs_gles_window {
     int32_t x, y, width, height, first_column, first_row, columns, rows;
 } fxs_gles_window;
 
-/* A viewport in a framebuffer, and the mapping from fragments to pixels of the picture. */
 typedef struct fxs_gles_surface {
     GLuint framebuffer;
     int program;
@@ -144,7 +143,8 @@ void fxs_gles_set_mesh(const fxs_gles *gles, const fxs_tile_run *run, const fxs_
 void fxs_gles_aim(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                   const fxs_gles_surface *surface, int carried, const int32_t source[4]);
 
-/* Calls `draw` for windows of at most most x most pixels. Reads the pixels back unless the caller has a framebuffer. */
+/* Calls `draw` for windows of at most `most` x `most` pixels. Reads the pixels back unless the caller has a
+   framebuffer. */
 typedef int fxs_gles_draw_window_fn(fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window);
 int fxs_gles_draw_windows(fxs_gles *gles, const fxs_tile_run *run, int32_t most, fxs_gles_draw_window_fn *draw);
 

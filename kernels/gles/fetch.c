@@ -14,7 +14,7 @@
 /* Radius in pixels from which a splat is drawn as two triangles, a rectangle with a quarter fewer pixels. */
 #define LARGE 12
 
-enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle */
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle of the shape */
 
 typedef struct batch {
     const fxs_tile_run *run;

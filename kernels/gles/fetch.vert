@@ -9,7 +9,7 @@ flat out ivec4 look;                 // vy; offset, Q11, and red; green and blue
 #ifdef LIMITED
 flat out ivec3 limits;               // first and last tile column; first and last tile row; depth key
 #endif
-const int TRIANGLE = 0, VEIL = 4;    // shapes; RECTANGLE is 2; odd: second triangle
+const int TRIANGLE = 0, VEIL = 4;    // shapes of splats; 2: rectangle; odd: second triangle
 
 ivec4 texel(int i)
 {

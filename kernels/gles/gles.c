@@ -5,7 +5,7 @@
 #include "device.h"
 #include "shaders.h"
 
-#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
 
 static int say(char *message, const char *text, const char *what)

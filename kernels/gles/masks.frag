@@ -1,7 +1,7 @@
 // Finds which splats touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. Its masks
 // are four texels, one per quarter of the tile, with a word per block and a bit per splat.
 uniform highp usampler2D chunks;     // first record, and count - 1 from bit 24 on; column and row of the tile
-uniform ivec4 source;                // log2 of the width of the textures; cut-off
+uniform ivec4 source;                // x: log2 of the width of the textures; y: cut-off
 out uvec4 result;
 
 // Returns the smallest magnitude of u or v in a block, Q13, saturated at 4.
@@ -10,7 +10,7 @@ ivec4 nearest(ivec4 least, ivec4 most)
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// u and v are linear, and ux and vy are not negative. Arithmetic modulo 2^32 suffices.
+// The splat coordinates u and v are linear in x and y; ux and vy are not negative. Arithmetic modulo 2^32 suffices.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {
     ivec2 uv = whitened(r, pixel);

@@ -14,7 +14,7 @@ uniform highp sampler2D backdrop;
 uniform highp usampler2D ids;
 uniform highp usampler2D traces;     // to continue from: depth key of the median, largest weight, id
 const int HALF_Q15 = 16384;
-// last record blended while T >= 1/2; largest weight; first record with that weight; -1: none
+// last record blended while the transmittance >= 1/2; largest weight; first record with that weight; -1: none
 int median, weight_q15, largest;
 #if defined STATE
 layout(location = 1) out uvec4 trace_result;

@@ -180,7 +180,6 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t first
     f->extents[place] = e;
 }
 
-/* Turns counts per tile row into prefix sums. */
 static void sum_rows(fxs_frame *f, uint32_t block)
 {
     fxs_row_counts *counts = row_counts_of(f, block);
@@ -275,7 +274,6 @@ static void lay_out_slices(fxs_frame *f)
     lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
 
-/* Adds tile rows to the band while they fit in the memory. */
 static void lay_out_rows(fxs_frame *f)
 {
     uint32_t slots = 0;

@@ -7,7 +7,7 @@
 
 #define FXS_DILATION_Q30 322122547u              /* dilation of splats, 0.3 pixels^2 */
 #define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: limits the aspect of needles to 4096 */
-#define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels; larger Gaussians are veils */
+#define FXS_EXPONENT_MAX 16                      /* log2 of the largest sigma in pixels */
 #define FXS_DEPTH_BIAS 32                        /* makes floor(log2 z), -32 to 30, fit in 6 bits */
 
 /* A chunk in camera space. Camera coordinates are (base + m code) * 2^-16, in units of 2^(shift - 32), below 2^30. */

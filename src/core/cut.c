@@ -24,7 +24,7 @@ typedef struct visit {
     uint8_t short_of;              /* 1: a child to draw is not loaded */
     uint8_t needed;
     uint8_t absent;
-    uint8_t hidden;                /* 1: not loaded, or replaced by an ancestor */
+    uint8_t hidden;                /* 1: not loaded, or an ancestor is drawn instead */
 } visit;
 
 typedef struct search {
@@ -229,7 +229,7 @@ static void find_shares(search *s)
     }
 }
 
-/* Returns the share that is drawn with the chunk itself, not with its children. */
+/* Returns the share of the opacity that is drawn with the chunk itself, not with its children. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;

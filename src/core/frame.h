@@ -9,10 +9,10 @@
 #define FXS_SORT_BUCKETS 2048
 
 enum fxs_frame_mode {
-    FXS_FRAME_WHOLE,               /* all splats: a slot for every Gaussian */
-    FXS_FRAME_PLAN,                /* no splats: only counts them per tile row */
-    FXS_FRAME_BAND,                /* splats of one band */
-    FXS_FRAME_SLICES               /* part of a tile row, nearest splats first */
+    FXS_FRAME_WHOLE,               /* memory holds a splat for every Gaussian */
+    FXS_FRAME_PLAN,                /* counts the splats of each tile row without keeping them */
+    FXS_FRAME_BAND,                /* memory holds the splats of one band */
+    FXS_FRAME_SLICES               /* memory holds part of the splats of a tile row */
 };
 
 /* A tile's list of splats in ascending order of depth. */
@@ -48,7 +48,7 @@ typedef struct fxs_frame {
     uint32_t cut_room;                     /* capacity of the level-of-detail cut; 0: no cut */
     unsigned char *memory;
     uint64_t memory_bytes;
-    fxs_tile_fn *draw_tile;                /* null: a back end draws */
+    fxs_tile_fn *draw_tile;                /* draws a tile; null: a back end draws */
     uint32_t only_tile;                    /* tile to draw for fxs_pick; FXS_NOTHING: all */
 
     fxs_view view;
@@ -62,7 +62,7 @@ typedef struct fxs_frame {
     uint32_t parts;
     uint32_t tiles, macros;                /* numbers of tiles and macro tiles in the picture */
 
-    /* Arrays that live for the whole frame, fixed_bytes in all. */
+    /* Arrays that live for the whole frame; fixed_bytes bytes in all. */
     uint64_t fixed_bytes, bytes_for_all;
     fxs_object_view *views;
     uint32_t *block_slots;                 /* first slot of each block; last: end of the last block */
@@ -89,7 +89,8 @@ typedef struct fxs_frame {
     fxs_key *keys, *spare;
     uint32_t key_capacity;
 
-    uint32_t slice_room, slice_macros;     /* capacity in splats; columns of macro tiles, 0: no slices */
+    /* capacity of a slice in splats; columns of macro tiles in a slice, 0: no slices */
+    uint32_t slice_room, slice_macros;
     fxs_tile *pixels;
     fxs_trace *nothing;
 

@@ -34,7 +34,7 @@ void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 /* Second pass: writes each key to keys[next[macro]++]. */
 void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 
-/* Second pass for the slots before `from`, from the notes. */
+/* Second pass: writes the keys of the slots before `from`, using the notes. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
 /* Square cut-off only: sets FXS_ENTRY_CUT_OFF in the entries of splats with an ellipse that misses the tile. */

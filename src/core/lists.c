@@ -50,7 +50,7 @@ static void fill_part(void *argument, uint32_t part)
         if (from < last)
             fxs_bin_fill(&l, from, last - from, f->keys);
     }
-    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites the notes */
+    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting reuses the memory of the notes */
 }
 
 static void share_notes(fxs_frame *f)

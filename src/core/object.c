@@ -161,7 +161,7 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (object->plain && share_q8 == 256 && !grow_q8)      /* common case */
+    if (object->plain && share_q8 == 256 && !grow_q8)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     if (share_q8 != 256 || grow_q8) {
         changed = *view;

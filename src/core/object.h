@@ -21,7 +21,8 @@ typedef struct fxs_object_view {
 
 int fxs_object_check(const fxs_object *object);
 
-/* Fills in *out for a checked object, except first_chunk and end_chunk. Returns the errors of fxs_view_of_object. */
+/* Transforms a checked object to a camera's space; does not set first_chunk and end_chunk. Returns the errors of
+   fxs_view_of_object. */
 int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
                          const fxs_object *object);
 

@@ -10,7 +10,7 @@ typedef struct projected {
     int32_t camera[3];
     int zeros;                     /* leading zeros of the depth; orthographic: plane_zeros */
     uint32_t inverse_q30;
-    int32_t slope_q23[2];          /* x / depth and y / depth, clamped to +-64 */
+    int32_t slope_q23[2];          /* slopes x / depth and y / depth, clamped to +-64 */
     int32_t position_q14[2];       /* position in pixels; 0: centre of the first pixel; invalid if out_of_range */
     int out_of_range;
 } projected;

@@ -77,7 +77,6 @@ static int take(fxs_frame *f, slice *s)
     return 0;
 }
 
-/* Computes the colours and tiles of the first `count` splats. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {

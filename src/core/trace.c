@@ -31,7 +31,6 @@ static uint32_t slot_of(uint32_t entry)
     return entry & ~FXS_ENTRY_CUT_OFF;
 }
 
-/* Finds the end of the next part. Without depths, the part is the rest of the stretch. */
 static void begin_part(tracer *t)
 {
     const uint32_t *depths = t->f->depths;

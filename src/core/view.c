@@ -132,7 +132,7 @@ static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const 
     return exponent;
 }
 
-/* ceil(log2(sqrt(1 + max(slope)^2))) */
+/* Returns ceil(log2(sqrt(1 + max(slope)^2))). */
 static int32_t jacobian_exponent(const fxs_view *view)
 {
     int64_t most = 1 << 23;
