@@ -47,7 +47,6 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
         let high = min(rank_of(memory[span + 1u]), frame.chunk_room);
         memory[span + 2u] = low;
         memory[span + 3u] = high;
-        // the fill stage needs at least one workgroup
         put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));
     }
     if (thread == THREADS - 1u) {

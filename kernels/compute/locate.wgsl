@@ -213,7 +213,7 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
-    var drawn = 256u;             // low half: share of the opacity, Q8; high half: growth of the sigmas, log2
+    var drawn = 256u;             // low half: share of the optical depth, Q8; high half: growth of the sigmas, log2
     if (frame.drawn != 0u) {
         chunk = memory[frame.drawn + 2u * place];
         drawn = memory[frame.drawn + 2u * place + 1u];

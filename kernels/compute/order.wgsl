@@ -20,7 +20,7 @@ fn class_sizes(first: u32) -> vec4<u32>
     return vec4<u32>(counts[at], counts[at + 1u], counts[at + 2u], counts[at + 3u]);
 }
 
-// Loads all class sizes at once, because a loop would wait for each load.
+// Loads the sizes of all classes at once, because a loop would wait for each load.
 fn tile_at(number: u32) -> u32
 {
     let a = class_sizes(12u);

@@ -50,7 +50,7 @@ fn fetch_splat(entry: u32) -> Fetched
     return f;
 }
 
-// Returns true if a splat touches an open pixel. |u| is smallest at the first or last open pixel of a row, or zero
+// Returns true if a splat can touch an open pixel. |u| is smallest at the first or last open pixel of a row, or zero
 // between them.
 fn touch(f: Fetched, here: Patch) -> bool
 {
@@ -101,7 +101,7 @@ fn take(i: u32, row: u32) -> Taken
                  vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
 }
 
-// Blends a splat into a pixel. Returns its weight.
+// Blends a splat into a pixel. Returns the splat's weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));

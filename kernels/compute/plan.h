@@ -58,8 +58,8 @@ int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
-/* Return the size in bytes of the table of drawn chunks, and write the table. It belongs at word plan->frame.spans_at
-   of FXS_COMPUTE_MEMORY, which starts with fxs_offset_of_code_q11. */
+/* Return the size in bytes of the table of drawn chunks, and write the table. The table belongs at word
+   plan->frame.spans_at of FXS_COMPUTE_MEMORY, which starts with fxs_offset_of_code_q11. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
@@ -74,7 +74,7 @@ typedef struct fxs_piece {
     uint64_t bytes, at;
 } fxs_piece;
 
-/* Returns how many chunks' Gaussians fit in a buffer of `most` bytes, or 0 with a message. */
+/* Returns the number of chunks with Gaussians that fit in a buffer of `most` bytes, or 0 with a message. */
 uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why);
 
 uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3]);

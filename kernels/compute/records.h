@@ -1,4 +1,5 @@
-/* Declarations shared by the host and the shaders of the compute back ends. They match records.wgsl. */
+/* Declarations shared by the host and the shaders of the compute back ends. Structs and constants match
+ * records.wgsl. */
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
 

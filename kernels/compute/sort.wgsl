@@ -224,7 +224,7 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let block = take_block(group, thread);
-    let run = 8u + block.done;                   // a sorted run has 2^run keys
+    let run = 8u + block.done;
     if (block.count <= 1u << run) {
         return;
     }

@@ -9,7 +9,7 @@ struct Traced {
     limit: u32,                    // depth key of the occluder; farther splats are hidden
     weight: i32,                   // largest weight of any splat so far
     largest: u32,
-    median: u32,                   // depth key of the splat at which the transmittance falls below 1/2
+    median: u32,                   // depth key of the splat that takes the transmittance below 1/2
     sum: wide,                     // sum of weight * depth
 }
 

@@ -54,7 +54,7 @@ int fxs_gl_check(const fxs_gl *gl);
 /* Returns the error of a call that has failed. Never returns 0. */
 int fxs_gl_failure(const fxs_gl *gl);
 
-/* Return 1, or 0 with the device's message in `log`. */
+/* Compile and link shaders. Return 1, or 0 with the device's message in `log`. */
 int fxs_gl_compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *const *parts, GLsizei count, char *log,
                    GLsizei size);
 int fxs_gl_link(const fxs_gl *gl, GLuint program, char *log, GLsizei size);

@@ -144,7 +144,6 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
         return FXS_LARGE;
     if (e->rows.first == e->rows.last && e->columns.last - e->columns.first < FXS_NARROW &&
         e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
-        /* A narrow splat in one tile row touches nearly all columns of its bounding box. */
         mask = spread_row(tiles_of(e->columns, column), e->rows.first - row);
     } else {
         add_radius(e, view);

@@ -53,7 +53,7 @@ static int is_hidden(const blending *b, int i)
     return b->trace && b->trace->which & FXS_TRACE_END && b->number >= b->trace->end[i];
 }
 
-/* Returns the number of pixels that became opaque. */
+/* Blends a splat over a row. Returns the number of pixels that became opaque. */
 static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile *p)
 {
     fxs_tile *tile = b->tile;

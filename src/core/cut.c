@@ -19,7 +19,7 @@ typedef struct visit {
     uint32_t chunk, object;
     uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
     fxs_sight sight;
-    uint32_t share_q8;             /* share of the chunk and its descendants while the parent fades */
+    uint32_t share_q8;             /* share of the optical depth of the chunk and its descendants */
     uint8_t opened;
     uint8_t short_of;              /* 1: a child to draw is not loaded */
     uint8_t needed;
@@ -229,7 +229,7 @@ static void find_shares(search *s)
     }
 }
 
-/* Returns the share of the opacity that is drawn with the chunk itself, not with its children. */
+/* Returns the share of the optical depth that is drawn with the chunk itself, not with its children. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;

@@ -29,7 +29,7 @@ typedef struct fxs_laps {
 struct fxs_frame;
 typedef void fxs_tile_fn(struct fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps);
 
-/* Number of a block's splats that start above a tile row, and that end above it. */
+/* Numbers of a block's splats that start, and that end, above a tile row. */
 typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;

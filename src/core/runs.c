@@ -39,7 +39,7 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of a macro tile's tiles. Must not write behind their ends, where other jobs write. */
+/* Makes the lists of a macro tile's tiles. Must not write behind the ends of these lists, where other jobs write. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;

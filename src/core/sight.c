@@ -50,8 +50,8 @@ static uint64_t exp2_q16(int32_t x_q8)
 }
 
 /* Returns log2 of the growth of a node's mass, (area + 0.15 swell) / (area + 0.15). The dilation by 0.3 pixels^2 makes
-   many small Gaussians cover more than a node's few coarse ones. Half is used, because small Gaussians hide each other.
-   Antialiased scenes already compensate. */
+   many small Gaussians cover more than a node's few coarse ones. Half the dilation is used, because small Gaussians
+   hide each other. Antialiased scenes already compensate. */
 static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;

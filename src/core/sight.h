@@ -8,7 +8,7 @@
 
 #define FXS_SWELL_SEEN_Q8 1024     /* largest growth of a distant node's mass, log2, Q8 */
 #define FXS_SWELL_OF_SIGMA 4       /* growth of the mass / growth of each sigma, in log2 */
-#define FXS_FADE_MOST_Q8 128       /* widest range of keys or of sizes that fades */
+#define FXS_FADE_MOST_Q8 128       /* widest range of keys or sizes over which nodes fade */
 
 typedef struct fxs_sight {
     int32_t key_q8;                /* gain of replacing the node by its children; 0: leaf */

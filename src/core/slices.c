@@ -1,5 +1,5 @@
 /* Draws a tile row with more splats than the memory holds, in slices: blends the nearest splats that fit, then the next
- * ones over the same pixels. Slow, because every slice projects the row's Gaussians again. */
+ * ones over the same pixels. The method is slow, because every slice projects the row's Gaussians again. */
 #include "bands.h"
 #include "draw.h"
 #include "lister.h"

@@ -19,7 +19,7 @@ typedef struct tracer {
     uint32_t first, end;
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];
-    int16_t codes_q15[PART];       /* depth / 2^octave - 1, Q15 */
+    int16_t codes_q15[PART];       /* codes of depths, depth / 2^octave - 1, Q15 */
     uint32_t keys[PART];
     uint32_t limits[FXS_TILE_PIXELS];      /* depth keys of the occluder; farther splats are hidden */
     uint64_t sums[FXS_TILE_PIXELS];

@@ -172,7 +172,7 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
     c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
 }
 
-/* A window has its own edges; the other values come from the whole picture. */
+/* A camera that is a window of a picture has its own edges; the other values come from the whole picture. */
 static void derive(fxs_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
