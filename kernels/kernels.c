@@ -2,7 +2,7 @@
 #include <fixsplat/internal/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Instruction sets per processor: SET(flag, name, its versions). Later ones are faster. */
+/* Instruction sets of each processor, slowest first: SET(flag, name, stage functions). */
 #define X86(SET, X) \
     SET(SSE41, sse41, FXS_VECTOR_STAGES(X, sse41) FXS_RESOLVE_STAGE(X, sse41)) \
     SET(AVX2, avx2, FXS_VECTOR_STAGES(X, avx2) FXS_RESOLVE_STAGE(X, avx2)) \
@@ -35,14 +35,14 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_NEON;           /* every AArch64 processor has NEON */
+    return FXS_CPU_NEON;
 }
 #elif defined(__ARM_FEATURE_MVE)
 #define PROCESSOR HELIUM
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_MVE;            /* the build requires Helium */
+    return FXS_CPU_MVE;
 }
 #elif __ARM_ARCH_PROFILE == 'M'
 #define PROCESSOR CORTEX_M
@@ -56,7 +56,7 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_SIMD128;        /* a host without simd128 rejects the module */
+    return FXS_CPU_SIMD128;        /* a host without SIMD rejects the module */
 }
 #else
 #define PROCESSOR OTHER

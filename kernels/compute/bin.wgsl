@@ -1,4 +1,4 @@
-// bin, as in src/core/bin.c: finds the tiles that a splat touches.
+// Finds the tiles that a splat touches, with the arithmetic of src/core/bin.c.
 
 fn columns_between(left_q8: i32, right_q8: i32) -> Span
 {
@@ -22,7 +22,7 @@ fn radius_q12(offset_q11: i32) -> i32
     return i32(sqrt_of(u32(fxs_limit_q11(offset_q11, frame.cut_q11) - offset_q11 + 1) << 13u)) + 1;
 }
 
-// v at a pixel row, below 2^30
+// Returns the splat's coordinate v at a row of pixels, below 2^30.
 fn v_at_row(s: ptr<function, Splat>, b: ptr<function, Bounds>, row: i32) -> i32
 {
     return low_of(shift_signed(mul_signed((row << 14u) - (*b).c_q14.y, (*s).vy_q24), 26u));
@@ -68,7 +68,7 @@ fn ellipse_span(s: ptr<function, Splat>, b: ptr<function, Bounds>, r: i32, row: 
     return columns_between(c_q8 + max(left - margin, -reach), c_q8 - max(-right - margin, -reach));
 }
 
-// The square cut-off always has tiles of 16 pixels.
+// The square cut-off always uses tiles of 16 pixels.
 fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
 {
     let pixel = centre_q14 >> 14u;
@@ -77,7 +77,6 @@ fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
     return Span(clamp(first, 0, tiles), clamp(last, -1, tiles - 1));
 }
 
-// Tile rows with tiles that may list a splat.
 fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
 {
     if (frame.cutoff == 1) {
@@ -86,7 +85,6 @@ fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
     return Span((*s).rows.x >> frame.tile_bits, (*s).rows.y >> frame.tile_bits);
 }
 
-// Tiles of one of these rows that list the splat.
 fn span_of(s: ptr<function, Splat>, b: ptr<function, Bounds>, r_q12: i32, row: i32) -> Span
 {
     if (frame.cutoff == 1) {

@@ -1,7 +1,7 @@
+// Blends the splats of each tile from front to back, and writes the pixels.
 // Needs pixel records order pixels
-// blend and resolve.
 
-// Blends the splats of a round that touch an open pixel, two at a time to hide latency.
+// Blends a round of splats into the thread's two pixels, two splats per step to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)
 {
     var bits = atomicLoad(&touching[round % 2u]);
@@ -40,7 +40,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         place_splat(here, thread, fetched, round);
         fetched = next;
-        next = fetch_splat(entry);                 // loads during two rounds
+        next = fetch_splat(entry);
         entry = fetch_entry(here, first + 3u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
@@ -67,7 +67,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// Writes the pixels of tiles with empty lists, 8x8 pixels per workgroup, and empty depths and ids for them.
+// Writes the background to tiles with empty lists, 8x8 pixels per workgroup.
 @compute @workgroup_size(64)
 fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

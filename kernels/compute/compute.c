@@ -1,14 +1,12 @@
-/* Compute back end for OpenGL ES 3.1: uploads scenes and renders frames to the caller's targets, following plan.c. The
- * stages are the .wgsl files in this folder; shaders.h has them in GLSL ES 3.10. */
+/* Compute back end for OpenGL ES 3.1: uploads scenes and renders frames to images in memory, with the buffers and
+ * dispatches of plan.c. */
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
 #include "src/core/targets.h"
 
-#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
-
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 int fxs_compute_allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
 {
@@ -33,13 +31,12 @@ int fxs_compute_check(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_check(&c->gl), why);
 }
 
-/* The same for a call that failed, with or without a GL error; never 0. */
 static int failure(const fxs_compute *c, fxs_message *why)
 {
     return said(fxs_gl_failure(&c->gl), why);
 }
 
-/* The same for a missing feature. A lost context also looks like a missing feature, so its error comes first. */
+/* Checks the GL error first, because a lost context also looks like a missing feature. */
 int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
 {
     const int error = fxs_compute_check(c, why);
@@ -51,8 +48,6 @@ static int use(const fxs_compute *c, fxs_message *why)
     return c->use && c->use(c->use_argument)
                ? fxs_plan_say(why, FXS_ERR_DEVICE, "the context cannot be made current", "") : 0;
 }
-
-/* ---- The device -------------------------------------------------------------------------------------------------- */
 
 size_t fxs_compute_bytes(void)
 {
@@ -82,7 +77,6 @@ void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
     c->limit = bytes;
 }
 
-/* Returns null, or the name of a missing function. */
 static const char *load_more(fxs_compute_gl *table, fxs_gl_load_fn *load, void *argument)
 {
     FXS_COMPUTE_FUNCTIONS(FXS_GL_LOAD)
@@ -111,7 +105,6 @@ static int check_version(fxs_compute *c, fxs_message *why)
     return 0;
 }
 
-/* Every device meets these limits, except that some have fewer storage blocks. */
 static int check_limits(fxs_compute *c, fxs_message *why)
 {
     static const struct limit {
@@ -167,7 +160,7 @@ int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn
     error = error ? error : load_functions(c, load, argument, why);
     if (error)
         return error;
-    fxs_compute_check(c, why);     /* clears errors from before this call */
+    fxs_compute_check(c, why);     /* clears earlier GL errors */
     error = check_version(c, why);
     error = error ? error : check_limits(c, why);
     if (error)
@@ -194,7 +187,7 @@ void fxs_compute_free(fxs_compute *c)
     fxs_compute_check(c, &why);
 }
 
-/* Grows a buffer to at least `bytes`; growing loses its contents. Returns 0 or an error. */
+/* Grows a buffer to at least `bytes` bytes, without keeping its contents. */
 static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs_message *why)
 {
     if (bytes <= c->bytes[buffer])
@@ -211,7 +204,6 @@ static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs
     return error;
 }
 
-/* After an error: frees the buffers, so that the next frame starts with little memory. */
 static void give_back(fxs_compute *c)
 {
     fxs_message why;
@@ -221,8 +213,6 @@ static void give_back(fxs_compute *c)
     c->rooms = (fxs_plan_rooms){.most = c->rooms.most};
     fxs_compute_check(c, &why);
 }
-
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
 static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
 {
@@ -274,7 +264,7 @@ int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
     int error = use(c, why);
     if (error)
         return error;
-    fxs_compute_check(c, why);     /* clears errors from before this call */
+    fxs_compute_check(c, why);     /* clears earlier GL errors */
     fxs_compute_drop(c, copy);
     copy->here = *scene;
     c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
@@ -299,8 +289,6 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
     }
     memset(copy, 0, sizeof *copy);
 }
-
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 size_t fxs_compute_memory(const fxs_request *request)
 {
@@ -351,7 +339,6 @@ static int put_places(const fxs_compute *c, fxs_message *why)
     return unmap(c, why);
 }
 
-/* Uploads an input image with four bytes per pixel. */
 static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, fxs_message *why)
 {
     const fxs_view *view = &c->plan.view;
@@ -366,12 +353,10 @@ static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, 
     return unmap(c, why);
 }
 
-/* ---- Stages ------------------------------------------------------------------------------------------------------ */
-
 typedef struct walk {
     const fxs_compute *c;
     const fxs_compute_scene *const *copies;
-    uint32_t program;              /* program in use */
+    uint32_t program;
 } walk;
 
 static void take_step(void *argument, const fxs_step *step)
@@ -413,8 +398,6 @@ static void read_time(fxs_compute *c)
     c->nanoseconds += disjoint ? 0 : nanoseconds;
 }
 
-/* Runs all stages and copies the results for reading back. Not always timed: in another's context a timer may be
-   running. */
 static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, int timed, fxs_message *why)
 {
     const fxs_gl *gl = &c->gl;
@@ -436,9 +419,7 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
     return fxs_compute_check(c, why);
 }
 
-/* ---- Reading back ------------------------------------------------------------------------------------------------ */
-
-/* Copies a plane of words to an image with `bytes` bytes per pixel: the low bytes of a word, or two words. */
+/* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has one or two words per pixel. */
 static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
@@ -455,7 +436,6 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
     }
 }
 
-/* Reads the status and, if everything fitted, the pixels. Returns as fxs_plan_look does. */
 static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
@@ -485,7 +465,6 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     return error ? error : result;
 }
 
-/* target null: renders to the request's targets. */
 static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
                   fxs_message *why)
 {
@@ -540,7 +519,7 @@ int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_comp
         return error;
     for (uint32_t i = 0; i < request->count; i++)
         c->plan.part_chunks[i] = copies[i]->part_chunks;
-    fxs_compute_check(c, why);     /* clears errors from before this call */
+    fxs_compute_check(c, why);     /* clears earlier GL errors */
     return 0;
 }
 

@@ -1,4 +1,4 @@
-// Crop boxes of an object, as in src/core/object.c.
+// Tests points and boxes against an object's crop boxes.
 
 fn crop_bound(crop: u32, i: u32, high: bool) -> wide
 {
@@ -18,7 +18,7 @@ fn lies_in(low: ptr<function, array<wide, 3>>, high: ptr<function, array<wide, 3
     return inside;
 }
 
-// True if a part of the box low..high may be drawn. For a point (low == high) the answer is exact.
+// Returns true if part of the box low..high passes the crop boxes. Exact for a point.
 fn is_within_crops(low: ptr<function, array<wide, 3>>, high: ptr<function, array<wide, 3>>) -> bool
 {
     var kept = object.keep_count == 0u;

@@ -1,14 +1,14 @@
+// Fills each tile's list with the numbers of its splats, unsorted.
 // Needs pixel numbers records bin
-// Fills the tiles' lists with entries (slots), in no order.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // fill_large only
-@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of the later dispatches
+@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;
+@group(1) @binding(0) var<storage, read_write> later: array<u32>;
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<u32>;
 
-var<workgroup> spans: array<vec4<i32>, 8>;       // per tile row: listed, touched
+var<workgroup> spans: array<vec4<i32>, 8>;
 
 fn fits() -> bool
 {
@@ -49,7 +49,6 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
-    // As in patch_of: blend has one workgroup per 8x8 pixels, or eight if the list is in the longest class.
     let patches = 2u * (frame.tile_bits - 3u);
     let empty = atomicLoad(&counts[CLASS_COUNTS]);
     let longest = atomicLoad(&counts[CLASS_COUNTS + CLASSES - 1u]);
@@ -62,7 +61,6 @@ fn put_later()
     }
 }
 
-// Two workgroups per chunk.
 @compute @workgroup_size(128)
 fn fill_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
@@ -83,7 +81,7 @@ fn large_splat(slot: u32) -> Splat
                  vec2<i32>(i32(b.w & 0xffffu), i32(b.w >> 16u)));
 }
 
-// One workgroup per LARGE_ROWS tile rows of a large splat, 16 tiles of each row at a time.
+// Runs one workgroup per LARGE_ROWS tile rows of a large splat.
 @compute @workgroup_size(128)
 fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -1,14 +1,11 @@
-/* Renders frames to the caller's framebuffer, in the caller's context: copies its textures to the words that the stages
- * read, copies the stages' words to its pixels, and preserves its state. */
+/* Renders frames to the caller's framebuffer in the caller's GL context, and restores the GL state. */
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
 
-enum { TAKE_MESH, COLOURS, TRACED };       /* indices of c->drawing */
+enum { TAKE_MESH, COLOURS, TRACED };
 
-/* ---- State ------------------------------------------------------------------------------------------------------- */
-
-/* Buffers that the stages bind, in addition to the state of kernels/gl. */
+/* Buffer bindings that the compute stages change. */
 static const GLenum bound[][2] = {{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
                                   {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
                                   {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER_BINDING},
@@ -33,7 +30,7 @@ typedef struct kept {
 
 static void save(const fxs_compute *c, kept *k)
 {
-    memset(k, 0, sizeof *k);       /* a lost context returns nothing */
+    memset(k, 0, sizeof *k);       /* a lost context returns no values */
     fxs_gl_save(&c->gl, &k->state);
     for (int i = 0; i < BOUND; i++)
         c->gl.GetIntegerv(bound[i][1], &k->bound[i]);
@@ -44,7 +41,7 @@ static void save(const fxs_compute *c, kept *k)
     }
 }
 
-/* Size 0 means the whole buffer, or no buffer. */
+/* A binding of size 0 covers the whole buffer, or has no buffer. */
 static void restore(const fxs_compute *c, const kept *k)
 {
     for (int i = 0; i < PLACES; i++)
@@ -57,8 +54,6 @@ static void restore(const fxs_compute *c, const kept *k)
         c->gl.BindBuffer(bound[i][0], (GLuint)k->bound[i]);
     fxs_gl_restore(&c->gl, &k->state);
 }
-
-/* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
 static int add_shader(const fxs_compute *c, int which, GLenum kind, const char *text, fxs_message *why)
 {
@@ -94,7 +89,7 @@ void fxs_compute_end_drawing(fxs_compute *c)
     c->word_rows = 0;
 }
 
-/* Makes the objects for drawing, once. c->shift is not 0 if fragment shaders have no storage buffers. */
+/* Makes the GL objects for drawing on first use. c->shift: nonzero if fragment shaders have no storage buffers. */
 static int begin_drawing(fxs_compute *c, fxs_message *why)
 {
     GLint blocks = 0, side = 0;
@@ -120,8 +115,6 @@ static int begin_drawing(fxs_compute *c, fxs_message *why)
     return error;
 }
 
-/* ---- A frame ----------------------------------------------------------------------------------------------------- */
-
 int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
 {
     const fxs_compute_frame *f = &c->plan.frame;
@@ -140,7 +133,6 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_me
     return fxs_compute_check(c, why);
 }
 
-/* Copies the words to a texture on the device: whole rows, then the rest. */
 static int put_words(fxs_compute *c, fxs_message *why)
 {
     const uint64_t words = c->plan.read_words;
@@ -181,7 +173,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
     gl->Viewport(t->x, t->y, width, height);
     gl->Scissor(t->x, t->y, width, height);
     gl->UseProgram(c->drawing[t->depths_and_ids ? TRACED : COLOURS]);
-    /* gl_FragCoord counts from the framebuffer's corner */
+    /* gl_FragCoord counts from the corner of the framebuffer */
     gl->Uniform4i(0, -t->x, t->top_down ? -t->y : height - 1 + t->y, t->top_down ? 1 : -1, width);
     gl->Uniform4i(1, (GLint)f->colour - first, (GLint)f->median_depth - first, (GLint)f->id - first, c->shift);
     c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
@@ -189,7 +181,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
     return fxs_compute_check(c, why);
 }
 
-/* Requests the planes of the picture that the target wants in addition to colours, with images that are never read. */
+/* Requests the planes that the target needs. The images given here are never read. */
 static void ask_planes(fxs_targets *to, const fxs_gles_target *t)
 {
     const fxs_image wanted = to->colour, none = {0, 0};

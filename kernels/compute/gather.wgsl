@@ -1,8 +1,8 @@
+// Compacts the visible chunks into a list, and counts them per object.
 // Needs numbers records sums
-// Gathers the visible places (chunks) without gaps, and counts them per span. One workgroup.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read_write> arguments: array<u32>;  // indirect dispatches, four words each
+@group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
@@ -13,7 +13,7 @@ fn put_arguments(at: u32, groups: u32)
     arguments[4u * at + 2u] = 1u;
 }
 
-// Number of visible places before this one.
+// Returns the number of visible chunks before chunk `place`.
 fn rank_of(place: u32) -> u32
 {
     let below = atomicLoad(&counts[frame.seen + place / 32u]) & ((1u << (place % 32u)) - 1u);
@@ -41,13 +41,13 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     }
     storageBarrier();
     workgroupBarrier();
-    for (var i = thread; i <= frame.spans; i += THREADS) {       // entry after the last span: the whole frame
+    for (var i = thread; i <= frame.spans; i += THREADS) {
         let span = frame.spans_at + SPAN * i;
         let low = rank_of(memory[span]);
         let high = min(rank_of(memory[span + 1u]), frame.chunk_room);
         memory[span + 2u] = low;
         memory[span + 3u] = high;
-        put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));   // fill: at least one
+        put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));
     }
     if (thread == THREADS - 1u) {
         atomicStore(&counts[VISIBLE_CHUNKS], at);

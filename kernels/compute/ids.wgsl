@@ -1,10 +1,10 @@
+// Converts the splat numbers of each pixel to object and Gaussian ids.
 // Needs records
-// Converts the slots found by trace to ids, one thread per pixel.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 
-// The span of a place: the last one that starts at or before it.
+// Finds the span of chunks that contains chunk `place`. A span belongs to one object.
 fn span_of(place: u32) -> u32
 {
     var low = 0u;

@@ -1,5 +1,5 @@
+// Assigns memory to the tiles' lists, one workgroup per row of tiles.
 // Needs numbers records sums
-// Places the tiles' lists, one workgroup per tile row.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
@@ -7,13 +7,12 @@
 
 var<workgroup> first_page: u32;
 
-// Class of a list of this length. 0: empty lists; last class: 4096 entries and more
+// Returns the class of a list by its length. Class 0: empty; last class: 4096 entries and more.
 fn class_of(length: u32) -> u32
 {
     return select(min(34u - countLeadingZeros(length), CLASSES - 1u), 0u, length == 0u);
 }
 
-// Adds the blocks of a tile's list to the blocks that sort has to sort.
 fn put_blocks(tile: u32, length: u32)
 {
     let blocks = select(0u, (length - 1u) / BLOCK + 1u, length > 1u);

@@ -1,15 +1,15 @@
+// Transforms the bounding boxes of chunks of 256 Gaussians to camera space and culls chunks.
 // Needs numbers records crop
-// Transforms each chunk's box to camera space and culls it, as in src/core/chunk.c. One thread per chunk.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
-@group(1) @binding(0) var<storage, read> scene: array<u32>;            // headers
+@group(1) @binding(0) var<storage, read> scene: array<u32>;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
 var<workgroup> seen_bits: array<atomic<u32>, 4>;
 
-const LIMIT_Q32: wide = wide(0u, 0x10000000u);   // 2^60
+const LIMIT_Q32: wide = wide(0u, 0x10000000u);
 
 fn is_within(x: wide, most: wide) -> bool
 {
@@ -26,13 +26,12 @@ fn step_shift_of(at: u32) -> u32
     return scene[at + 18u] >> 16u;
 }
 
-// Distance from a chunk's origin that its position codes reach on axis i. Below 2^60 if step_shift is at most 12.
+// Returns the largest distance of a Gaussian from its chunk's origin along axis i, below 2^60.
 fn reach_of(at: u32, i: u32) -> wide
 {
     return shift_left(mul_wide(scene[at + 6u + i], 65535u), step_shift_of(at));
 }
 
-// fxs_chunk_valid
 fn is_valid(at: u32) -> bool
 {
     let codes = scene[at + 19u];
@@ -91,7 +90,7 @@ fn locate(at: u32) -> Located
     return l;
 }
 
-// Upper bound, in units of the chunk's view, of how far its Gaussians reach across the view.
+// Returns an upper bound of the sideways reach of a chunk's Gaussians, in camera units.
 fn reach_across(l: ptr<function, Located>) -> wide
 {
     let log2_q16 = (*l).scale_q16 + (32 - (*l).shift + object.jacobian_exponent) * 65536;
@@ -107,7 +106,7 @@ fn reach_across(l: ptr<function, Located>) -> wide
     return add_wide(shift_right(mul_word(size, 7u), 1u), wide(4u, 0u));
 }
 
-// Maximum of sign * (axis i) - slope * depth in the chunk's box.
+// Returns the maximum of sign * (axis i) - slope * depth in the chunk's box.
 fn farthest(l: ptr<function, Located>, i: u32, sign: i32, slope_q23: i32) -> wide
 {
     let shift = 32 - 23 - (*l).plane_zeros;
@@ -139,7 +138,6 @@ fn lies_beyond(l: ptr<function, Located>, i: u32, sign: i32, slope_q23: i32, rea
     return is_negative(add_wide(farthest(l, i, sign, slope_q23), reach));
 }
 
-// The visibility test of fxs_chunk_view_of.
 fn can_be_seen(l: ptr<function, Located>) -> bool
 {
     var z_q16 = (*l).base_q16[2];
@@ -166,7 +164,6 @@ fn can_be_seen(l: ptr<function, Located>) -> bool
     return !hidden;
 }
 
-// fxs_object_has_chunk
 fn has_chunk(at: u32) -> bool
 {
     var low: array<wide, 3>;
@@ -184,7 +181,6 @@ fn put_wide(at: u32, x: wide)
     memory[at + 1u] = x.y;
 }
 
-// Writes the record that project reads.
 fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 {
     let plane_side = select(0x7fffffff, 1 << u32(38 - min((*l).plane_zeros, 38)), (*l).plane_zeros > 7);
@@ -214,11 +210,10 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
     }
 }
 
-// True if the chunk at a place may be visible; then also writes the chunk's record.
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
-    var drawn = 256u;             // low half: share; high half: growth of the sigmas
+    var drawn = 256u;             // low half: share of the optical depth, Q8; high half: growth of the sigmas, log2
     if (frame.drawn != 0u) {
         chunk = memory[frame.drawn + 2u * place];
         drawn = memory[frame.drawn + 2u * place + 1u];
@@ -237,7 +232,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Sets the bits of the visible places. Two spans may have bits in the same word.
+// Uses an atomic OR, because two objects may share a word.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

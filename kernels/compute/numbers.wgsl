@@ -1,4 +1,4 @@
-// 64-bit integers as two words, low then high, because WGSL has none; and the functions of fixsplat/fixed.h.
+// 64-bit integers as two 32-bit words, low word first, and the functions of fixsplat/fixed.h.
 
 alias wide = vec2<u32>;
 
@@ -23,7 +23,7 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Not written as 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of such a word when it is shifted next.
+// Avoids 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of the result in a following shift.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -37,14 +37,12 @@ fn magnitude(a: wide) -> wide
     return a;
 }
 
-// a < b, signed
+// Compares signed 64-bit numbers.
 fn less(a: wide, b: wide) -> bool
 {
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
 }
 
-// Multiplies in halves of 16 bits. In the GLSL version, tools/scripts/compute_shaders.mjs replaces the body with
-// umulExtended.
 fn mul_wide(a: u32, b: u32) -> wide
 {
     let al = a & 0xffffu;
@@ -74,14 +72,13 @@ fn mul_signed(a: i32, b: i32) -> wide
     return wide(product.x, product.y - select(0u, bitcast<u32>(a), b < 0));
 }
 
-// Low 64 bits of the product.
 fn mul_word(a: wide, b: u32) -> wide
 {
     let product = mul_wide(a.x, b);
     return wide(product.x, product.y + a.y * b);
 }
 
-// n is 0 to 63, here and in the next two functions
+// Shifts by n bits, 0 to 63.
 fn shift_left(a: wide, n: u32) -> wide
 {
     if (n == 0u) {
@@ -104,7 +101,7 @@ fn shift_right(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), a.y >> n);
 }
 
-// Rounds towards minus infinity.
+// Shifts right and rounds towards minus infinity.
 fn shift_signed(a: wide, n: u32) -> wide
 {
     let high = bitcast<i32>(a.y);
@@ -117,7 +114,7 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
-// Rounds towards plus infinity; n > 0. Equals -(-a >> n), without a sign that a compiler could lose (see negate).
+// Shifts right and rounds towards plus infinity; n > 0.
 fn shift_up(a: wide, n: u32) -> wide
 {
     let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);
@@ -135,7 +132,6 @@ fn low_of(a: wide) -> i32
     return bitcast<i32>(a.x);
 }
 
-// x > 0
 fn zeros_of(x: u32) -> i32
 {
     return i32(countLeadingZeros(x));

@@ -1,7 +1,5 @@
-// Finds the tile at a place in the drawing order: by class of list length, longest first. NOTHING after the last tile.
+// Finds the tile to draw at a given position: tiles with longer lists come first, in 16 classes by length.
 
-// With the classes one after another, the last class first, counts the classes that end at or before place `number`.
-// *start becomes the end of the last of these.
 fn classes_before(number: u32, sizes: vec4<u32>, start: ptr<function, u32>, all: ptr<function, u32>) -> u32
 {
     let w = *all + sizes.w;
@@ -22,7 +20,7 @@ fn class_sizes(first: u32) -> vec4<u32>
     return vec4<u32>(counts[at], counts[at + 1u], counts[at + 2u], counts[at + 3u]);
 }
 
-// Loads the sizes of all classes at once; a loop would wait for each load.
+// Loads the sizes of all classes at once, because a loop would wait for each load.
 fn tile_at(number: u32) -> u32
 {
     let a = class_sizes(12u);

@@ -1,33 +1,32 @@
-// Shared by blend and trace. A workgroup of 32 threads has 8x8 pixels, two per thread. It takes 32 splats of the list
-// per round: each thread tests one splat against the rows, then all threads blend the splats that can touch an open
-// pixel. For a list of the longest class, a workgroup has only one row of the 8x8 pixels, for load balance.
+// Pixel functions of blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each round takes 32
+// splats: each thread tests one splat, then all threads blend the splats that touch a pixel. For the longest lists a
+// workgroup draws only 8 pixels, for load balance.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
 @group(1) @binding(1) var<storage, read> entries: array<u32>;
 @group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
-@group(1) @binding(3) var<storage, read_write> memory: array<u32>;      // with the picture
+@group(1) @binding(3) var<storage, read_write> memory: array<u32>;
 
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
 
-// Splats of a round, relative to the workgroup's patch of pixels. shapes: u and v at the patch's first pixel, ux, uy.
-// shades: vy, offset and red, green and blue, limit. Levels of rows are computed again instead of stored: with less
-// workgroup memory, a GPU runs more workgroups at a time.
+// The 32 splats of a round, relative to the workgroup's pixels. shapes: u and v at the first pixel, ux, uy. shades: vy;
+// offset and red; green and blue; limit.
 var<workgroup> shapes: array<vec4<u32>, 32>;
 var<workgroup> shades: array<vec4<u32>, 32>;
-var<workgroup> touching: array<atomic<u32>, 2>;    // this round and the next: splats that can touch a pixel
-var<workgroup> open_round: u32;                    // last round that started with an open pixel
-var<workgroup> open_pixels: array<atomic<u32>, 2>; // 8 bits per row
+// bit i: splat i touches a pixel; one word per round, alternating
+var<workgroup> touching: array<atomic<u32>, 2>;
+var<workgroup> open_round: u32;
+var<workgroup> open_pixels: array<atomic<u32>, 2>; // one bit per open pixel, 8 bits per row
 
 struct Pixel {
     transmittance: i32,
     sum: vec3<i32>,
 }
 
-// A splat loaded for a later round.
 struct Fetched {
-    entry: u32,                    // with CUT_OFF: no entry
+    entry: u32,                    // index of the splat; CUT_OFF set: no splat
     a: vec4<u32>,
     b: vec4<u32>,
 }
@@ -51,8 +50,8 @@ fn fetch_splat(entry: u32) -> Fetched
     return f;
 }
 
-// True if a splat can touch an open pixel of a patch. u grows along a row, so |u| is smallest at the first or last open
-// pixel, or 0 in between.
+// Returns true if a splat can touch an open pixel. |u| is smallest at the first or last open pixel of a row, or zero
+// between them.
 fn touch(f: Fetched, here: Patch) -> bool
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
@@ -69,7 +68,7 @@ fn touch(f: Fetched, here: Patch) -> bool
         let right = bitcast<i32>(u + firstLeadingBit(open) * ux);
         let u_q13 = min(max(max(left, -right), 0) >> 11u, 32767);
         let v_q13 = fxs_coordinate_q13(bitcast<i32>(v));
-        // round(u^2) + level <= limit
+        // tests round(u^2) + level <= limit
         let most_q26 = (limit_q11 - fxs_mul_q15(v_q13, v_q13) - offset_q11 + 1) * 32768 - 16384;
         touches |= open != 0u && u_q13 * u_q13 < most_q26;
         u += f.a.w;
@@ -83,11 +82,10 @@ fn open_of(row: u32) -> u32
     return (atomicLoad(&open_pixels[row / 4u]) >> (8u * (row % 4u))) & 0xffu;
 }
 
-// A splat of the round on a row of pixels.
 struct Taken {
     u: u32,
     ux: u32,
-    level_q26: u32,                // the level without u^2, plus 1/2 for rounding
+    level_q26: u32,                // v^2 + offset, plus 1/2 for rounding
     limit_q11: i32,
     colour: vec3<i32>,
 }
@@ -98,21 +96,20 @@ fn take(i: u32, row: u32) -> Taken
     let shade = shades[i];
     let v = bitcast<i32>(shape.y + row * shade.x);
     let v_q13 = fxs_coordinate_q13(v);
-    // fxs_row_level_q11, here and below without saturation: saturated values are over the limit
     let level_q11 = fxs_mul_q15(v_q13, v_q13) + i32(shade.y & 0xffffu);
     return Taken(shape.x + row * shape.w, shape.z, (u32(level_q11) << 15u) + 16384u, i32(shade.w),
                  vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
 }
 
-// Blends a splat at a column. Returns its weight.
+// Blends a splat into a pixel. Returns the splat's weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
-    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11 without saturation
+    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);
     let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
-    // Sums only grow, so saturating once at 32767, in put_colour, is enough.
+    // The sums of colours only grow, so put_colour alone saturates them.
     (*p).sum += vec3<i32>(fxs_mul_q15(weight, t.colour.x), fxs_mul_q15(weight, t.colour.y),
                           fxs_mul_q15(weight, t.colour.z));
     return weight;
@@ -152,19 +149,18 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     memory[frame.colour + at] = word;
 }
 
-// 8x8 pixels of a tile, or a row of them. Uniform in a workgroup.
 struct Patch {
-    tile: u32,                     // NOTHING: no patch
+    tile: u32,                     // NOTHING: no pixels to draw
     x: u32,
     y: u32,
-    rows: vec2<u32>,               // first and last row, relative to y
+    rows: vec2<u32>,               // first and last row of pixels, relative to y
     list: u32,
     count: u32,
 }
 
 fn corner_of(tile: u32, number: u32) -> vec2<u32>
 {
-    let halves = frame.tile_bits - 3u;             // bits of `number` for the patch's place in its tile, per axis
+    let halves = frame.tile_bits - 3u;
     let across = u32(frame.tiles.x);
     return (vec2<u32>(tile % across, tile / across) << vec2<u32>(frame.tile_bits)) +
            vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;
@@ -188,11 +184,10 @@ fn patch_of(group: vec3<u32>) -> Patch
     return Patch(tile, corner.x, corner.y, rows, counts[frame.next + tile] - count, count);
 }
 
-// The two pixels of a thread, APART columns from each other.
 struct Place {
-    column: u32,                   // in the patch
+    column: u32,
     row: u32,
-    at: u32,                       // index in a plane of the picture
+    at: u32,
     inside: vec2<bool>,
 }
 
@@ -240,7 +235,6 @@ fn put_splat(here: Patch, thread: u32, f: Fetched)
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
-// Stores a splat, and marks it if it touches an open pixel.
 fn place_splat(here: Patch, thread: u32, f: Fetched, round: u32)
 {
     if ((f.entry & CUT_OFF) != 0u) {

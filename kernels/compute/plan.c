@@ -1,5 +1,4 @@
-/* Plan of a frame, without API calls: lays out its memory, lists its dispatches, and grows the capacities that were too
- * small. See plan.h. */
+/* Plans a frame of the compute back ends: memory layout, dispatches, and growth of lists that were too short. */
 #include "plan.h"
 #include "src/core/memory.h"
 #include "src/core/targets.h"
@@ -7,12 +6,10 @@
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };
 
-/* A range of an object's drawn chunks with rows in one part of its scene. */
+/* A range of one object's drawn chunks with all Gaussians in one buffer. */
 typedef struct span {
     uint32_t object, first_place, end_place, part;
 } span;
-
-/* ---- Messages ---------------------------------------------------------------------------------------------------- */
 
 int fxs_plan_say(fxs_message *why, int error, const char *text, const char *what)
 {
@@ -43,8 +40,6 @@ static int too_large(fxs_message *why, uint64_t bytes)
     return FXS_ERR_MEMORY;
 }
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 static uint32_t palette_bytes(const fxs_scene *scene)
 {
     const uint32_t stages = fxs_palette_stages(scene->profile, scene->sh_degree);
@@ -62,7 +57,6 @@ uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message
     return room < UINT32_MAX ? (uint32_t)room : UINT32_MAX;
 }
 
-/* Chunks `first` to before `end` of data in two pieces, leaves and nodes. */
 static uint64_t two_pieces(const fxs_scene *scene, uint64_t at, uint32_t first, uint32_t end, uint64_t size,
                            const unsigned char *leaves, const unsigned char *nodes, fxs_piece *pieces)
 {
@@ -90,8 +84,6 @@ uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t p
     pieces[2] = (fxs_piece){scene->palette, palette, 0};
     return two_pieces(scene, palette, first, end, scene->chunk_bytes, scene->rows, scene->node_rows, pieces);
 }
-
-/* ---- The request ------------------------------------------------------------------------------------------------- */
 
 static int count_objects(fxs_plan *p)
 {
@@ -123,7 +115,6 @@ static uint64_t parts_bytes(uint32_t count)
     return (count * (uint64_t)sizeof(uint32_t) + 63) / 64 * 64;
 }
 
-/* Memory for the objects' views, their part_chunks, and a cut. */
 size_t fxs_plan_memory(const fxs_request *request)
 {
     fxs_plan p = {.request = request};
@@ -190,14 +181,12 @@ int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_me
     return said(why, error);
 }
 
-/* ---- Spans ------------------------------------------------------------------------------------------------------- */
-
 static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
 {
     return p->drawn ? p->drawn[place].chunk : place;
 }
 
-/* Advances to the next span; *s starts as all 0. Returns 0 after the last one. */
+/* Advances *s, initially zeros, to the next span. Returns 0 after the last span. */
 static int next_span(const fxs_plan *p, span *s)
 {
     uint32_t place = s->end_place;
@@ -293,15 +282,12 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, const span *s,
     }
 }
 
-/* ---- Memory of a frame ------------------------------------------------------------------------------------------- */
-
 static uint32_t larger(uint64_t a, uint64_t b)
 {
     const uint64_t x = a > b ? a : b;
     return x < UINT32_MAX ? (uint32_t)x : UINT32_MAX;
 }
 
-/* Sets the likely needs of a frame as its first capacities. */
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t slots = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians, all = r->most / (2 * ENTRY_BYTES);
@@ -325,16 +311,13 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
-/* Tiles have 16x16 pixels. With more Gaussians than pixels, the Gaussians are small, and tiles of 8x8 have shorter
-   lists with few more entries. The square of Kerbl et al. needs tiles of 16x16. */
+/* Uses tiles of 8x8 pixels if Gaussians outnumber pixels and are hence small. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
     return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
-/* Lays out memory that only one stage needs at a time, overlapping: boxes and large splats, scratch space to sort, and
-   the picture's written planes. */
 static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels, uint64_t *words)
 {
     const fxs_targets *t = p->request->targets;
@@ -356,7 +339,6 @@ static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels
     *words = picture > *words ? picture : *words;
 }
 
-/* Lays out the memory and the counts, and sets the sizes of the buffers. */
 static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
 {
     const fxs_targets *t = p->request->targets;
@@ -444,7 +426,6 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
     return 4 * (size_t)(p->frame.ranks - p->frame.spans_at);
 }
 
-/* Writes the spans' places and the chunks of the cut. */
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = &p->frame;
@@ -465,9 +446,6 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
     }
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
-
-/* Bindings of each program: buffers, FXS_PLAN_HEADS or FXS_PLAN_ROWS. */
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
 #define NONE FXS_PLAN_NONE
 #define OF(program, a, b, c, d) [FXS_COMPUTE_##program] = {a, b, c, d},
@@ -493,7 +471,6 @@ static fxs_step step_of(uint32_t program)
     return step;
 }
 
-/* A dispatch of `groups` workgroups, in rows. */
 static fxs_step direct(uint32_t program, uint64_t groups)
 {
     fxs_step step = step_of(program);
@@ -515,7 +492,6 @@ static uint64_t groups_of(uint64_t threads)
     return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
 }
 
-/* One step per span with a visible object; only the first waits. */
 static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
 {
     span s = {0, 0, 0, 0};
@@ -565,9 +541,6 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
         DO(direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));
 }
 
-/* ---- Lists longer than their room -------------------------------------------------------------------------------- */
-
-/* Merge passes for a longest list of this length. */
 static uint32_t merges_of(uint32_t longest)
 {
     uint32_t merges = 0;
@@ -584,7 +557,6 @@ static int needs_more(const fxs_plan *p)
            merges_of(p->status[FXS_COMPUTE_LONGEST]) > p->merges;
 }
 
-/* Capacity for the frame's needs, plus 1/8 for needs that change with the view. */
 static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t larges = p->status[FXS_COMPUTE_LARGES], pages = p->status[FXS_COMPUTE_PAGES];

@@ -1,15 +1,15 @@
+// Projects and shades the Gaussians of visible chunks, and finds their tiles.
 // Needs pixel numbers records crop project shade bin
-// project, shade and bin for the visible chunks, two workgroups per chunk.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
-@group(1) @binding(0) var<storage, read> scene: array<u32>;            // palette, then rows
+@group(1) @binding(0) var<storage, read> scene: array<u32>;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;   // two per splat
+@group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;
 
 var<workgroup> visible_here: atomic<u32>;
-var<workgroup> record: array<u32, 64>;           // the chunk's record; see put_record in locate.wgsl
+var<workgroup> record: array<u32, 64>;
 
 fn scale_depth(key: u32) -> u32
 {
@@ -25,7 +25,6 @@ fn scale_depth(key: u32) -> u32
     return (u32(exponent) << 26u) | (((product << u32(zeros)) >> 5u) & 0x3ffffffu);
 }
 
-// False if the object's crop boxes remove a Gaussian, as in fxs_object_change.
 fn is_kept(position: vec3<u32>) -> bool
 {
     var centre: array<wide, 3>;
@@ -46,7 +45,7 @@ fn offset_of(opacity: u32, share_q8: u32) -> i32
     return i32(offset_q11) + object.offset_q11;
 }
 
-// Adds 1 to the count of the first tile of a span, and subtracts 1 after its last tile; start_lists sums these.
+// Adds a span of tiles to the lengths of their lists, as differences for a prefix sum.
 fn count_tiles(row: i32, s: Span)
 {
     if (s.first > s.last) {
@@ -59,7 +58,6 @@ fn count_tiles(row: i32, s: Span)
     }
 }
 
-// Records LARGE_ROWS tile rows of a splat with tiles that do not fit in a box (see list_splat), for fill_large.
 fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
 {
     let place = atomicAdd(&counts[LARGES], 1u);
@@ -76,8 +74,8 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
-// Counts the tiles of a splat. Returns its box: a mask of 42 bits, with bit 6 r + c for the tile in row r and column c;
-// in the bits above, the number of the first tile. Returns 0 if the splat is large or no tile lists it.
+// Counts the tiles of a splat. Returns a mask of the tiles, bit 6 r + c for row r and column c, and the first tile's
+// number from bit 42 on. Returns 0 if the splat is large or touches no tile.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;
@@ -90,7 +88,7 @@ fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
     }
     let first_tile = u32(rows.first * frame.tiles.x + columns.first);
     if (!is_square && rows.first == rows.last && s.rows.x > 0 && s.rows.y < frame.size.y - 1 &&
-        columns.last - columns.first < 4) {          // as fxs_bin_c does
+        columns.last - columns.first < 4) {
         count_tiles(rows.first, columns);
         return wide((2u << u32(columns.last - columns.first)) - 1u, first_tile << 10u);
     }

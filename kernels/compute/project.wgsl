@@ -1,4 +1,4 @@
-// project, as in src/core/project.c. One thread per Gaussian.
+// Projects Gaussians to the screen, one per thread, with the arithmetic of src/core/project.c.
 
 struct Projected {
     camera: vec3<i32>,
@@ -9,7 +9,7 @@ struct Projected {
     out_of_range: bool,
 }
 
-// The covariance of a splat in units of 4^exponent pixels^2.
+// Covariance of a splat on the screen, in units of 4^exponent pixels^2.
 struct Covariance {
     a_q30: u32,
     c_q30: u32,
@@ -31,9 +31,8 @@ struct Placed {
 }
 
 const CENTRE_LIMIT_Q14: i32 = 0x40000000;
-const SIDE_Q23: i32 = 0x20000000;  // 64
+const SIDE_Q23: i32 = 0x20000000;
 
-// The picture's size in tiles of 16 pixels.
 fn whole_tiles() -> vec2<i32>
 {
     return (frame.size + 15) >> vec2<u32>(4u);
@@ -49,7 +48,7 @@ fn wide_at(at: u32) -> wide
     return wide(record[at], record[at + 1u]);
 }
 
-// (base + m code) >> 16 on an axis, below 2^30. Each product is split by the upper and lower 16 bits of m.
+// Returns (base + m code) >> 16 for one axis, below 2^30. Splits m at bit 16 to avoid 64-bit products.
 fn camera_of(i: u32, code: vec3<u32>) -> i32
 {
     let base_q16 = wide_at(2u * i);
@@ -80,7 +79,6 @@ fn project_axis(x: i32, side: i32, zeros: i32, inverse_q30: u32, f_q12: i32, c_q
     return Axis(slope, low_of(position), off_axis || !less(magnitude(position), wide(u32(CENTRE_LIMIT_Q14), 0u)));
 }
 
-// False if the centre is behind the near plane.
 fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
 {
     let z = camera_of(2u, code);
@@ -106,7 +104,7 @@ fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
     return true;
 }
 
-// A row of J W, divided by f/z 2^jacobian_exponent, Q15.
+// Returns a row of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent, Q15.
 fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
 {
     let slope = clamp(slope_q23, object.slope_low_q23[i], object.slope_high_q23[i]);
@@ -115,7 +113,6 @@ fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
     return object.row_q15[i].xyz - ((slope_q15 * forward + vec3<i32>(16384)) >> vec3<u32>(15u));
 }
 
-// First axis of a Gaussian, two directions perpendicular to it, and the roll around it; see src/core/project.c.
 struct Axes {
     axis_q15: vec3<i32>,
     side_x_q15: vec3<i32>,
@@ -124,7 +121,6 @@ struct Axes {
     sin_q15: i32,
 }
 
-// fxs_axis_bits
 fn axis_bits(falls_q16: vec3<i32>) -> u32
 {
     let small = object.profile == SMALL;
@@ -132,7 +128,6 @@ fn axis_bits(falls_q16: vec3<i32>) -> u32
     return u32(min(select(11, 8, small) + ((5 * gap) >> 16u), select(14, 10, small)));
 }
 
-// False if (X, Y) is longer than 1.
 fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
 {
     let x = bitcast<i32>(word) >> 16u;
@@ -158,7 +153,7 @@ fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
     return true;
 }
 
-// f sigma_max / z 2^jacobian_exponent = mantissa 2^exponent, in [0.5, 1)
+// f sigma_max / z 2^jacobian_exponent = mantissa 2^exponent, mantissa in [0.5, 1)
 fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<function, i32>) -> u32
 {
     let whole = -(-size_q16 >> 16u);
@@ -171,7 +166,6 @@ fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<fu
     return mantissa << u32(zeros);
 }
 
-// True if a Gaussian of this size cannot touch the picture. The radius is below 2^32, because exponent <= 16.
 fn off_picture(centre: ptr<function, Projected>, exponent: i32) -> bool
 {
     let radius_q14 = 57344u * ((1u << u32(max(exponent, 0))) + 1u);
@@ -274,7 +268,6 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
     (*out).splat.vy_q24 = vy;
 }
 
-// False if the ellipse misses the picture or lies in the hidden part.
 fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
 {
     var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
@@ -296,7 +289,7 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     return true;
 }
 
-// The square cut-off of Kerbl et al. 2023. False if the square misses the picture.
+// The square cut-off of Kerbl et al. 2023.
 fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
 {
     let e = (*s).exponent;
@@ -357,7 +350,6 @@ fn from_middle_q26(centre: ptr<function, Projected>, i: u32, exponent: i32) -> i
     return cut_to_16_q26(add_wide(wide_of(moved), wide_of(shift_and_cut(shift_left(middle_q12, 14u), exponent))));
 }
 
-// False if no pixel is within r of the centre.
 fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<function, Projected>, r_q12: u32) -> bool
 {
     let e = (*s).exponent;
@@ -373,7 +365,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
     let x_q26 = from_middle_q26(centre, 0u, e);
     let y_q26 = from_middle_q26(centre, 1u, e);
     let u_q44 = add_wide(mul_signed(x_q26, ux_q18), mul_signed(y_q26, uy_q18));
-    let u_q24 = shift_up(u_q44, 20u);                  // u_q24 and v_q24 are negated
+    let u_q24 = shift_up(u_q44, 20u);
     let v_q24 = shift_up(mul_signed(y_q26, vy_q18), 20u);
     let ux = low_of(round_shift(wide_of(ux_q18), shift));
     let uy = low_of(round_shift(wide_of(uy_q18), shift));
@@ -393,7 +385,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
 
 // ----------------------------------------------------------------------------------------------------------------
 
-// Length of an axis, 2^-below times the longest one, Q15.
+// Returns the length of an axis, 2^-below times the longest axis, Q15.
 fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
 {
     let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));
@@ -405,7 +397,7 @@ fn dot_q15(a: vec3<i32>, b: vec3<i32>) -> i32
     return (dot_i(a, b) + 16384) >> 15u;
 }
 
-// A row of T = J W R S.
+// Returns a row of the splatting matrix T = J W R S, Q15.
 fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
 {
     let p = dot_q15(row, axes.side_x_q15);
@@ -483,7 +475,6 @@ fn depth_key(z: i32) -> u32
     return (u32(number_at(18u) - zeros - 1 + 32) << 26u) | (((u32(z) << u32(zeros)) >> 5u) & 0x3ffffffu);
 }
 
-// fxs_share_of_q11
 fn falling_q30(l_q16: u32) -> u32
 {
     let whole = l_q16 >> 16u;

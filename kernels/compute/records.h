@@ -1,10 +1,11 @@
-/* Shared by host and shaders of the compute back ends: programs, buffers, and the structs of records.wgsl. */
+/* Declarations shared by the host and the shaders of the compute back ends. Structs and constants match
+ * records.wgsl. */
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
 
 #include <fixsplat/internal/stage.h>
 
-/* Programs in the order of a frame: F(entry point) */
+/* Calls F(entry point) for each program in the order of a frame. */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
     F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
@@ -13,16 +14,15 @@
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 
 enum {
-    FXS_COMPUTE_UNIFORMS,          /* the frame, then the objects, FXS_COMPUTE_STRIDE bytes each */
+    FXS_COMPUTE_UNIFORMS,          /* frame, then objects, FXS_COMPUTE_STRIDE bytes each */
     FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES,
-    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* for indirect dispatches; LATER: sort and blend */
-    FXS_COMPUTE_DOWNLOAD,          /* data to read back: status and picture */
+    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,
+    FXS_COMPUTE_DOWNLOAD,
     FXS_COMPUTE_BUFFERS
 };
 
-enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };   /* bytes; words of the counts to read back */
+enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };
 
-/* Constants of records.wgsl. */
 enum {
     FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,
     FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 512, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64,

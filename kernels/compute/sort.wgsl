@@ -1,21 +1,19 @@
+// Sorts each tile's list by ascending depth, then by splat. A sample sort orders blocks of 512 entries: 16 sampled
+// depths bound 16 ranges of 16 bins. Merge passes then join sorted runs in pairs; a binary search finds the keys of
+// both runs for each block of 512 results.
 // Needs records sums order
-// sort: sorts each tile's list, near to far. A block of a list is sorted in workgroup memory. The depths of 16 of its
-// keys, sorted, bound 16 ranges. Each range has 16 bins of equal width. Each key goes to a bin, and its place there is
-// the number of smaller keys in the bin. With little workgroup memory, a GPU runs more workgroups at a time. Then
-// sorted runs of a list, at first its blocks, are merged two at a time: each workgroup finds the parts of the two runs
-// that its keys of the result come from, and merges these parts.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<u32>;
-@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths, and scratch space for the entries
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;
 
 const SAMPLES: u32 = 16u;
-const RANGE: u32 = 16u;            // bins per range
+const RANGE: u32 = 16u;
 const BINS: u32 = 256u;
 
-var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth, bin after bin
-var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; last: end of all bins
+var<workgroup> keys: array<vec2<u32>, 512>;
+var<workgroup> bins: array<atomic<u32>, 257>;    // sizes of the bins, then their start offsets; last: number of keys
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
 var<workgroup> bounds: array<vec2<u32>, 16>;     // per range: smallest depth, log2 of the width of a bin
@@ -25,7 +23,6 @@ fn key_of(entry: u32) -> vec2<u32>
     return vec2<u32>(entry, memory[frame.depths + (entry & ~CUT_OFF)]);
 }
 
-// Key of an entry, from the scratch space or from the entries.
 fn key_at(in_spare: bool, at: u32) -> vec2<u32>
 {
     if (in_spare) {
@@ -43,32 +40,28 @@ fn put_entry(in_spare: bool, at: u32, entry: u32)
     }
 }
 
-// True if key a comes before key b: by depth, then slot.
 fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
 {
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
-// The word with a block's number in its list also counts, in this unit, how often the block was sorted or merged.
 const DONE: u32 = 0x100000u;
 
 struct Block {
     list: u32,
-    count: u32,                    // length of the list; 0: no such block
-    first: u32,                    // offset of the block in the list
+    count: u32,
+    first: u32,
     done: u32,
 }
 
 var<workgroup> own_block: Block;
 
-// Each merge moves a list of at least two entries between the entries and the scratch space. The last merge ends in the
-// entries.
+// Each merge moves the list between `entries` and scratch space; the last one ends in `entries`.
 fn merges_of(count: u32) -> u32
 {
     return max(32u - countLeadingZeros(count - 1u), 9u) - 9u;
 }
 
-// The block of a workgroup. Blocks of long lists have the first numbers.
 fn take_block(group: vec3<u32>, thread: u32) -> Block
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
@@ -100,7 +93,6 @@ fn place_bins(thread: u32, some: u32)
     workgroupBarrier();
 }
 
-// Sets the bounds of the ranges from the depths of sample keys. Eight threads rank each sample.
 fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     let sample = thread % SAMPLES;
@@ -128,7 +120,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
     workgroupBarrier();
 }
 
-// Bin of a depth. Its range is the last that starts at or below the depth, or the first range.
+// Returns the bin of a depth, in the last range that starts at or below the depth.
 fn bin_of(depth: u32) -> u32
 {
     var range = 0u;
@@ -149,9 +141,9 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let some = min(block.count - block.first, BLOCK);
     let at = block.list + block.first;
     let to_spare = merges_of(block.count) % 2u == 1u;
-    var own: array<vec2<u32>, 4>;  // keys of this thread
+    var own: array<vec2<u32>, 4>;
     var bin_of_own: array<u32, 4>;
-    var place: array<u32, 4>;      // number of earlier keys in the same bin
+    var place: array<u32, 4>;
     for (var i = thread; i < BINS; i += THREADS) {
         atomicStore(&bins[i], 0u);
     }
@@ -191,8 +183,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// For two sorted runs, `a` keys at `first` and `b` keys at `second`: how many of the d smallest keys come from the
-// first run. 64 threads test 64 places at a time. The two halves of the workgroup have different values of d.
+// Returns how many of the d smallest keys of two sorted runs come from the first run: a keys at `first`, b keys at
+// `second`. Each half of the workgroup has its own d.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
@@ -215,7 +207,7 @@ fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d
     return low;
 }
 
-// Number of keys below `key` among `count` sorted keys in workgroup memory, from `first` on.
+// Counts the keys below `key` among `count` sorted keys.
 fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 {
     var below = 0u;
@@ -228,12 +220,11 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
     return below;
 }
 
-// Merges BLOCK entries from two runs of a list.
 @compute @workgroup_size(128)
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let block = take_block(group, thread);
-    let run = 8u + block.done;                   // a run has 2^run keys
+    let run = 8u + block.done;
     if (block.count <= 1u << run) {
         return;
     }

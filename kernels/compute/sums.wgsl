@@ -1,18 +1,17 @@
-// Prefix sums over the threads of a workgroup. Sums groups of 16 threads first, because a barrier takes longer than a
-// few reads.
+// Prefix sums over the threads of a workgroup, in groups of 16 threads to save barriers.
 
 const GROUP: u32 = 16u;
 
 var<workgroup> sums: array<u32, 128>;
 var<workgroup> group_sums: array<u32, 8>;
 
-// a + b; with `cut` saturated at 2^32 - 1.
+// Returns a + b. With `cut`, saturates at 2^32 - 1.
 fn plus(a: u32, b: u32, cut: bool) -> u32
 {
     return select(a + b, 0xffffffffu, cut && a + b < a);
 }
 
-// Sum of `own` over the threads before this one. Two calls need a barrier in between.
+// Returns the sum of `own` over the preceding threads. A barrier must separate two calls.
 fn sum_before(thread: u32, own: u32, cut: bool) -> u32
 {
     sums[thread] = own;
@@ -35,7 +34,6 @@ fn sum_before(thread: u32, own: u32, cut: bool) -> u32
     return sum;
 }
 
-// Sum of `own` over all threads; call after sum_before.
 fn sum_of_all(cut: bool) -> u32
 {
     var sum = 0u;

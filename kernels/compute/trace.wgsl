@@ -1,19 +1,18 @@
+// Blends splats and also writes depths and ids. An occluder hides the splats behind it.
 // Needs pixel numbers records order pixels
-// trace: blend and resolve with depths, ids and an occluder, as in src/core/trace.c.
 
-var<workgroup> own: array<vec2<u32>, 32>;  // entries of a round and their depths
+var<workgroup> own: array<vec2<u32>, 32>;
 
 const HALF_Q15: i32 = 16384;
 
 struct Traced {
-    limit: u32,                    // depth key; farther splats are hidden
-    weight: i32,                   // largest weight of a splat
-    largest: u32,                  // slot of the splat with this weight
-    median: u32,                   // key
+    limit: u32,                    // depth key of the occluder; farther splats are hidden
+    weight: i32,                   // largest weight of any splat so far
+    largest: u32,
+    median: u32,                   // depth key of the splat that takes the transmittance below 1/2
     sum: wide,                     // sum of weight * depth
 }
 
-// fxs_depth_key; the next three functions are also in stage.h
 fn key_of(depth: u32) -> u32
 {
     let zeros = zeros_of(depth | 1u);
@@ -49,8 +48,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// The mean depth: sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in digits of 16 bits, because
-// the weight has 15 bits.
+// Returns sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in 16-bit digits, because the weight
+// has 15 bits.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);
@@ -101,7 +100,6 @@ fn depth_of(entry: u32) -> u32
     return memory[frame.depths + (entry & ~CUT_OFF)];
 }
 
-// Blends a splat of the list into a pixel and updates the pixel's outputs.
 fn trace_splat(p: ptr<function, Pixel>, t: ptr<function, Traced>, taken: Taken, column: u32, entry: vec2<u32>)
 {
     if (entry.y <= (*t).limit) {
@@ -152,7 +150,7 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         place_splat(here, thread, fetched, round);
         own[thread] = vec2<u32>(fetched.entry, depth);
-        fetched = fetch_splat(entry);              // loads during this round
+        fetched = fetch_splat(entry);
         depth = depth_of(entry);
         entry = fetch_entry(here, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {

@@ -1,5 +1,5 @@
-// Converts a depth buffer's value to a distance as in the occluder of fxs_targets. `inverse`: 1 / distance at depth 0
-// and at depth 1. A value at the far end hides nothing.
+// Converts a depth buffer's value to a distance in units of 2^-bits. `inverse`: 1 / distance at depth 0 and 1. The far
+// end gives 0xffffffff.
 uint distance_of(float depth, vec2 inverse, int bits)
 {
     float of_depth = mix(inverse.x, inverse.y, depth), z = float(1 << bits) / of_depth;

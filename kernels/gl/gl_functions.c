@@ -36,8 +36,6 @@ int fxs_gl_failure(const fxs_gl *gl)
     return error ? error : FXS_ERR_DEVICE;
 }
 
-/* ---- Programs ---------------------------------------------------------------------------------------------------- */
-
 int fxs_gl_compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *const *parts, GLsizei count, char *log,
                    GLsizei size)
 {

@@ -7,7 +7,7 @@
 
 #include <fixsplat/gl.h>
 
-/* F(type's name, function's name) for each function */
+/* Calls F(type's name, function's name) for each GL function. */
 #define FXS_GL_FUNCTIONS(F) \
     F(ACTIVETEXTURE, ActiveTexture) F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) \
     F(BINDBUFFER, BindBuffer) F(BINDFRAMEBUFFER, BindFramebuffer) \
@@ -38,40 +38,35 @@ typedef struct fxs_gl {
     FXS_GL_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_gl;
 
-/* Loads a function of `table` with `load` and `argument`; returns its name if it is missing. */
+/* Loads a GL function into `table`. Returns the function's name from the calling function if missing. */
 #define FXS_GL_LOAD(type, name) \
     table->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
     if (!table->name) \
         return "gl" #name;
 
-/* Loads the table. Returns null, or the name of a missing function. */
+/* Returns null, or the name of a missing function. */
 const char *fxs_gl_load(fxs_gl *table, fxs_gl_load_fn *load, void *argument);
 
 int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 
-/* Clears pending GL errors. Returns 0 if none was pending, FXS_ERR_MEMORY if the first is GL_OUT_OF_MEMORY, otherwise
-   FXS_ERR_DEVICE. */
+/* Clears pending GL errors. Returns 0 if there were none, otherwise FXS_ERR_MEMORY or FXS_ERR_DEVICE. */
 int fxs_gl_check(const fxs_gl *gl);
 
-/* The same for a call that failed, with or without a GL error; never 0. */
+/* Returns the error of a call that has failed. Never returns 0. */
 int fxs_gl_failure(const fxs_gl *gl);
 
-/* Compile a shader of a program, and link a program. Return 1, or 0 with the device's message in `log`. */
+/* Compile and link shaders. Return 1, or 0 with the device's message in `log`. */
 int fxs_gl_compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *const *parts, GLsizei count, char *log,
                    GLsizei size);
 int fxs_gl_link(const fxs_gl *gl, GLuint program, char *log, GLsizei size);
 
-/* Deletes programs. Unbinds the current one first, because GL keeps a program in use alive. */
+/* Unbinds the current program before deletion, because GL keeps a program in use alive. */
 void fxs_gl_delete_programs(const fxs_gl *gl, int count, const GLuint *programs);
 
-/* Checks the ranges of a target's fields. Returns 0, FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
 int fxs_gl_check_target(const fxs_gles_target *target);
 
-/* ---- state.c ----------------------------------------------------------------------------------------------------- */
+enum { FXS_GL_UNITS = 10 };
 
-enum { FXS_GL_UNITS = 10 };        /* texture units */
-
-/* Saved and restored state. */
 typedef struct fxs_gl_state {
     GLint program, vertex_array, unpack_buffer, draw_framebuffer;
     GLint active_texture, textures[FXS_GL_UNITS], samplers[FXS_GL_UNITS], viewport[4], scissor[4], unpack[3];
@@ -82,10 +77,9 @@ typedef struct fxs_gl_state {
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *state);
 void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *state);
 
-/* Sets the state for draws: switches, masks, unpacking, and textures at their units, without samplers. */
+/* Sets the GL state for draws, with textures bound to units 0 to count - 1. */
 void fxs_gl_set(const fxs_gl *gl, GLuint vertex_array, int count, const GLuint *textures);
 
-/* Sets blending for premultiplied colours over the framebuffer. */
 void fxs_gl_blend_over(const fxs_gl *gl);
 
 #endif

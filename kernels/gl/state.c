@@ -2,23 +2,22 @@
 #include "gl_functions.h"
 #include "src/core/memory.h"
 
-/* all but the last are off for a draw */
+/* Draws disable these GL switches, except the scissor test. */
 static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
                                   GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
 enum { SWITCHES = sizeof switches / sizeof *switches };
 
-/* All are 0 for an upload. Rows are multiples of 8 bytes, so the alignment does not matter. */
+/* Uploads set these pixel parameters to 0. */
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 
-/* state of fxs_gl_blend_over */
 static const GLenum blend[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB,
                                GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
 enum { BLEND = sizeof blend / sizeof *blend };
 
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *s)
 {
-    memset(s, 0, sizeof *s);       /* a lost context returns nothing */
+    memset(s, 0, sizeof *s);       /* a lost context returns no values */
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);

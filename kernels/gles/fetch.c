@@ -6,23 +6,21 @@
 #include "src/core/lister.h"
 #include "device.h"
 
-#define TEXELS 3u                  /* per record */
-#define RECORD (TEXELS * 16)       /* bytes */
-#define PARTS 64u                  /* jobs that count the records, then write them */
-#define AHEAD 16                   /* prefetch distance, in splats */
-#define GUARD 3                    /* side of the viewport in windows; triangles within the viewport need no clipping */
-/* From this radius in pixels on, a splat is drawn as a rectangle. It has a quarter fewer pixels than the triangle, but
-   one edge more. */
+#define TEXELS 3u                  /* texels of a record; one record per triangle */
+#define RECORD (TEXELS * 16)
+#define PARTS 64u
+#define AHEAD 16
+#define GUARD 3                    /* side of the viewport in windows; avoids clipping */
+/* Radius in pixels from which a splat is drawn as two triangles, a rectangle with a quarter fewer pixels. */
 #define LARGE 12
 
-enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; + 1: the second triangle of the shape */
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle of the shape */
 
-/* Splats first to end - 1 of the run. Each makes 0, 1 or 2 records. */
 typedef struct batch {
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t first, end;
-    uint32_t counts[PARTS];        /* records per part; later the start of each part */
+    uint32_t counts[PARTS];
     uint32_t *records;
 } batch;
 
@@ -31,12 +29,9 @@ static uint32_t part_start(const batch *b, uint32_t part)
     return b->first + fxs_part(b->end - b->first, PARTS, part);
 }
 
-/* ---- Records ----------------------------------------------------------------------------------------------------- */
-
-/* Shape of a splat in a window; it takes `count` records. */
 typedef struct drawn {
     uint32_t count, shape;
-    fxs_span columns, rows;        /* tiles that the splat may touch; with the square cut-off, tiles of the square */
+    fxs_span columns, rows;
 } drawn;
 
 static int overlaps(int64_t first_q8, int64_t last_q8, int32_t start, int32_t length)
@@ -49,7 +44,7 @@ static int is_veil(const fxs_bounds *b)
     return b->half_width_q8 == FXS_EVERYWHERE_Q8;
 }
 
-/* Finds the columns that a splat may touch, as rows of the transposed picture. */
+/* Returns the tile columns of a splat: the rows of the transposed picture. */
 static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
     fxs_view turned = *view;
@@ -84,7 +79,6 @@ static drawn drawn_of(const batch *b, uint32_t slot)
     return d;
 }
 
-/* Layout as in fetch.vert. */
 static void put_record(uint32_t *record, const fxs_splat *s, const fxs_bounds *b, const drawn *d, uint32_t half,
                        uint32_t depth)
 {
@@ -128,8 +122,7 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-/* Takes as many splats from b->first on as make at most `capacity` records, and sets the start of each part. Returns
-   the number of records. */
+/* Chooses b->end so that at most `capacity` records result. Returns the number of records. */
 static uint32_t take_splats(batch *b, uint32_t capacity)
 {
     uint32_t parts = 0, count = 0;
@@ -150,11 +143,9 @@ static uint32_t take_splats(batch *b, uint32_t capacity)
     return count;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------------------------- */
-
 static int upload(fxs_gles *g, batch *b, uint32_t count)
 {
-    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;   /* whole rows */
+    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;
     b->records = fxs_gles_map(g, (GLsizeiptr)rows * (GLsizeiptr)width * 16);
     if (!b->records)
         return fxs_gl_failure(&g->gl);
@@ -166,7 +157,6 @@ static int upload(fxs_gles *g, batch *b, uint32_t count)
     return 0;
 }
 
-/* Clears the states of a window's pixels: T = 1, no colour. */
 static int begin_states(fxs_gles *g, const fxs_gles_window *w)
 {
     static const GLint clear[4] = {FXS_CLEAR_Q15, 0, 0, 0};
@@ -189,8 +179,6 @@ static int begin_states(fxs_gles *g, const fxs_gles_window *w)
     return 0;
 }
 
-/* Side of the viewport in windows. Triangles within the viewport are not clipped, which would be slow; the scissor
-   limits drawing to the window. */
 static int32_t guard_of(const fxs_gles *g, const fxs_gles_window *w)
 {
     return GUARD * w->width <= g->viewport[0] && GUARD * w->height <= g->viewport[1] ? GUARD : 1;

@@ -1,5 +1,5 @@
-// Blends one splat into one pixel. Reads the pixel's state from the framebuffer and writes it back. (Only LIMITED has
-// uniforms, because Mesa on a CPU fetches each uniform for each pixel.)
+// Blends one splat into one pixel, with the pixel's state in the framebuffer. Avoids uniforms, because Mesa's software
+// renderer fetches them per pixel.
 flat in ivec4 line;
 flat in ivec4 look;
 #ifdef LIMITED
@@ -11,7 +11,7 @@ bool outside(int at, int span)
     return at < (span & 0xffff) || at > span >> 16;
 }
 #endif
-layout(location = 0) inout ivec4 state;      // T, r, g, b
+layout(location = 0) inout ivec4 state;      // transmittance, red, green, blue
 
 void main()
 {

@@ -1,15 +1,15 @@
-// A corner of a triangle; one record per triangle. A splat is one triangle around its ellipse. A large splat is two
-// triangles that form the tightest rectangle around its ellipse. A veil is two triangles that cover the whole window. A
-// record has three texels: u0, ux, uy, v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth key.
+// Places the corners of a splat's triangles: one triangle around the ellipse, two for the rectangle of a large splat,
+// two over the whole window for a veil. A record has three texels: u0, ux, uy, v0; vy, offset and red, green and blue,
+// columns; cx, cy, shape and rows, depth key.
 uniform highp usampler2D records;
-uniform ivec4 size;                  // width and height of the window; cut-off (Q11); log2 of the width of `records`
+uniform ivec4 size;                  // width and height of the window; cut-off, Q11; log2 of the width of `records`
 uniform ivec4 place;                 // first pixel of the window; side of the viewport in windows
-flat out ivec4 line;                 // u, ux, uy, v (Q24), at the window's first pixel
-flat out ivec4 look;                 // vy; offset (Q11) and r; g and b (Q13); limit (Q11)
+flat out ivec4 line;                 // splat coordinates u, ux, uy, v at the window's first pixel, Q24
+flat out ivec4 look;                 // vy; offset, Q11, and red; green and blue, Q13; limit, Q11
 #ifdef LIMITED
-flat out ivec3 limits;               // first and last column of tiles; rows; depth key
+flat out ivec3 limits;               // first and last tile column; first and last tile row; depth key
 #endif
-const int TRIANGLE = 0, VEIL = 4;    // shapes; 2 is a rectangle; odd: second triangle of a shape
+const int TRIANGLE = 0, VEIL = 4;    // shapes of splats; 2: rectangle; odd: second triangle
 
 ivec4 texel(int i)
 {
@@ -26,16 +26,16 @@ void main()
 #ifdef LIMITED
     limits = ivec3(b.w, c.z >> 4, c.w);
 #endif
-    number += shape & 1;             // first triangle: corners 0, 1, 2; second triangle: 1, 2, 3
+    number += shape & 1;
     vec2 corner = vec2(float(number & 1), float(number >> 1)) * 2.0 - 1.0, pixel;
     if (shape >= VEIL) {
         pixel = (corner * 0.5 + 0.5) * vec2(size.xy);
     } else {
-        // x = cx + sx u + k v, y = cy + sy v; e: the ellipse's longer axis; need not be exact.
+        // x = cx + sx u + k v, y = cy + sy v; e: longer axis of the ellipse
         float sx = 16777216.0 / float(a.y), sy = 16777216.0 / float(b.x), k = float(-a.z) / float(a.y) * sy;
         float h = 0.5 * (sx * sx + k * k - sy * sy), m = k * sy, l = length(vec2(h, m));
         vec2 e = l > 0.0 ? normalize(h >= 0.0 ? vec2(h + l, m) : vec2(m, l - h)) : vec2(1.0, 0.0);
-        float r = sqrt(float(max(limit - offset, 0) + 2) / 2048.0);    // + 2: levels are rounded
+        float r = sqrt(float(max(limit - offset, 0) + 2) / 2048.0);
         vec2 reach = r * vec2(length(vec2(sx * e.x, k * e.x + sy * e.y)), length(vec2(sx * e.y, k * e.y - sy * e.x)));
         reach += 0.125 + reach.x / 16384.0;
         if (shape == TRIANGLE)

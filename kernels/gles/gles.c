@@ -6,10 +6,9 @@
 #include "device.h"
 #include "shaders.h"
 
-#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
 
-/* Writes `text` and `what`, its subject, to `message`. */
 static int say(char *message, const char *text, const char *what)
 {
     const char *parts[] = {text, what};
@@ -41,9 +40,7 @@ uint64_t fxs_gles_nanoseconds(const fxs_gles *g)
     return g->nanoseconds;
 }
 
-/* ---- Functions and limits ---------------------------------------------------------------------------------------- */
-
-/* Accepts "OpenGL ES 3.2 ..."; on desktop OpenGL "4.5 ...". */
+/* Accepts OpenGL ES 3.0 and later, and desktop OpenGL with GL_ARB_ES3_compatibility. */
 static int check_version(fxs_gles *g, char *message)
 {
     static const char es[] = "OpenGL ES ";
@@ -58,7 +55,7 @@ static int check_version(fxs_gles *g, char *message)
         return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
     if (!is_es && !fxs_gl_has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
-    g->points = is_es;             /* on desktop GL, state sets the size of points */
+    g->points = is_es;             /* on desktop GL, extra state sets the size of points */
     g->timer = is_es && fxs_gl_has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
     return 0;
 }
@@ -80,12 +77,10 @@ static int check_limits(fxs_gles *g, char *message)
     return 0;
 }
 
-/* ---- Programs ---------------------------------------------------------------------------------------------------- */
-
 static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
 static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
 
-/* Mesa on a CPU uses 16-bit products for factors known to fit. On a GPU this would only cost a mask operation. */
+/* Mesa's software renderer multiplies faster if factors are masked to 15 bits. */
 static const char *factor_of(const fxs_gles *g)
 {
     return strncmp(g->renderer, "llvmpipe", 8) ? "#define FACTOR(x) (x)\n" : "#define FACTOR(x) ((x) & 32767)\n";
@@ -150,7 +145,6 @@ static int make_programs(fxs_gles *g, char *message)
     return error;
 }
 
-/* On failure, no_fetch has the reason. (GL_ARM_shader_framebuffer_fetch does not serve: it reads colours as floats.) */
 static void make_fetch_programs(fxs_gles *g)
 {
     if (!fxs_gl_has_extension(&g->gl, "GL_EXT_shader_framebuffer_fetch")) {
@@ -167,8 +161,6 @@ static void make_fetch_programs(fxs_gles *g)
         make_program(g, FXS_GLES_RESOLVED_NORMALISED, "#define FETCHED\n", screen_vert, tiles_frag, g->no_fetch);
 }
 
-/* Makes programs and render targets for depths and ids. Returns 0, FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE or
-   FXS_ERR_MEMORY. */
 static int make_traced(fxs_gles *g)
 {
     static const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -203,8 +195,6 @@ static int prepare_traced(fxs_gles *g)
     }
     return g->traced < 0 ? g->traced : 0;
 }
-
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 static int make_objects(fxs_gles *g, char *message)
 {
@@ -320,8 +310,6 @@ void *fxs_gles_map(fxs_gles *g, GLsizeiptr bytes)
     return g->gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
 }
 
-/* ---- Time -------------------------------------------------------------------------------------------------------- */
-
 void fxs_gles_start_timer(fxs_gles *g)
 {
     if (!g->timer || g->timing || g->target)
@@ -343,8 +331,6 @@ void fxs_gles_stop_timer(fxs_gles *g)
     g->nanoseconds += disjoint ? 0 : nanoseconds;
 }
 
-/* ---- Reading back ------------------------------------------------------------------------------------------------ */
-
 static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format format)
 {
     const uint16_t packed = fxs_little_16(fxs_rgb565(rgba[0], rgba[1], rgba[2]));
@@ -354,7 +340,6 @@ static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format 
         memcpy(to, rgba, 4);
 }
 
-/* Copies a row of pixels. wide: four words per pixel. */
 static void copy_row(unsigned char *to, const unsigned char *from, int32_t count, int wide, enum fxs_format format)
 {
     if (!wide && format != FXS_FORMAT_RGB565) {
@@ -371,8 +356,7 @@ static void copy_row(unsigned char *to, const unsigned char *from, int32_t count
     }
 }
 
-/* Copies the pixels of the run's tiles. The first row of tiles may start right of the picture's left edge. Pixels right
-   of the run's last tile are overwritten by the next run. */
+/* Copies the pixels of the run's tiles. The next run overwrites pixels after the last tile. */
 static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
                        int32_t height, int wide)
 {
@@ -408,7 +392,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int32_t x, int32_t y, in
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_TARGET]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
-    /* every device can read integer pixels as words, most devices also as bytes */
+    /* most devices can read integer pixels as bytes, all as words */
     const int wide = has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE;
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
     bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);

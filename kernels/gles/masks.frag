@@ -1,19 +1,16 @@
-// Finds the blocks of 4x4 pixels that each splat of a tile's list may touch. A chunk is up to 32 records of a list. Its
-// masks are four texels, one per quarter of the tile. A texel has a word per block of the quarter, and a word a bit per
-// record.
-uniform highp usampler2D chunks;     // first record and, from bit 24 on, count - 1; column and row of the tile
-uniform ivec4 source;                // log2 of the width of `records`, `chunks` and this target; cut-off
+// Finds which splats touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. Its masks
+// are four texels, one per quarter of the tile, with a word per block and a bit per splat.
+uniform highp usampler2D chunks;     // first record, and count - 1 from bit 24 on; column and row of the tile
+uniform ivec4 source;                // x: log2 of the width of the textures; y: cut-off
 out uvec4 result;
 
-// Smallest magnitudes of u or v in blocks where it ranges from least to most. 32768 stands for 4; no splat reaches
-// beyond.
+// Returns the smallest magnitude of u or v in a block, Q13, saturated at 4.
 ivec4 nearest(ivec4 least, ivec4 most)
 {
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// For each block of a quarter, whether a splat may touch it. u and v are linear; ux and vy are not negative. Computes
-// modulo 2^32, which is enough, because u and v are within +-128 in a touched block.
+// The splat coordinates u and v are linear in x and y; ux and vy are not negative. Arithmetic modulo 2^32 suffices.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {
     ivec2 uv = whitened(r, pixel);

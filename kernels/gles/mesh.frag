@@ -1,18 +1,16 @@
-// Occluder at a pixel, as a depth key.
-uniform highp usampler2D occluder;   // depths, as in fxs_targets
-uniform highp sampler2D depth_buffer;        // used instead of `occluder`
-// Texel of pixel (0, 0) in occluder, depth_buffer and backdrop; step per row; depth_bits plus flags for the textures in
-// use.
+// Reads the depth of the caller's occluder at a pixel.
+uniform highp usampler2D occluder;
+uniform highp sampler2D depth_buffer;        // GL depth buffer, alternative to `occluder`
+// texel of pixel (0, 0) in the caller's textures; step per row; depth_bits and flags of textures in use
 uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
-uniform vec2 planes;                 // 1 / distance at depth 0 and at depth 1 in depth_buffer
+uniform vec2 planes;                 // 1 / distance at depth 0 and at depth 1 of depth_buffer
 
 ivec2 mesh_texel(ivec2 pixel)
 {
     return ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
 }
 
-// fxs_depth_key
 uint depth_key(uint depth, int bits)
 {
     if (depth == 0u || depth == 0xffffffffu)
@@ -26,7 +24,7 @@ uint depth_key(uint depth, int bits)
     return uint(63 - zeros - bits) << 26 | (depth >> 5 & 0x3ffffffu);
 }
 
-// Splats with a larger depth key are hidden.
+// Returns the largest depth key that is visible at a pixel.
 uint limit_at(ivec2 texel)
 {
     int bits = mesh.w & 255;

@@ -6,7 +6,7 @@ void fxs_gles_set(const fxs_gles *g)
 {
     fxs_gl_set(&g->gl, g->vertex_array, FXS_GLES_UNITS, g->textures);
     if (g->target && g->target->over)
-        fxs_gl_blend_over(&g->gl);   /* the other targets are integers, which GL does not blend */
+        fxs_gl_blend_over(&g->gl);   /* GL does not blend integer targets */
 }
 
 int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)
@@ -14,7 +14,6 @@ int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)
     return g->target ? g->target->occluder || g->target->depth_buffer : run->targets->occluder.pixels != 0;
 }
 
-/* The caller's textures have the orientation of the caller's framebuffer; uploaded textures match the window. */
 void fxs_gles_set_mesh(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w, const fxs_gles_program *p)
 {
     enum { OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024 };
@@ -44,7 +43,7 @@ void fxs_gles_aim(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_win
     gl->Viewport(s->x, s->y, s->width, s->height);
     gl->Scissor(s->x, s->y + s->first_line, s->width, s->lines);
     gl->UseProgram(p->name);
-    /* gl_FragCoord counts from the framebuffer's corner */
+    /* gl_FragCoord counts from the corner of the framebuffer */
     gl->Uniform4i(p->place, s->pixel_x - s->x, s->pixel_y - s->row_step * s->y, s->row_step, carried);
     gl->Uniform4i(p->source, source[0], source[1], source[2], source[3]);
     gl->Uniform4i(p->background, clear ? 0 : fxs_background_q13(background[0]),
@@ -87,7 +86,6 @@ void fxs_gles_upload(const fxs_gles *g, int unit, int32_t y, int32_t width, int3
         g->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, height, layout, GL_UNSIGNED_INT, (const void *)offset);
 }
 
-/* Uploads a window of a picture with 4 bytes per pixel. */
 static void put_image(fxs_gles *g, int unit, int32_t size[2], const fxs_image *image, const fxs_gles_window *w)
 {
     const int is_depth = unit == FXS_GLES_OCCLUDER;
@@ -110,7 +108,6 @@ static void bind_texture(const fxs_gles *g, int unit, GLuint texture)
     g->gl.BindTexture(GL_TEXTURE_2D, texture ? texture : g->textures[unit]);
 }
 
-/* Binds or uploads the caller's pictures. */
 static void put_mesh(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
     if (g->target) {

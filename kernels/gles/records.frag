@@ -1,4 +1,5 @@
-// Splats of lists, two texels each: u0, ux, uy, v0; vy, offset and r, g and b, depth key.
+// Reads splats of the tiles' lists. A splat has two texels: u0, ux, uy, v0; vy, offset and red, green and blue, depth
+// key.
 uniform highp usampler2D records;
 
 struct record {
@@ -26,7 +27,7 @@ int high(uint word)
     return int(word >> 16);
 }
 
-// Whitened u and v at a pixel (Q24).
+// Returns the splat coordinates u and v at a pixel, Q24.
 ivec2 whitened(record r, ivec2 pixel)
 {
     return ivec2(r.a.x + uint(pixel.x) * r.a.y + uint(pixel.y) * r.a.z, r.a.w + uint(pixel.y) * r.b.x);

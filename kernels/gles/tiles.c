@@ -8,30 +8,28 @@
 #include "src/core/trace.h"
 #include "device.h"
 
-#define RECORD 32                  /* bytes */
+#define RECORD 32
 #define LIST 16
-#define ORDER 3                    /* word of a list that holds a tile's number in the window, for the drawing order */
+#define ORDER 3
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
-#define CHUNK_SHIFT 24             /* first bit of count - 1 in a chunk's word; the bits below are its first record */
-#define AHEAD 16                   /* prefetch distance, in entries */
+#define CHUNK_SHIFT 24             /* first bit of count - 1 in a chunk's word; the lower bits hold the first record */
+#define AHEAD 16
 
-/* Number of records and of chunks: those in use, or the capacity. */
 typedef struct amount {
     uint32_t records, chunks;
 } amount;
 
-/* One upload, in the mapped buffer: lists of the window's tiles, chunks of the lists, records, and ids if wanted. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t *lists, *chunks, *records, *ids;
     amount used, room;
-    int32_t first, end;            /* tiles, by number in the window */
-    int32_t ordered;               /* number of tiles to draw; their order starts in the first list of the first row */
-    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* start of each tile row, from that of tile `first` on */
+    int32_t first, end;
+    int32_t ordered;
+    amount starts[FXS_MAX_SIZE / FXS_TILE];
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -39,15 +37,12 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* ---- Uploads ----------------------------------------------------------------------------------------------------- */
-
 static void make_texture(const fxs_gles *g, int unit, GLint format, GLenum layout, int32_t width, int32_t height)
 {
     g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
     g->gl.TexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, layout, GL_UNSIGNED_INT, 0);
 }
 
-/* A tile's list. Only list_of knows the layout of src/ lists. */
 typedef struct list {
     const uint32_t *entries;
     uint32_t count;
@@ -64,7 +59,6 @@ static uint32_t chunks_of(uint32_t records)
     return (records + CHUNK_RECORDS - 1) / CHUNK_RECORDS;
 }
 
-/* Number of texture rows that `texels` texels take; at most the texture's width. */
 static int32_t rows_of(const fxs_gles *g, uint64_t texels)
 {
     const uint64_t wanted = (texels + (1u << g->shift) - 1) >> g->shift, most = UINT64_C(1) << g->shift;
@@ -88,7 +82,6 @@ int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
     return 0;
 }
 
-/* The texture of ids has one texel per record, so half the rows of the texture of records. */
 static void make_ids(fxs_gles *g)
 {
     const int32_t rows = (g->record_rows + 1) / 2;
@@ -98,7 +91,6 @@ static void make_ids(fxs_gles *g)
     make_texture(g, FXS_GLES_IDS, GL_RG32UI, GL_RG_INTEGER, 1 << g->shift, rows);
 }
 
-/* Grows the textures to the size of a run, up to the device's limits. */
 static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
     uint64_t records = 0, chunks = 0;
@@ -118,13 +110,11 @@ static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window
     return fxs_gles_make_masks(g, chunks);
 }
 
-/* Maps the next of a ring of buffers, so that no upload waits for the device. (New storage for each batch would take 20
-   ms for 50 MB.) */
 static int begin_batch(batch *b, int32_t first)
 {
     fxs_gles *g = b->gles;
     const size_t lists = (size_t)b->window->columns * (size_t)b->window->rows * LIST;
-    const size_t chunks = ((size_t)(g->mask_rows + 3) / 4 * CHUNK) << g->shift;       /* whole rows */
+    const size_t chunks = ((size_t)(g->mask_rows + 3) / 4 * CHUNK) << g->shift;
     const size_t ids = fxs_gles_is_traced(g) ? ((size_t)g->id_rows << g->shift) * ID : 0;
     b->room = (amount){(uint32_t)g->record_rows << (g->shift - 1), (uint32_t)g->mask_rows << (g->shift - 2)};
     b->lists = fxs_gles_map(
@@ -139,7 +129,6 @@ static int begin_batch(batch *b, int32_t first)
     return 0;
 }
 
-/* Uploads the batch. The chunks are uploaded in whole texture rows. */
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
@@ -159,9 +148,6 @@ static int end_batch(batch *b)
     return 0;
 }
 
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
-
-/* Layout as in records.frag. */
 static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
 {
     const uint32_t words[RECORD / 4] = {
@@ -171,7 +157,7 @@ static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
     memcpy(record, words, sizeof words);
 }
 
-/* An entry that is cut off becomes a record too faint to change a pixel. */
+/* Writes an entry that is cut off as an invisible splat. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
@@ -198,7 +184,6 @@ static void put_ids(const batch *b, uint32_t at, list l)
     }
 }
 
-/* Writes a tile's list, its chunks and its records. tile: number in the window. */
 static void put_list(const batch *b, int32_t tile, amount at, list l)
 {
     const fxs_gles_window *w = b->window;
@@ -216,7 +201,7 @@ static void put_list(const batch *b, int32_t tile, amount at, list l)
         put_ids(b, at.records, l);
 }
 
-/* Marks a tile as not drawn, by a list that ends before it starts. */
+/* Marks a tile as not drawn: its list ends before the start. */
 static void put_none(const batch *b, int32_t tile)
 {
     static const uint32_t words[ORDER] = {1};
@@ -229,7 +214,6 @@ static void add(amount *to, uint32_t records)
     to->chunks += chunks_of(records);
 }
 
-/* The number in the picture of a tile of the window. The tile may be outside the run. */
 static uint32_t tile_of(const batch *b, int32_t tile)
 {
     const fxs_gles_window *w = b->window;
@@ -242,7 +226,6 @@ static int in_run(const batch *b, uint32_t tile)
     return tile >= b->run->first_tile && tile <= b->run->last_tile;
 }
 
-/* Writes the lists of row `job` of the batch's rows of tiles. */
 static void put_row(void *argument, uint32_t job)
 {
     const batch *b = argument;
@@ -261,7 +244,7 @@ static void put_row(void *argument, uint32_t job)
     }
 }
 
-/* Grades of lists by their number of chunks; grade 0 is the longest. */
+/* Classes of lists by length. Grade 0 has the longest lists. */
 enum { GRADES = FXS_GLES_LOOP / CHUNK_RECORDS + 1 };
 
 static uint32_t grade_of(const batch *b, uint32_t tile)
@@ -269,7 +252,6 @@ static uint32_t grade_of(const batch *b, uint32_t tile)
     return GRADES - 1 - chunks_of(list_of(b->run, tile).count);
 }
 
-/* Writes the drawing order of the run's tiles; within a grade, in picture order. */
 static void put_order(batch *b)
 {
     const int32_t first = b->first / b->window->columns * b->window->columns;
@@ -288,15 +270,11 @@ static void put_order(batch *b)
             order[LIST / 4 * (size_t)next[grade_of(b, tile_of(b, tile))]++] = (uint32_t)tile;
 }
 
-/* Longest list that is drawn at once, in entries. */
 static uint32_t longest(const fxs_gles *g)
 {
     return least((uint32_t)g->record_rows << (g->shift - 1), FXS_GLES_LOOP);
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------------------------- */
-
-/* Surface for the batch's rows of tiles. */
 static fxs_gles_surface surface_of(const batch *b)
 {
     const fxs_gles_window *w = b->window;
@@ -318,8 +296,8 @@ static void draw_masks(const batch *b)
     g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Draws tiles as points if possible. The state of a tile, and tiles where points are not possible, are drawn as one
-   triangle. For points, the viewport extends one tile beyond all sides, because points are clipped by their centre. */
+/* Draws tiles as GL points, or as one triangle if points are too small. The viewport for points has a margin of one
+   tile, because GL clips points by their centre. */
 static void draw(const batch *b, const fxs_gles_surface *s, int carried)
 {
     const fxs_gles *g = b->gles;
@@ -339,7 +317,6 @@ static void draw(const batch *b, const fxs_gles_surface *s, int carried)
     g->gl.DrawArrays(GL_POINTS, b->first / columns * columns, b->ordered);
 }
 
-/* Binds for reading the state textures that are not drawn to. */
 static void take_turn(const fxs_gles *g, int turn)
 {
     g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
@@ -348,7 +325,6 @@ static void take_turn(const fxs_gles *g, int turn)
     g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_TRACES : FXS_GLES_NEXT_TRACES]);
 }
 
-/* Draws tile b->end, whose list is too long for one draw, in parts. */
 static int draw_parts(batch *b)
 {
     const fxs_tile_run *run = b->run;
@@ -385,7 +361,6 @@ static int draw_parts(batch *b)
     return error;
 }
 
-/* Sets the end of the batch so that it has as many tiles as fit. */
 static void take_tiles(batch *b)
 {
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;

@@ -4,17 +4,16 @@ uniform highp usampler2D lists;      // per tile: first record, end, first chunk
 uniform highp usampler2D masks;      // per chunk; see masks.frag
 uniform highp isampler2D carried;    // T, r, g, b of a tile's pixels after part of its list; FETCHED: of all pixels
 uniform ivec4 place;                 // pixel of fragment (0, 0); step per row; 1: continue from `carried`
-// First tile of `lists` (FETCHED: first pixel of `carried`); log2 of the width of `records`; cut-off.
+// first tile of `lists`, or with FETCHED first pixel of `carried`; log2 of the width of `records`; cut-off
 uniform ivec4 source;
-uniform ivec4 background;            // r, g, b; 1: alpha is coverage
+uniform ivec4 background;            // background: red, green, blue; 1: alpha is coverage
 uniform highp sampler2D backdrop;
 
 #if defined TRACED
-uniform highp usampler2D ids;        // per record: object, Gaussian
-uniform highp usampler2D traces;     // with `carried`: depth key of the median, largest weight, id of its splat
-const int HALF_Q15 = 16384;          // FXS_HALF_Q15
-// In this draw: the last record that got weight while T >= 1/2; the largest weight up to now; the first record with
-// this weight. -1: none.
+uniform highp usampler2D ids;
+uniform highp usampler2D traces;     // to continue from: depth key of the median, largest weight, id
+const int HALF_Q15 = 16384;
+// last record blended while the transmittance >= 1/2; largest weight; first record with that weight; -1: none
 int median, weight_q15, largest;
 #if defined STATE
 layout(location = 1) out uvec4 trace_result;
@@ -31,7 +30,7 @@ layout(location = 0) out uvec4 result;
 layout(location = 0) out vec4 result;
 #endif
 
-// cut is source.w as a parameter, because Mesa on a CPU fetches a uniform again in each iteration of a loop.
+// `cut` is a parameter, because Mesa's software renderer fetches uniforms again in each iteration.
 void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
 {
     ivec2 uv = whitened(r, pixel);
@@ -50,7 +49,6 @@ void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
                   min(state.w + fxs_product_q15(weight, high(r.b.z)), 32767));
 }
 
-// Mask of a chunk's records that may touch the pixel's block.
 uint mask_of(uint chunk, ivec2 pixel, int shift)
 {
     int quarter = (pixel.y >> 3 & 1) * 2 + (pixel.x >> 3 & 1);
@@ -59,13 +57,12 @@ uint mask_of(uint chunk, ivec2 pixel, int shift)
     return (pixel.x & 4) == 0 ? row.x : row.y;
 }
 
-// Index of the lowest set bit; word != 0.
 int lowest(uint word)
 {
     return (floatBitsToInt(float(word & (~word + 1u))) >> 23) - 127;
 }
 
-// First hidden record of a list with ascending depths, or its end.
+// Returns the first record behind the occluder, or the end of the list.
 uint first_hidden(uvec2 list, uint limit)
 {
     while (list.x < list.y) {
@@ -93,7 +90,6 @@ uvec4 resolve(ivec4 state, ivec3 under)
 }
 
 #if defined TRACED
-// `before`, updated by this draw: depth key of the median, largest weight, id of its splat.
 uvec4 trace_of(uvec4 before)
 {
     int shift = source.z;
@@ -104,7 +100,6 @@ uvec4 trace_of(uvec4 before)
     return before;
 }
 
-// fxs_depth_of_key
 uint depth_of_key(uint key, int bits)
 {
     int shift = int(key >> 26) - 58 + bits;
@@ -129,7 +124,7 @@ ivec4 state_of(ivec2 pixel)
     for (; list.x < list.y && state.x >= FXS_CLOSED_Q15; list += uvec3(32, 0, 1)) {
         uint mask = mask_of(list.z, pixel, shift);
         if (list.y - list.x < 32u)
-            mask &= (1u << (list.y - list.x)) - 1u;      // the occluder may cut the list within a chunk
+            mask &= (1u << (list.y - list.x)) - 1u;      // the occluder may end the list within a chunk
         for (; mask != 0u && state.x >= FXS_CLOSED_Q15; mask &= mask - 1u) {
             int i = int(list.x) + lowest(mask);
             blend(record_at(i, shift), i, pixel, cut, state);

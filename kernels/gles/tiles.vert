@@ -1,8 +1,7 @@
-// Draws tiles as points of a tile's size, in the order given in `lists`; or one triangle over the whole viewport.
-uniform highp usampler2D lists;      // fourth word of entry i: the i-th tile to draw
-uniform ivec4 place;                 // z: step per row
-uniform ivec4 size;                  // size of the viewport, one tile beyond the picture on all sides; columns, or 0:
-                                     // one triangle
+// Draws tiles as GL points of 16x16 pixels in a given order, or one triangle over the whole viewport.
+uniform highp usampler2D lists;      // fourth word of entry i: number of the i-th tile to draw
+uniform ivec4 place;
+uniform ivec4 size;                  // size of the viewport; columns of tiles, or 0 for one triangle
 
 ivec2 cell(int tile)
 {

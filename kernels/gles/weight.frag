@@ -1,11 +1,10 @@
-// The products of pixel.h with factors 0 to 32767. FACTOR tells compilers this range, because some can multiply 16-bit
-// numbers faster.
+// Fixed-point products with factors from 0 to 32767. FACTOR tells the compiler this range.
 FXS_FN int fxs_product_q15(int a, int b)
 {
     return (FACTOR(a) * FACTOR(b) + 16384) >> 15;
 }
 
-// fxs_alpha_q15, with sums rearranged so that no factor is negative: -((a b + 16383) >> 15) = (-a b + 16384) >> 15.
+// fxs_alpha_q15, rearranged so that no factor is negative: -((a b + 16383) >> 15) = (-a b + 16384) >> 15.
 FXS_FN int fxs_exp_q15(int level_q11)
 {
     int x = FACTOR(level_q11);
@@ -18,7 +17,7 @@ FXS_FN int fxs_exp_q15(int level_q11)
     return min(FACTOR(p), FXS_ALPHA_MAX_Q15);
 }
 
-// Magnitude of u or v, not saturated. fxs_coordinate_q13 saturates at 4, which is 32768; no splat reaches beyond.
+// Returns the magnitude of u or v without saturation.
 FXS_FN int fxs_distance_q13(int coordinate_q24)
 {
     return abs(coordinate_q24 >> 11);

@@ -1,7 +1,6 @@
-/* Divides a frame's memory, and divides the frame into bands of tile rows. If the memory holds a splat for every
- * Gaussian, one band covers all tile rows. Otherwise a plan comes first: Gaussians are projected only to count the
- * splats of each tile row. The counts tell, before a pixel is written, how many tile rows fit at a time and how much
- * memory the fullest row needs. */
+/* Lays out a frame's memory and divides the frame into bands of tile rows. If the memory holds a splat for every
+ * Gaussian, one band covers the picture. Otherwise a first pass, the plan, counts the splats of each tile row. A block
+ * is a range of chunks of 256 Gaussians. A slot holds one splat. */
 #include "bands.h"
 #include "draw.h"
 #include "lister.h"
@@ -11,16 +10,14 @@
 #include "targets.h"
 #include "times.h"
 
-#define JOBS 8u                    /* largest number of blocks per thread in a plan (1 block with 1 thread) */
-#define KEYS 2u                    /* list keys per slot; enough for most frames */
+#define JOBS 8u
+#define KEYS 2u
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
-#define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and space to sort it */
-#define SLICE_LEAST 128u           /* minimum splats of a slice */
+#define LIST_BYTES (2 * sizeof(fxs_key))       /* bytes of a list key and of the space to sort it */
+#define SLICE_LEAST 128u
 #define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
 
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
-
-/* A block of memory to cut up. With `rest` null, it is only measured. */
+/* Bump allocator; only measures if `rest` is null. */
 typedef struct arena {
     unsigned char *rest;
     uint64_t used;
@@ -41,8 +38,8 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* Divides the work into jobs and takes the arrays that live for the whole frame from the memory. In a band, each block
-   needs slots for one more chunk than the splats that it keeps, so a frame in bands has fewer and larger blocks. */
+/* Allocates the arrays that live for the whole frame. A plan uses fewer, larger blocks, because each block of a band
+   needs spare slots for one chunk. */
 static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
@@ -59,7 +56,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
-    f->views = cut(&m, f->object_count * sizeof *f->views);    /* first: the layout after the cut keeps them */
+    f->views = cut(&m, f->object_count * sizeof *f->views);
     f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
@@ -77,8 +74,8 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->fixed_bytes = m.used;
 }
 
-/* Takes the arrays of a band with `slots` slots from the memory. The lists get the rest, up to KEYS keys per slot plus
-   16 per tile. Returns the bytes of the whole frame, which can exceed a size_t. */
+/* Allocates the arrays of a band. The lists get the rest of the memory, up to KEYS keys per slot and 16 per tile.
+   Returns the bytes of the whole frame. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -112,8 +109,7 @@ static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_sl
              to_multiple_of_16(slots) * (SLOT_BYTES + keys_a_slot * LIST_BYTES);
 }
 
-/* Minimum memory of a frame in mode FXS_FRAME_WHOLE, and of a plan, with the current layout. One key per slot is enough
-   for any macro tile, because no list is longer than the number of slots. */
+/* One key per slot suffices, because no list is longer than the number of slots. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
     return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
@@ -129,20 +125,17 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* Minimum memory of a frame in slices: one macro tile, a chunk and SLICE_LEAST splats. */
 static uint64_t bytes_for_slices(const fxs_frame *f)
 {
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* Number of macro tile columns in a slice. Their pixels get a quarter of the memory above the minimum. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
     return (uint32_t)smaller(1 + more, fxs_macros(f->view.tiles_x));
 }
 
-/* Minimum memory of a frame that is laid out for a plan. */
 static uint64_t least_bytes(const fxs_frame *f)
 {
     const uint64_t plan = bytes_for_plan(f), slices = bytes_for_slices(f);
@@ -159,8 +152,6 @@ uint64_t fxs_bands_measure(fxs_frame *f)
     f->stats.memory.least = (size_t)smaller(smaller(least, bytes_for_all(f)), SIZE_MAX);
     return all;
 }
-
-/* ---- Bands ----------------------------------------------------------------------------------------------------- */
 
 static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
 {
@@ -189,7 +180,6 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t first
     f->extents[place] = e;
 }
 
-/* Prefix sums: counts per tile row become counts of splats that start, or end, above the row. */
 static void sum_rows(fxs_frame *f, uint32_t block)
 {
     fxs_row_counts *counts = row_counts_of(f, block);
@@ -199,7 +189,7 @@ static void sum_rows(fxs_frame *f, uint32_t block)
     }
 }
 
-/* Slots for the splats of a block that touch tile rows first_row to end_row - 1, plus one chunk for projection. */
+/* Returns the slots for a block's splats in tile rows first_row to end_row - 1, plus one chunk. */
 static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_row, int32_t end_row)
 {
     uint32_t most = (fxs_block_start(f, block + 1) - fxs_block_start(f, block)) * FXS_CHUNK;
@@ -217,7 +207,6 @@ static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_ro
     return bytes_for(f, slots, keys_a_slot);
 }
 
-/* Gives each block one chunk of slots, and clears its row counts. */
 static void begin_plan(fxs_frame *f)
 {
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
@@ -227,7 +216,6 @@ static void begin_plan(fxs_frame *f)
     }
 }
 
-/* Returns the bytes that the fullest tile row needs. */
 static uint64_t end_plan(fxs_frame *f)
 {
     uint64_t most = 0;
@@ -277,7 +265,6 @@ int fxs_bands_init(fxs_frame *f)
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
 
-/* Lays out the memory for a slice of a tile row: the pixels of the slice's columns, then slots up to the end. */
 static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);
@@ -287,7 +274,6 @@ static void lay_out_slices(fxs_frame *f)
     lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
 
-/* Takes as many tile rows from first_row on as fit in the memory, and lays out slots for their splats. */
 static void lay_out_rows(fxs_frame *f)
 {
     uint32_t slots = 0;
@@ -321,7 +307,6 @@ int fxs_band_next(fxs_frame *f)
     return 1;
 }
 
-/* True if the band keeps all splats of a chunk. */
 static int is_whole(const fxs_frame *f, uint32_t place)
 {
     return f->mode < FXS_FRAME_BAND ||

@@ -6,11 +6,11 @@
 #include "lister.h"
 #include "memory.h"
 
-#define SPANS 32                   /* tile rows */
+#define SPANS 32
 #ifdef FXS_SMALL_STACK
 #define SOME 8u
 #else
-#define SOME 64u                   /* slots per call of the kernel `note` */
+#define SOME 64u
 #endif
 
 typedef fxs_span span;
@@ -18,11 +18,10 @@ typedef fxs_span span;
 typedef struct ellipse {
     const fxs_splat *splat;
     const fxs_bounds *bounds;
-    span columns, rows;            /* of the bounding box */
-    int32_t r_q12;                 /* set by add_radius */
+    span columns, rows;
+    int32_t r_q12;
 } ellipse;
 
-/* Tile columns of the pixels between two x coordinates. */
 static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right_q8)
 {
     int32_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
@@ -38,7 +37,6 @@ static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fx
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
 
-/* Sets r_q12, which only ellipse_span needs. This is a separate step, because many splats do not need ellipse_span. */
 static void add_radius(ellipse *e, const fxs_view *view)
 {
     int32_t offset_q11 = e->splat->offset_q11, limit_q11 = fxs_limit_q11(offset_q11, view->cut_q11);
@@ -55,7 +53,7 @@ static int32_t cut_to(int32_t r, int64_t v)
     return v < -r ? -r : v > r ? r : (int32_t)v;
 }
 
-/* Half the width of the ellipse at v; its middle there is x = cx + shear v. */
+/* Returns half the width of the ellipse at v. The middle is at x = cx + shear v. */
 static int32_t half_width_q8(const ellipse *e, int32_t v_q12)
 {
     uint32_t square_q24 = (uint32_t)(e->r_q12 * e->r_q12 - v_q12 * v_q12);
@@ -67,20 +65,20 @@ static int32_t larger(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* Tile columns of a tile row that the ellipse touches. For a veil, all columns: `bounds` does not have its centre, so v
-   is unknown, but the margin of 2^-8 of its half width is 16384 pixels. */
+/* Returns the tile columns that the ellipse touches in a tile row. A veil, too large for `bounds`, touches all
+   columns. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if ((top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2) && e->bounds->half_width_q8 != FXS_EVERYWHERE_Q8)
         return (span){0, -1};
-    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
+    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);
     int32_t x_top_q8 = (int32_t)((int64_t)e->bounds->shear_q8 * top >> 12), half_top_q8 = half_width_q8(e, top);
     int32_t x_bottom_q8 = (int32_t)((int64_t)e->bounds->shear_q8 * bottom >> 12);
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
     int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* the rightmost or leftmost point lies on this tile row if v sqrt(A) = +- r shear for a v between top and bottom */
+    /* The extreme point lies in this row if v sqrt(A) = +- r shear for a v between top and bottom. */
     int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
@@ -94,8 +92,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Tile rows or columns of the square cut-off: floor((c - radius) / 16) to floor((c + radius + 15) / 16), end
-   exclusive. */
+/* Returns the tiles of the square cut-off: floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1. */
 static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
@@ -124,13 +121,12 @@ static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
                                              : ellipse_span(e, view, row);
 }
 
-/* Moves the bits of six tiles in a row to the masks of their three macro tiles. */
 static uint64_t spread_row(uint32_t tiles, int32_t row)
 {
     return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
 }
 
-/* Mask of a span's tiles, with bit 0 for column `from`. The span has at most 31 tiles. */
+/* Returns a mask of a span's tiles. Bit 0 is column `from`; the span has at most 31 tiles. */
 static uint32_t tiles_of(span s, int32_t from)
 {
     return s.first > s.last ? 0 : (2u << (s.last - from)) - (1u << (s.first - from));
@@ -149,7 +145,6 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
         return FXS_LARGE;
     if (e->rows.first == e->rows.last && e->columns.last - e->columns.first < FXS_NARROW &&
         e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
-        /* A narrow splat within one tile row touches nearly every column of its bounding box. */
         mask = spread_row(tiles_of(e->columns, column), e->rows.first - row);
     } else {
         add_radius(e, view);
@@ -176,10 +171,7 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
         spans[i] = span_of(&e, view, row + i);
 }
 
-/* ---- Lists ----------------------------------------------------------------------------------------------------- */
-
-/* Adds splats to the lists of macro tiles. If `keys` is not null, writes keys. Otherwise counts keys, and takes notes
-   while they fit. The counters are copied to locals so that they stay in registers. */
+/* Writes keys to the lists of macro tiles. If `keys` is null, counts the keys and takes notes instead. */
 static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
     const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
@@ -195,7 +187,7 @@ static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, con
         else if (taken < room)
             notes[taken++] = FXS_KEY(macro, listed[i]);
         else
-            taken = UINT32_MAX;    /* notes full */
+            taken = UINT32_MAX;
     }
     l->taken = taken;
 }
@@ -217,14 +209,12 @@ uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, 
     return noted;
 }
 
-/* Mask of a span's tiles in columns 2 c and 2 c + 1. */
 static uint32_t pair_of(span s, int32_t c)
 {
     const int32_t left = 2 * c, right = left + 1;
     return (uint32_t)(s.first <= left && left <= s.last) | (uint32_t)(s.first <= right && right <= s.last) << 1;
 }
 
-/* Lists a splat whose tiles do not fit in an fxs_box (FXS_LARGE). */
 static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
     const fxs_view *view = l->view;
@@ -305,7 +295,7 @@ static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bound
 uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries)
 {
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < count; i++) {         /* no branch: it would be hard to predict */
+    for (uint32_t i = 0; i < count; i++) {         /* no branch, because branches would be unpredictable */
         entries[listed] = FXS_LISTED_SLOT(keys[i]);
         listed += (uint32_t)keys[i] >> tile & 1;
     }

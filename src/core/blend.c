@@ -1,9 +1,8 @@
-/* blend: blends the splats of a tile's list, near to far, over its 256 pixels. trace: the same with auxiliary outputs.
- * pixel.h has the arithmetic of one pixel; this file has the loops and the early out. */
+/* Blends the splats of a tile's list over its 256 pixels, from front to back, with the arithmetic of pixel.h. */
 #include "draw.h"
 #include "memory.h"
 
-/* A splat in a tile: u and v at the tile's first pixel, and the rows that the splat can touch. */
+/* A splat relative to a tile: u and v at the tile's first pixel, and the rows to blend. */
 typedef struct at_tile {
     int32_t u_q24, v_q24, first_row, last_row, limit_q11;
 } at_tile;
@@ -30,9 +29,9 @@ void fxs_tile_clear(fxs_tile *tile)
 
 typedef struct blending {
     fxs_tile *tile;
-    fxs_trace *trace;              /* null for blend */
-    int number;                     /* index of the splat's entry */
-    int depth_q15;                 /* depth code of the splat */
+    fxs_trace *trace;              /* null: no depths or ids */
+    int number;
+    int depth_q15;
     uint64_t evaluated, blended;
 } blending;
 
@@ -54,7 +53,7 @@ static int is_hidden(const blending *b, int i)
     return b->trace && b->trace->which & FXS_TRACE_END && b->number >= b->trace->end[i];
 }
 
-/* Blends one splat over one row of pixels. Returns how many of them it closed. */
+/* Blends a splat over a row. Returns the number of pixels that became opaque. */
 static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile *p)
 {
     fxs_tile *tile = b->tile;
@@ -82,7 +81,6 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile
     return closed;
 }
 
-/* depths_q15 is read only with FXS_TRACE_MEAN. */
 static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                        const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end)
 {

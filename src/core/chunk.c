@@ -1,4 +1,4 @@
-/* The part of project that runs once per chunk: transforms the chunk's box to camera space and culls it. */
+/* Transforms the bounding box of a chunk of 256 Gaussians to camera space, and culls chunks. */
 #include "chunk.h"
 
 #include <fixsplat/internal/fixed.h>
@@ -36,8 +36,7 @@ static uint32_t octaves_below_q16(uint32_t x_q30)
     return below_q16 > 0 ? (uint32_t)below_q16 : 0;
 }
 
-/* opacity = e^(-offset / 2) = 2^(-offset / (2 ln 2)); 1 / (2 ln 2) = 46.166 / 64; the exponent is at most 22697 * 24 in
-   Q16. */
+/* opacity = e^(-offset / 2) = 2^(-offset / (2 ln 2)); 1 / (2 ln 2) = 46.166 / 64 */
 FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8)
 {
     if (share_q8 == 256)
@@ -86,20 +85,19 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
     }
 }
 
-/* Upper bound, in units of cv, of how far the chunk's Gaussians reach across the view. On the picture, half a width is
-   at most 3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation, and multiplied by z /
-   f, half a width is 3.34 sigma |J|. */
+/* Returns an upper bound of the Gaussians' sideways reach. On the picture the half width is at most 3.34 sqrt((f / z
+   sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation, and times z / f, that is 3.34 sigma |J|. */
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
     int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
-    int32_t whole = -(-log2_q16 >> 16);          /* ceil */
+    int32_t whole = -(-log2_q16 >> 16);          /* ceiling */
     if (whole > 40)
         return INT64_MAX / 4;
     return whole < 0 ? 4 : ((int64_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1) << whole >> 15) * 7 / 2 + 4;
 }
 
-/* Maximum of sign * (axis i) - slope * depth in the chunk's box, slope in Q23. The depth is z; for an orthographic view
-   it is the depth of the plane, 2^(32 - plane_zeros) units. */
+/* Returns the maximum of sign * (axis i) - slope * depth in the chunk's box. The depth is z; orthographic: 2^(32 -
+   plane_zeros). */
 static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, int sign, int64_t slope_q23)
 {
     const int shift = 32 - 23 - cv->plane_zeros;
@@ -116,7 +114,6 @@ static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, i
     return sum;
 }
 
-/* True if the whole chunk lies in the picture's hidden part, inside all four of its edges. */
 static int is_hidden(const fxs_chunk_view *cv, const fxs_view *view, int64_t reach)
 {
     int hidden = 1;
@@ -135,10 +132,10 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
-    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* the square's tiles reach further; for measurements only */
+    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* the square cut-off reaches further than the test below */
         return 1;
     int64_t reach = reach_across(cv, view);
-    for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */
+    for (int i = 0; i < 2; i++)                  /* left of the picture if x + reach < edge_low z */
         if (farthest(cv, view, i, 1, view->edge_low_q23[i]) + reach < 0 ||
             farthest(cv, view, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
             return 0;

@@ -1,11 +1,11 @@
-/* Codes of one Gaussian of a packed scene, in any profile. */
+/* Decodes one Gaussian of a packed scene. A profile is an encoding of Gaussians: default, compact or small. */
 #ifndef FXS_CODES_H
 #define FXS_CODES_H
 
 #include "chunk.h"
 #include "memory.h"
 
-/* Codes laid out as in the rows of the default profile. A shorter rotation code fills the upper bits of its word. */
+/* Codes of a Gaussian in the layout of the default profile. Shorter codes fill the high bits. */
 typedef struct fxs_codes {
     uint16_t position[3];
     uint32_t rotation, scale, colour;
@@ -25,25 +25,24 @@ static inline uint16_t fxs_half_at(const unsigned char *row, uint32_t g)
     return fxs_little_16(half);
 }
 
-/* Widens 11 bits to 16 by repeating the high bits below. The functions below widen in the same way. */
+/* Widens 11 bits to 16 by repeating the high bits. */
 static inline uint16_t fxs_spread_11(uint32_t code)
 {
     return (uint16_t)(code << 5 | code >> 6);
 }
 
-/* Codes of 7, 7 and 6 bits to 10, 10 and 9 bits. */
+/* Widens codes of 7, 7 and 6 bits to 10, 10 and 9 bits. */
 static inline uint32_t fxs_spread_scale(uint32_t x, uint32_t y, uint32_t z)
 {
     return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 3 | z >> 3) << 20;
 }
 
-/* Codes of 7, 7 and 6 bits to the upper 8 bits of 9-bit codes. */
+/* Widens colour codes of 7, 7 and 6 bits to the high 8 bits of 9-bit codes. */
 static inline uint32_t fxs_spread_colour(uint32_t r, uint32_t g, uint32_t b)
 {
     return (r << 1 | r >> 6) | (g << 1 | g >> 6) << 8 | (b << 2 | b >> 4) << 16;
 }
 
-/* The lowest bit of each of those 9-bit codes, at its place in the scale word. */
 static inline uint32_t fxs_spread_colour_low(uint32_t r, uint32_t g, uint32_t b)
 {
     return (r >> 5 & 1) << 29 | (g >> 5 & 1) << 30 | (b >> 3 & 1) << 31;
@@ -61,21 +60,18 @@ static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
     return codes;
 }
 
-/* 9-bit code of a base colour, 0 to FXS_COLOUR_MOST. */
 static inline uint32_t fxs_colour_code(const fxs_codes *codes, int channel)
 {
     return (codes->colour >> 8 * channel & 255) << 1 | (codes->scale >> (29 + channel) & 1);
 }
 
-/* SH record of a Gaussian, profiles compact and small. */
 static inline const unsigned char *fxs_sh_record(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
 {
     return rows + (scene->profile == FXS_PROFILE_COMPACT ? FXS_ROW_SH : FXS_SMALL_SH) +
            g * fxs_sh_bytes(scene->profile, scene->sh_degree);
 }
 
-/* Residual codes of a channel in a compact record, 3 bits each, the first in bits 2..0. Loads 8 bytes of the record,
-   from the first code's byte on, or the last 8. */
+/* Returns a channel's residual codes of the compact profile. A code has 3 bits; the first is in bits 2..0. */
 static inline uint64_t fxs_residual(const unsigned char *record, int degree, int channel)
 {
     const uint32_t bytes = fxs_sh_bytes(FXS_PROFILE_COMPACT, degree);
@@ -86,7 +82,7 @@ static inline uint64_t fxs_residual(const unsigned char *record, int degree, int
     return fxs_little_64(word) >> (bit - 8 * first);
 }
 
-/* The palette entry, an int8_t[3][16], that a signed index refers to; ignores the sign. */
+/* Returns the palette entry of a signed index, an int8_t[3][16]. Ignores the sign. */
 static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t stage, uint32_t index)
 {
     index &= FXS_PALETTE_NEGATIVE - 1;
@@ -94,11 +90,11 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
     return scene->palette + (size_t)(stage * scene->palette_entries + index) * FXS_PALETTE_STRIDE;
 }
 
-/* SH sums of a Gaussian in a profile with a palette. A coefficient is the chunk's mean plus one entry of each stage,
-   times the scene's step. Profile compact adds odd numbers, -7 to 7, times the Gaussian's gain. */
+/* Sums of spherical harmonics with a palette. A coefficient is the chunk's mean plus one palette entry per stage, times
+   the scene's step. The compact profile adds odd numbers, -7 to 7, times the Gaussian's gain. */
 typedef struct fxs_sh_sums {
-    int32_t palette[3], odd[3];    /* sum basis * number, Q15: at most 2^29 and 2^22 */
-    int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
+    int32_t palette[3], odd[3];    /* sums of basis * number, Q15: at most 2^29 and 2^22 */
+    int gain;                      /* gain of the residual: (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
 } fxs_sh_sums;
 
 static inline int32_t fxs_sh_sum_q16(const fxs_sh_sums *s, const fxs_scene *scene, int channel)
@@ -118,7 +114,7 @@ static inline fxs_codes fxs_codes_of(const fxs_scene *scene, const unsigned char
                        fxs_word_at(rows + FXS_ROW_COLOUR, g)};
 }
 
-/* True if slot g of a chunk with these rows holds no Gaussian. */
+/* Returns true if index g of a chunk holds no Gaussian. */
 static inline int fxs_slot_is_empty(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
 {
     const fxs_codes codes = fxs_codes_of(scene, rows, g);

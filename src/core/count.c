@@ -5,8 +5,8 @@
 #include "sized.h"
 
 typedef struct counting {
-    fxs_frame frame;               /* first, because count_tile casts to it */
-    fxs_targets targets;           /* none set */
+    fxs_frame frame;               /* must be first: count_tile casts it to counting */
+    fxs_targets targets;
     uint64_t evaluated, blended;
 } counting;
 

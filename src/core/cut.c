@@ -1,13 +1,10 @@
-/* The cut through the trees of a frame's objects: decides which chunks are drawn. A coarse chunk replaces all chunks
- * below it in the tree. The search starts with the root of each tree. Each step opens the node with the largest gain:
- * error removed per Gaussian added. The search ends at the first node that exceeds the budget. A smaller node is not
- * tried instead, because levels would flip when the camera moves a little. So the cut depends only on scenes, camera
- * and options, and a larger budget draws every part as finely or finer.
+/* Chooses the chunks that a frame draws from the level-of-detail trees of its objects. A chunk has 256 Gaussians; a
+ * node's chunk is a coarse version of its children. The search starts at the roots and opens the node with the largest
+ * key, which measures the error removed. The search ends at the first node that exceeds the budget. Skipping that node
+ * for a smaller one would make levels flip when the camera moves.
  *
- * To avoid popping, the nodes that were opened last fade: they are drawn together with their children, and optical
- * depth passes from node to children. A share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is reserved
- * for fading nodes. The search spends the rest of the budget without regard to fading: otherwise the number of fading
- * nodes would limit how many nodes are opened, and the number of opened nodes would limit how many fade. */
+ * To avoid popping, the nodes opened last fade: they are drawn together with their children. A share s of an opacity is
+ * 1 - (1 - opacity)^s. A 64th of the budget is reserved for fading nodes. */
 #include "cut.h"
 #include "sized.h"
 
@@ -15,34 +12,33 @@
 #include "memory.h"
 #include "sight.h"
 
-#define FADING 64u                 /* share of the budget reserved for fading nodes, inverse */
-#define VISITS 4u                  /* visits per chunk of the budget, plus MORE_VISITS */
+#define FADING 64u
+#define VISITS 4u
 #define MORE_VISITS 64u
 
-/* A visible chunk that the search has reached. */
 typedef struct visit {
-    uint32_t chunk, object;        /* chunk: number in the object's scene */
+    uint32_t chunk, object;
     uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
-    fxs_sight sight;               /* key and room are at most the parent's */
-    uint32_t share_q8;             /* share of this chunk and all below it, while the parent fades into it */
+    fxs_sight sight;
+    uint32_t share_q8;             /* share of the optical depth of the chunk and its descendants */
     uint8_t opened;
-    uint8_t short_of;              /* a child that has to be drawn is not loaded */
-    uint8_t needed;                /* has to be drawn */
-    uint8_t absent;                /* needed, but its rows are not loaded */
-    uint8_t hidden;                /* absent, or replaced by an ancestor */
+    uint8_t short_of;              /* 1: a child to draw is not loaded */
+    uint8_t needed;
+    uint8_t absent;
+    uint8_t hidden;                /* 1: not loaded, or an ancestor is drawn instead */
 } visit;
 
 typedef struct search {
     fxs_cut *cut;
     visit *visits;
-    uint32_t *heap;                /* openable visits, largest key first */
-    uint32_t *opened;              /* visits in the order they were opened */
+    uint32_t *heap;                /* nodes that may be opened, largest key first */
+    uint32_t *opened;
     uint32_t visit_count, heap_count, opened_count;
-    uint32_t drawn, most_drawn;    /* counts of chunks, without nodes that fade by the budget */
+    uint32_t drawn, most_drawn;
     uint32_t visit_room;
     fxs_fading fading;
-    uint32_t viewed;               /* object of the last visited chunk; FXS_NOTHING before the first */
-    fxs_view view;                 /* view in that object's space */
+    uint32_t viewed;               /* object that the view belongs to; FXS_NOTHING: none */
+    fxs_view view;
     int full, error;
 } search;
 
@@ -74,9 +70,7 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
     return (uint32_t)(most < least ? least : most);
 }
 
-/* ---- Heap -------------------------------------------------------------------------------------------------------- */
-
-/* Order of opening: larger key first, then lower object, then lower chunk. */
+/* Orders nodes by descending key, then ascending object and chunk. */
 static int is_before(const search *s, uint32_t a, uint32_t b)
 {
     const visit *v = &s->visits[a], *w = &s->visits[b];
@@ -107,9 +101,6 @@ static uint32_t pop(search *s)
     return top;
 }
 
-/* ---- The cut ----------------------------------------------------------------------------------------------------- */
-
-/* Sets s->view for the chunks of an object. */
 static void set_view(search *s, uint32_t object)
 {
     const fxs_cut *cut = s->cut;
@@ -121,7 +112,6 @@ static void set_view(search *s, uint32_t object)
         fxs_view_of_whole(&s->view, cut->camera);
 }
 
-/* Adds a chunk if it is in view. */
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
@@ -144,7 +134,6 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
     s->drawn++;
 }
 
-/* Opens a node: adds its children, and removes the node from the count of drawn chunks. */
 static void open_node(search *s, uint32_t number)
 {
     const visit *v = &s->visits[number];
@@ -158,7 +147,7 @@ static void open_node(search *s, uint32_t number)
         visit_chunk(s, object, node.children[i], number);
 }
 
-/* Opens the node with the largest key. Returns 0 if no node is left or the budget is spent. */
+/* Opens the next node. Returns 0 if no node is left or the budget is spent. */
 static int open_next(search *s)
 {
     const uint32_t visits = s->visit_count, opened = s->opened_count;
@@ -175,8 +164,7 @@ static int open_next(search *s)
     return 0;
 }
 
-/* Sets how many of the last opened nodes fade. Budget left over when all nodes are open reduces this number, down to 0,
-   so that fading also ends gradually. */
+/* Sets the range of keys that fade. Unused budget shortens the range, so that fading ends gradually. */
 static void find_fade(search *s, uint32_t room)
 {
     const uint32_t left = s->drawn < s->most_drawn ? s->most_drawn - s->drawn : 0, opened = s->opened_count;
@@ -189,7 +177,6 @@ static void find_fade(search *s, uint32_t room)
     s->fading.width_q8 = fxs_min(s->fading.width_q8, FXS_FADE_MOST_Q8);
 }
 
-/* Moves an entry down in a heap that has the largest chunk first. */
 static void sink(fxs_drawn *heap, uint32_t at, uint32_t count)
 {
     const fxs_drawn entry = heap[at];
@@ -233,7 +220,6 @@ static visit *parent_of(const search *s, const visit *v)
     return v->parent == FXS_NOTHING ? 0 : &s->visits[v->parent];
 }
 
-/* From the roots down: each chunk's share, including all chunks below it. */
 static void find_shares(search *s)
 {
     for (uint32_t i = 0; i < s->opened_count; i++)
@@ -244,14 +230,13 @@ static void find_shares(search *s)
     }
 }
 
-/* Share of the optical depth that is drawn with the chunk itself, not with its children. */
+/* Returns the share of the optical depth that is drawn with the chunk itself, not with its children. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
 }
 
-/* From the leaves up: replaces each missing chunk by its nearest loaded ancestor. Then requests all needed chunks, the
-   most important first. */
+/* Replaces each missing chunk by its nearest loaded ancestor, from the leaves up, and requests the needed chunks. */
 static void find_missing(search *s)
 {
     for (uint32_t i = s->visit_count; i-- > 0;) {
@@ -281,15 +266,13 @@ static void list_drawn(search *s)
     sort_by_chunk(cut->drawn, cut->count);
 }
 
-/* Number of chunks of an object without a tree; 0 for an object with one. */
 static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
 {
     const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
-/* Adds all loaded chunks of objects without a tree. Merges from the back of the array, because the chunks of trees fill
-   its front. */
+/* Adds the chunks of objects without a tree, in place from the back of the array. */
 static void add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;
@@ -307,7 +290,6 @@ static void add_whole(fxs_cut *cut)
     }
 }
 
-/* Visits the roots. Objects without a tree take their part of the budget. */
 static void begin(search *s)
 {
     const fxs_cut *cut = s->cut;

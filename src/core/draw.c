@@ -1,4 +1,4 @@
-/* Draws macro tiles with the kernels sort, blend and resolve. Each macro tile with a list is one job. */
+/* Draws macro tiles of 2x2 tiles on the processor: sorts each list, blends, writes the pixels. */
 #include "draw.h"
 #include "lister.h"
 #include "lists.h"
@@ -7,7 +7,7 @@
 #include "times.h"
 #include "trace.h"
 
-#define TIMED 4                    /* time one macro tile in 4, because reading the clock is slow */
+#define TIMED 4                    /* times one macro tile in 4, because clocks are slow */
 
 void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
@@ -48,7 +48,7 @@ static void draw_macro(void *argument, uint32_t job)
             if (length)
                 fxs_lap(f, &laps, FXS_RESOLVED);
         }
-    if (!length)                   /* one reading for an empty list: the clock is slow */
+    if (!length)
         fxs_lap(f, &laps, FXS_RESOLVED);
 }
 

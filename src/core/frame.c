@@ -1,11 +1,11 @@
-/* A frame, from fxs_render to its pixels, in six stages:
+/* Renders a frame in six stages:
  *
- *   project   project.c   Gaussians become splats: 2D Gaussians in the picture, with depths
- *   shade     shade.c     colours of the splats, from spherical harmonics
- *   bin       bin.c       tiles that each splat touches; then a list of splats per macro tile of 2x2 tiles
- *   sort      sort.c      sorts each list by depth, near to far
- *   blend     blend.c     blends the splats of a tile's list over its pixels
- *   resolve   resolve.c   converts the tile's pixels to the caller's format
+ *     project   project.c   Gaussians become splats: 2D Gaussians in the picture
+ *     shade     shade.c     colours of the splats, from spherical harmonics
+ *     bin       bin.c       lists of splats per macro tile of 2x2 tiles
+ *     sort      sort.c      sorts each list by ascending depth
+ *     blend     blend.c     blends a tile's splats over its pixels
+ *     resolve   resolve.c   converts the pixels to the caller's format
  *
  * The stages are functions in a table, fxs_kernels, so faster versions can replace any of them. prepare.c calls the
  * first three stages, lists.c makes the lists, draw.c calls the last three. With a back end, runs.c passes it the lists
@@ -49,14 +49,13 @@ int fxs_frame_render(fxs_frame *f)
     while (!error && fxs_band_next(f)) {
         if (f->mode == FXS_FRAME_SLICES)
             error = fxs_slices_draw(f);
-        else if (!(error = fxs_prepare_band(f)))                    /* project, shade and bin */
+        else if (!(error = fxs_prepare_band(f)))
             error = fxs_frame_draw(f);
     }
     f->stats.frame_nanoseconds += fxs_now(f) - start;
     return error;
 }
 
-/* Draws the band, as many macro tiles at a time as the memory has space for their lists. */
 int fxs_frame_draw(fxs_frame *f)
 {
     int error = 0;
@@ -66,9 +65,9 @@ int fxs_frame_draw(fxs_frame *f)
     if (fxs_runs_by_rows(f))
         return fxs_runs_draw_rows(f);
     for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
-        fxs_lists_fill(f, end);                                     /* bin: their lists */
-        error = f->draw_tile ? fxs_draw_macros(f)                   /* sort, blend and resolve */
-                             : fxs_runs_draw(f);                    /* the back end's part */
+        fxs_lists_fill(f, end);
+        error = f->draw_tile ? fxs_draw_macros(f)
+                             : fxs_runs_draw(f);
     }
     for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
         f->stats.entries += f->tile_counts[tile];

@@ -1,12 +1,11 @@
-/* Lists of macro tiles (2x2 tiles): keys of the splats that touch at least one tile. The first pass counts the keys of
- * each list. Then as many lists as fit in the memory are placed one after another, filled, and sorted one by one.
- * Several jobs count and fill, each for a part of the blocks. */
+/* Makes the lists of splats for macro tiles of 2x2 tiles: counts the keys of each list, then fills as many lists as fit
+ * in the memory. Parallel jobs each take a part of the splats. */
 #include "lister.h"
 #include "lists.h"
 #include "memory.h"
 
-/* Layout of fxs_frame.next for one part, after its counters per macro tile: number of notes, slot where they end,
-   offset of the notes in `spare`, capacity in notes. */
+/* Layout of fxs_frame.next for one part, after its counters: number of notes, end slot of the notes, offset and
+   capacity of the notes. */
 enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
@@ -19,7 +18,6 @@ static uint32_t *notes_of(const fxs_frame *f, uint32_t part)
     return next_of(f, part) + f->macros;
 }
 
-/* Notes are stored in `spare`, which sorting uses later. */
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
 {
     const uint32_t *notes = notes_of(f, part);
@@ -52,10 +50,9 @@ static void fill_part(void *argument, uint32_t part)
         if (from < last)
             fxs_bin_fill(&l, from, last - from, f->keys);
     }
-    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites the notes */
+    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting reuses the memory of the notes */
 }
 
-/* Shares the space for notes in proportion to the splats of each part. */
 static void share_notes(fxs_frame *f)
 {
     uint32_t before = 0, block = 0;
@@ -102,7 +99,6 @@ int fxs_lists_rows_fit(const fxs_frame *f)
     return 1;
 }
 
-/* A list has the keys of part 0, then part 1, and so on, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
@@ -124,7 +120,6 @@ void fxs_lists_fill(fxs_frame *f, uint32_t end)
     f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
 }
 
-/* First key of a macro tile's list, in `keys` and in `spare`. */
 static size_t start_of_list(const fxs_frame *f, uint32_t macro)
 {
     return next_of(f, f->parts - 1)[macro] - f->lengths[macro];

@@ -1,4 +1,4 @@
-/* The only include of the C library. Compilers may emit calls to its memory functions in any case. */
+/* Includes the only header of the C library that the renderer needs. */
 #ifndef FXS_MEMORY_H
 #define FXS_MEMORY_H
 

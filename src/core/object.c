@@ -1,6 +1,5 @@
-/* An object is rendered with the camera transformed to the object's space. So the stages take a view and a scene, and
- * need no notion of objects. This file also changes each splat for its object: converts depths to world units, applies
- * crop boxes and tint. */
+/* Transforms the camera to an object's space, so that the stages need not know objects. Applies crop boxes, tint and
+ * scale to splats. */
 #include "object.h"
 
 #include "codes.h"
@@ -47,7 +46,7 @@ int fxs_object_check(const fxs_object *object)
     return error;
 }
 
-/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for opacity 1. Cut at FXS_FAINT_Q11 + 1, too faint to draw. */
+/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16), saturated at FXS_FAINT_Q11 + 1 */
 static int32_t offset_of_q11(uint32_t opacity_q16)
 {
     if (opacity_q16 == ONE_Q16 || !opacity_q16)
@@ -91,7 +90,6 @@ FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count,
 
 /* ---- Changes by an object ---------------------------------------------------------------------------------------- */
 
-/* Multiplies the depth of a key by the scale. Saturates at both ends of the range of keys. */
 static uint32_t scale_depth(uint32_t key, fxs_scale scale)
 {
     const uint32_t product = fxs_mulhi((1u << 26 | (key & 0x3ffffff)) << 5, scale.mantissa);
@@ -100,7 +98,6 @@ static uint32_t scale_depth(uint32_t key, fxs_scale scale)
            : (uint32_t)exponent << 26 | ((product << zeros) >> 5 & 0x3ffffff);
 }
 
-/* True if the box low..high lies in a crop box: wholly, or with `any` in part. */
 static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fxs_crop *crop, int any)
 {
     for (int i = 0; i < 3; i++) {
@@ -111,7 +108,7 @@ static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fx
     return 1;
 }
 
-/* True if a part of the box low..high may be drawn. For a point (low == high) the answer is exact. */
+/* Returns true if part of the box low..high passes the crop boxes. Exact for a point. */
 static int within_crops(const fxs_object_view *object, const int64_t low_q32[3], const int64_t high_q32[3])
 {
     int kept = !object->keep_count;
@@ -150,7 +147,7 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
         splat->colour_q13[c] = (int16_t)fxs_min((splat->colour_q13[c] * object->tint_q13[c] + 4096) >> 13, 32767);
 }
 
-#ifndef __CUDACC__                 /* device code has no table of kernels */
+#ifndef __CUDACC__
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
                            uint32_t *indices, uint32_t *depths)
@@ -161,7 +158,7 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (object->plain && share_q8 == 256 && !grow_q8)      /* the usual case, before the locals take stack */
+    if (object->plain && share_q8 == 256 && !grow_q8)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     if (share_q8 != 256 || grow_q8) {
         changed = *view;

@@ -1,4 +1,4 @@
-/* An object of a frame: the camera in the object's space, and the changes that the object makes to projected
+/* An object in a camera's space, and the changes that its scale, crop boxes and tint make to splats. A chunk has 256
  * Gaussians. */
 #ifndef FXS_OBJECT_H
 #define FXS_OBJECT_H
@@ -9,44 +9,41 @@
 typedef struct fxs_object_view {
     fxs_view view;
     fxs_scene scene;
-    uint32_t first_chunk, end_chunk;   /* range in the numbering of all objects' chunks */
+    uint32_t first_chunk, end_chunk;   /* range of the object's chunks, counted over all objects */
     uint32_t id;
     int visible;
-    int plain;                     /* 1: scale is 1 and no crop boxes */
-    fxs_scale scale;               /* factor from its depths to world depths */
+    int plain;
+    fxs_scale scale;               /* factor from object depths to world depths */
     int32_t tint_q13[3];
-    const fxs_crop *crops;         /* owned by the caller */
-    uint32_t crop_count, keep_count;   /* keep_count: boxes that are not `outside` */
+    const fxs_crop *crops;
+    uint32_t crop_count, keep_count;   /* number of crop boxes; number without the flag `outside` */
 } fxs_object_view;
 
-/* Checks an object, except its position. Returns 0, FXS_ERR_ARGUMENT or FXS_ERR_OBJECT. */
 int fxs_object_check(const fxs_object *object);
 
-/* Fills in *out for a checked object, except first_chunk and end_chunk. Errors as in fxs_view_of_object. */
+/* Transforms a checked object to a camera's space; does not set first_chunk and end_chunk. Returns the errors of
+   fxs_view_of_object. */
 int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
                          const fxs_object *object);
 
-/* Index of the object that a chunk belongs to, chunks counted over all objects. */
+/* Returns the index of the object that contains a chunk, with chunks counted over all objects. */
 FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk);
 
-/* Applies the object to a projected Gaussian with these position codes: scales *depth to world units. Returns 0 if the
-   crop boxes remove the Gaussian. */
+/* Scales *depth of a projected Gaussian to world units. Returns 0 if the crop boxes remove the Gaussian. */
 FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
                                 uint32_t *depth);
 
 FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);
 
-/* Returns 0 if the crop boxes remove every Gaussian of a chunk, given its header. */
+/* Returns 0 if the crop boxes remove all Gaussians of a chunk. */
 FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chunk *header);
 
-/* Stage project for a chunk of the object; `chunk` counts from the object's first chunk. share_q8: share of the optical
-   depth to draw, 1 to 1024, 256 = unchanged. grow_q8: growth of the sigmas, log2, 0 to 256. `indices` refer to the
-   object's scene. */
+/* Projects a chunk, numbered in the object. share_q8: share of the optical depth to draw, 1 to 1024; 256: unchanged.
+   grow_q8: growth of the sigmas, log2, 0 to 256. */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
                            uint32_t *indices, uint32_t *depths);
 
-/* Stage shade, with the object's tint. */
 int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                      const uint32_t *indices, uint32_t count, fxs_splat *splats);
 

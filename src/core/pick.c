@@ -6,11 +6,10 @@
 #define POSITION_MOST_Q32 ((int64_t)1 << 60)
 
 typedef struct pick {
-    fxs_frame frame;               /* first, because pick_tile casts to it */
-    fxs_targets targets;           /* no outputs */
+    fxs_frame frame;               /* must be first: pick_tile casts it to pick */
+    fxs_targets targets;
     int32_t x, y;
-    uint32_t key, index;           /* depth key and number of the Gaussian found; copied here, because its slot
-                                      lives only as long as the band */
+    uint32_t key, index;           /* depth key and number of the Gaussian found */
 } pick;
 
 static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
@@ -33,7 +32,7 @@ static int64_t cut(int64_t x, int64_t most)
     return x < -most ? -most : x > most ? most : x;
 }
 
-/* mantissa 2^(exponent - 58) as Q32, saturated; mantissa below 2^62 */
+/* mantissa 2^(exponent - 58), Q32, saturated; mantissa below 2^62 */
 static int64_t scaled_q32(int64_t mantissa, int exponent)
 {
     const int shift = exponent - 26;
@@ -43,7 +42,7 @@ static int64_t scaled_q32(int64_t mantissa, int exponent)
                POSITION_MOST_Q32);
 }
 
-/* Offset of the pixel's ray from the camera's axis at a depth: x = (X + 1/2 - cx) / f, times z in perspective. */
+/* Offset of the pixel's ray from the camera's axis: x = (X + 1/2 - cx) / f, times z in perspective. */
 static int64_t across_q32(const fxs_camera *camera, int32_t pixel, int32_t c_q12, int32_t f_q12, uint32_t key)
 {
     const int64_t offset_q12 = ((int64_t)pixel << 12) + 2048 - c_q12;

@@ -1,5 +1,5 @@
-/* Stages project, shade and bin, for a chunk, a block of chunks, and all blocks. Blocks are independent jobs. Each
- * block has its own slots, so splats come out in the order of the chunks. */
+/* Projects Gaussians, computes their colours and finds their tiles. Each parallel job has a block of chunks of 256
+ * Gaussians, and its own slots for splats. */
 #include "chunk.h"
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
@@ -25,8 +25,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
-/* Colour of a chunk's level, for options.show_levels. Nodes are numbered by their count of leaves, largest first, so
-   this count is about leaves / (number + 1), and the level is its log2. */
+/* Returns the colour of a chunk's tree level, for options.show_levels. Node number n covers about chunk_count / (n + 1)
+   leaves, and log2 of that is the level. */
 static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
 {
     static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
@@ -64,7 +64,6 @@ void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count)
     f->context->config.kernels->bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
 }
 
-/* Prefetches a chunk's rows from byte `from` to before byte `end`, at most to the end of the rows. */
 static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
 {
     const fxs_object_view *object = &f->views[number];
@@ -74,8 +73,8 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
     (void)rows;
 }
 
-/* project, shade and bin for up to FXS_BLOCK chunks; the splats of FXS_BLOCK chunks fit in the cache. Splats in the
-   band go to slots from `slot` on, before end_slot. Returns the number of these splats or FXS_ERR_SCENE. */
+/* Projects, shades and bins chunks first to end - 1, at most FXS_BLOCK, so that their splats fit in the cache. Returns
+   the number of splats stored from `slot` on, or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
@@ -109,8 +108,6 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     return (int32_t)(starts[end - first] - slot);
 }
 
-/* Plan: counts the splats of a block by tile row, reusing the slots of one chunk. Returns the number of splats or
-   FXS_ERR_SCENE. */
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {
     uint32_t all = 0;
@@ -165,6 +162,6 @@ int fxs_prepare_band(fxs_frame *f)
     f->count = 0;
     for (uint32_t block = 0; block < f->blocks; block++)
         f->count += f->block_counts[block];
-    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;     /* otherwise the plan has counted them */
+    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;
     return 0;
 }

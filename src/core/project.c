@@ -1,29 +1,28 @@
-/* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in
- * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is stored in fixed point, in
- * units of 2^E pixels, with E from the Gaussian's size. */
+/* Projects packed Gaussians to the picture by EWA splatting (Zwicker et al. 2001; Kerbl et al. 2023): Sigma' = J W R S
+ * S^T R^T W^T J^T + 0.3 I. The matrix T = J W R S is in fixed point, in units of 2^E pixels, with E from the Gaussian's
+ * size. */
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 
 typedef struct projected {
-    int32_t camera[3];             /* x, y, z in units of the chunk's view */
-    int zeros;                     /* leading zeros of the projection depth, z; orthographic: plane_zeros */
-    uint32_t inverse_q30;          /* 2^62 / (depth << zeros) */
-    int32_t slope_q23[2];          /* x/depth, y/depth, cut to +-64 */
-    int32_t position_q14[2];       /* pixels, 0 = centre of the first pixel; invalid if out_of_range */
-    int out_of_range;              /* too far from the axis or the picture */
+    int32_t camera[3];
+    int zeros;                     /* leading zeros of the depth; orthographic: plane_zeros */
+    uint32_t inverse_q30;
+    int32_t slope_q23[2];          /* slopes x / depth and y / depth, clamped to +-64 */
+    int32_t position_q14[2];       /* position in pixels; 0: centre of the first pixel; invalid if out_of_range */
+    int out_of_range;
 } projected;
 
-/* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation, Q60. */
+/* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation 0.3 I, Q60. */
 typedef struct covariance {
     uint32_t a_q30, c_q30;
     int32_t b_q30;
     uint64_t det_q60, det_undilated_q60;
-    int exponent;                  /* E */
+    int exponent;
 } covariance;
 
-/* Returns 0 if the centre is behind the near plane. */
 static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
     for (int i = 0; i < 3; i++)
@@ -35,7 +34,7 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     out->zeros = view->orthographic ? cv->plane_zeros : fxs_clz32((uint32_t)z);
     out->inverse_q30 = view->orthographic ? 1u << 30 : fxs_reciprocal((uint32_t)z << out->zeros);
     out->out_of_range = 0;
-    /* 64 z, saturated just below 2^31; |x| and |y| are below 2^30 */
+    /* 64 z, saturated below 2^31; |x| and |y| are below 2^30 */
     const int32_t side = view->orthographic ? cv->plane_side : 64 * (z >> 25 ? (1 << 25) - 1 : z);
     const int32_t f_q12[2] = {(int32_t)view->fx_q12, (int32_t)view->fy_q12};
     const int64_t c_q12[2] = {view->cx_q12, view->cy_q12};
@@ -53,7 +52,8 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     return 1;
 }
 
-/* Rows of the 2x3 matrix J W, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i, Q15. */
+/* Rows of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i,
+   Q15. */
 static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected *centre)
 {
     for (int i = 0; i < 2; i++) {
@@ -64,18 +64,16 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
     }
 }
 
-/* First axis of a Gaussian, two directions perpendicular to it, and the roll around it. */
 typedef struct axes {
     int32_t axis_q15[3], side_q15[2][3];
-    int32_t cos_q15, sin_q15;      /* of the roll: second axis = cos side[0] + sin side[1] */
+    int32_t cos_q15, sin_q15;      /* second axis = cos side[0] + sin side[1] */
 } axes;
 
-/* A rotation word holds X and Y, n bits each, and the roll U. Each is read as a two's complement 16-bit number, divided
-   by 2^15, that starts at the number's first bit; its low bits are the next number's bits and act as a fraction. (X, Y)
-   is the axis in Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), the axis is
-   (X s, Y s, 1 - X^2 - Y^2). The rotation from +z to the axis takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X
-   Y, 1 - Y^2, -Y s). The roll is about pi/2 U: cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 -
-   0.06305 U^2)); cos^2 + sin^2 is off 1 by at most 0.00013. Returns 0 if (X, Y) is longer than 1. */
+/* Decodes a rotation word: X and Y, `bits` bits each, then the roll U. Each number is read as 16 bits in two's
+   complement, Q15; the next number's bits act as a fraction. (X, Y) is the axis in Lambert's equal-area projection of
+   the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s, 1 - X^2 - Y^2). The sides are (1 -
+   X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The roll is about pi/2 U: cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U
+   (1.56607 - U^2 (0.62924 - 0.06305 U^2)). Returns 0 if (X, Y) is longer than 1. */
 static int read_axes(axes *out, uint32_t word, int32_t bits)
 {
     const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
@@ -97,11 +95,11 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
     return 1;
 }
 
-/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). sigma_max = 2^log2. */
+/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1); sigma_max = 2^log2 */
 static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, const projected *centre, int32_t log2_q16,
                             int *exponent)
 {
-    int32_t whole = -(-log2_q16 >> 16);          /* ceil */
+    int32_t whole = -(-log2_q16 >> 16);
     uint32_t size_q15 = (uint32_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1);
     uint32_t over_z_q30 = (uint32_t)((uint64_t)size_q15 * centre->inverse_q30 >> 15);
     uint32_t mantissa = fxs_mulhi(over_z_q30, view->focal_q32);
@@ -110,10 +108,9 @@ static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, cons
     return mantissa << zeros;
 }
 
-/* True if the Gaussian's size cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
+/* Returns true if the Gaussian cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
 static int off_picture(const fxs_view *view, const projected *centre, int exponent)
 {
-    /* radius and picture sides are below 2^32 - 2^30, because exponent <= 16 */
     const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
     const int32_t x_q14 = centre->position_q14[0], y_q14 = centre->position_q14[1];
     return (uint32_t)(x_q14 < 0 ? -x_q14 : 0) > radius_q14 || (uint32_t)(y_q14 < 0 ? -y_q14 : 0) > radius_q14 ||
@@ -126,8 +123,8 @@ static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
     return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
 }
 
-/* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C. All terms are
-   positive, so nothing cancels. Entries of T are at most 1, so a product of two is at most 2^30. */
+/* det(T T^T) = |t0 x t1|^2; det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C. All terms are positive,
+   so nothing cancels. Entries of T are at most 1. */
 static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, uint32_t least_dilation_q30)
 {
     const int32_t *p = t_q15[0], *q = t_q15[1];
@@ -144,9 +141,9 @@ static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, ui
     out->exponent = exponent;
 }
 
-/* x^(-1/2) for x = m 2^-32 4^half: m 2^-32 in [1/4, 1). */
+/* Reciprocal square root of x = m 2^-32 4^half, with m 2^-32 in [1/4, 1). */
 typedef struct root {
-    uint32_t m, inverse_q30;       /* mantissa, and 1 / sqrt(m * 2^-32) */
+    uint32_t m, inverse_q30;
     int half;                      /* sqrt(x) = sqrt(m * 2^-32) * 2^half */
 } root;
 
@@ -164,20 +161,18 @@ static root root_of_q30(uint32_t x)
     return (root){m, fxs_rsqrt(m), 1 - zeros / 2};
 }
 
-/* x * 2^-shift, rounded to nearest; large shifts give 0. shift > 0, x < 2^32 - 1. */
 static uint32_t scale_down(uint32_t x, int shift)
 {
     return (fxs_shift_down(x, shift - 1) + 1) >> 1;
 }
 
-/* sqrt(x) 2^exponent */
 static uint32_t sqrt_q8(root r, int exponent)
 {
     return scale_down(fxs_mulhi(r.m, r.inverse_q30), 22 - r.half - exponent);
 }
 
-/* Whitened rows: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det:
-   vy = 1 / sqrt(C), ux = sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
+/* Rows that map pixels to u and v: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det: vy = 1 /
+   sqrt(C), ux = sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
 static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, root c, const projected *centre,
                    uint32_t r_q12)
 {
@@ -205,11 +200,11 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Sets the rows that the ellipse of radius r can touch. sigma_q8 is its vertical sigma; the margin is 1/8 pixel and
-   1/256 of the size. Returns 0 if the ellipse misses the picture or lies in the hidden part. */
+/* Sets the rows of pixels that the ellipse of radius r touches, with a margin of 1/8 pixel and 1/256 of the size.
+   sigma_q8 is the vertical sigma. Returns 0 if the ellipse misses the visible picture. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
-    int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);        /* below 2^27, as exponent <= 16 */
+    int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);       /* below 2^27, because exponent <= 16 */
     const int32_t half_width_q8 = (int32_t)bounds->half_width_q8;
     half_height_q8 += (half_height_q8 >> 8) + 32;
     const int32_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
@@ -225,8 +220,8 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint
     return 1;
 }
 
-/* The square cut-off of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 -
-   det)). Returns 0 if the square misses the picture. */
+/* The square cut-off of Kerbl et al. 2023: radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)).
+   Returns 0 if the square misses the picture. */
 static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s)
 {
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
@@ -243,10 +238,10 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
            x - radius_q14 < (int64_t)view->tiles_x << 18 && y - radius_q14 < (int64_t)view->tiles_y << 18;
 }
 
-/* ---- Veils: Gaussians too large for a bounding box, or too far off the axis. Listed in every tile. --------------- */
+/* ---- Veils: Gaussians too large for a bounding box, or too far off the axis ------------------------------------- */
 
-/* Dilation of a veil: raises every sigma to at least 1/120 of the picture's diagonal, so that u and v stay within +-128
-   on the picture. */
+/* Returns the dilation of a veil. Each sigma is then at least 1/120 of the picture's diagonal, so |u| and |v| stay
+   below 128. */
 static uint32_t veil_dilation_q30(const fxs_view *view, int exponent)
 {
     const uint64_t x = (uint64_t)view->tiles_x * FXS_TILE, y = (uint64_t)view->tiles_y * FXS_TILE;
@@ -267,7 +262,7 @@ static int64_t shift_and_cut(int64_t x, int shift)
                      : cut_to_16_q26(x >> (shift < 62 ? shift : 62));
 }
 
-/* Vector from the middle of the picture's tiles to the Gaussian's centre, in units of 2^exponent pixels, Q26, cut to
+/* Returns the offset of a Gaussian's centre from the picture's middle, in units of 2^exponent pixels, Q26, clamped to
    +-16. */
 static int64_t from_middle_q26(const projected *centre, int i, int64_t f_q12, int64_t c_q12, int32_t tiles,
                                int exponent)
@@ -283,8 +278,7 @@ static int64_t magnitude_of(int64_t x)
     return x < 0 ? -x : x;
 }
 
-/* Like `whiten`, for a veil, relative to the middle of the picture's tiles. Returns 0 if no pixel is within r of the
-   centre. */
+/* Like `whiten`, for a veil, relative to the picture's middle. Returns 0 if the veil's ellipse misses the picture. */
 static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s,
                 const projected *centre, uint32_t r_q12)
 {
@@ -293,7 +287,8 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     const root c = root_of_q30(s->c_q30), d = root_of_q60(s->det_q60);
     const int64_t inverse_q29 = (int64_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
     const int64_t ratio_q30 = (int64_t)((uint64_t)fxs_mulhi(c.m, c.inverse_q30) * d.inverse_q30 >> 30);
-    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);   /* per 2^exponent pixels */
+    /* change of u per 2^exponent pixels */
+    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);
     const int64_t uy_q18 = -fxs_round_shift(s->b_q30 * inverse_q29, 41 + c.half + d.half);
     const int64_t vy_q18 = fxs_round_shift(c.inverse_q30, 12 + c.half);
     const int64_t x_q26 = from_middle_q26(centre, 0, view->fx_q12, view->cx_q12, view->tiles_x, s->exponent);
@@ -314,7 +309,6 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 
 /* ---------------------------------------------------------------------------------------------------------------- */
 
-/* Size, shape and opacity, after project_centre. Returns 0 for a Gaussian that touches no pixel. */
 static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
@@ -349,7 +343,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     covariance_of(&s, t_q15, exponent, is_veil ? veil_dilation_q30(view, exponent) : FXS_DILATION_LEAST_Q30);
 
     int32_t offset_q11 = splat->offset_q11;
-    if (view->antialiased) {       /* opacity *= sqrt(det undilated / det), so -2 ln gains ln(det / det undilated) */
+    if (view->antialiased) {    /* opacity *= sqrt(det undilated / det): -2 ln(opacity) gains ln(det / det undilated) */
         if (!s.det_undilated_q60)
             return 0;
         int32_t log2 = fxs_log2_q16(s.det_q60) - fxs_log2_q16(s.det_undilated_q60);
@@ -370,7 +364,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
                                              : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
-/* Depth as a 32-bit key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
+/* Returns the depth as a key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
    2^(shift - 32), shift 0 to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
@@ -379,7 +373,6 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return (uint32_t)(cv->shift - zeros - 1 + FXS_DEPTH_BIAS) << 26 | ((z << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Returns 0 for a Gaussian that touches no pixel. offset_q11 is the offset of its opacity. */
 static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
                        const fxs_chunk_view *cv, enum fxs_profile profile, const fxs_codes *codes, uint32_t offset_q11)
 {

@@ -1,11 +1,10 @@
-/* Passes tile lists to config.draw instead of calling the kernels blend and resolve. The back end gets runs of tiles,
- * as many as fit in the memory. A back end without lists gets all splats of the band, near to far. */
+/* Passes runs of consecutive tiles with their lists of splats to a back end. A back end without lists receives all
+ * splats of the band, sorted by depth. A macro tile is 2x2 tiles. */
 #include "lister.h"
 #include "lists.h"
 #include "runs.h"
 #include "sort.h"
 
-/* Writes the keys of a part's splats, after the keys of earlier parts. */
 static void gather_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
@@ -19,7 +18,6 @@ static void gather_part(void *argument, uint32_t part)
         }
 }
 
-/* Returns the keys of all splats of the band, near to far. */
 static const fxs_key *sort_all(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);
@@ -29,7 +27,6 @@ static const fxs_key *sort_all(fxs_frame *f)
     return sorted;
 }
 
-/* Sorts the list of a macro tile, and counts the lengths of its tiles' lists. */
 static void order_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -42,8 +39,7 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of those tiles of a macro tile that are in the run. Writes nothing beyond the ends of these lists,
-   because other jobs write there. */
+/* Makes the lists of a macro tile's tiles. Must not write behind the ends of these lists, where other jobs write. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -63,7 +59,6 @@ static void list_macro(void *argument, uint32_t job)
     }
 }
 
-/* Passes a run of tiles to the back end: lists, or the keys of all splats, or blended pixels. */
 static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blended)
 {
     const fxs_config *config = &f->context->config;
@@ -78,8 +73,7 @@ static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blende
     return error;
 }
 
-/* Draws tiles first to last, as many at a time as `spare` has space for their lists. It always has space for one
-   list. */
+/* Draws tiles first to last, as many per run as fit in `spare`. One list always fits. */
 static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
 {
     int error = 0;
@@ -141,8 +135,7 @@ int fxs_runs_by_rows(const fxs_frame *f)
     return !f->draw_tile && f->context->config.draw_blended && f->end_row - f->first_row > 1 && !fxs_lists_rows_fit(f);
 }
 
-/* draw_blended takes tiles row by row, but lists for part of a row of macro tiles hold tiles of two tile rows. So each
-   tile row gets its own lists. */
+/* Gives each tile row its own lists, because lists for part of a row of macro tiles would mix two tile rows. */
 int fxs_runs_draw_rows(fxs_frame *f)
 {
     const int32_t first = f->first_row, end = f->end_row;

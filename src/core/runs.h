@@ -1,23 +1,24 @@
-/* Passes tile lists to a back end. */
+/* Passes tiles and their lists of splats to a back end. */
 #ifndef FXS_RUNS_H
 #define FXS_RUNS_H
 
 #include "frame.h"
 
 /* Sorts the lists of macro tiles first_macro to last_macro, and passes their tiles to the back end. Returns 0 or the
-   back end's error, like the functions below. */
+   back end's error. */
 int fxs_runs_draw(fxs_frame *f);
 
-/* fxs_runs_unlisted: true if the back end needs no lists. The second function draws the band with such a back end. */
+/* fxs_runs_unlisted returns true if the back end needs no lists. fxs_runs_draw_unlisted draws the band without
+   lists. */
 int fxs_runs_unlisted(const fxs_frame *f);
 int fxs_runs_draw_unlisted(fxs_frame *f);
 
-/* After fxs_lists_count: fxs_runs_by_rows is true if the back end needs the band tile row by tile row. The second
-   function draws it in this way. */
+/* fxs_runs_by_rows returns true if the back end needs one tile row per call. fxs_runs_draw_rows draws the band in this
+   way. */
 int fxs_runs_by_rows(const fxs_frame *f);
 int fxs_runs_draw_rows(fxs_frame *f);
 
-/* Passes the blended tiles first_tile to last_tile to the back end, which resolves them. */
+/* Passes the blended tiles first_tile to last_tile to the back end. */
 int fxs_runs_draw_blended(fxs_frame *f);
 
 #endif

@@ -5,7 +5,6 @@
 #include "chunk.h"
 #include "memory.h"
 
-/* Offsets of a packed scene's parts, and its size in bytes. */
 typedef struct layout {
     uint64_t palette, rows, bytes;
 } layout;
@@ -19,7 +18,6 @@ static layout lay_out(uint64_t chunks, uint64_t chunk_bytes, uint64_t palette_by
     return l;
 }
 
-/* Returns 0 if an argument is out of range. */
 static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
 {
     if (count > FXS_MAX_COUNT || sh_degree < 0 || sh_degree > 3 || (uint32_t)profile > FXS_PROFILE_SMALL)
@@ -38,7 +36,6 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
     return layout_of(&l, count, sh_degree, profile, palette_entries) && l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
-/* Offsets of a tree's parts from its header, and its size in bytes. */
 typedef struct tree_layout {
     uint64_t chunks, rows, bytes;
 } tree_layout;
@@ -105,9 +102,8 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
-/* Opens a scene of `bytes` bytes at `head`. If `bytes` is 0, only the headers at `head` and `tree` are in memory. The
-   header is read only once, because another program may change it at any time, and later reads must stay within the
-   checked size. */
+/* Opens a scene of `bytes` bytes at `head`; 0: only the headers at `head` and `tree` are in memory. Reads the header
+   only once, because another program may change it. */
 static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
 {
     fxs_packed_header h;

@@ -4,7 +4,6 @@
 #include "draw.h"
 #include "targets.h"
 
-/* Counts the objects' chunks, and runs the checks that need no camera. */
 static int take_objects(fxs_frame *f, const fxs_request *request)
 {
     const fxs_object *objects = request->objects;
@@ -63,7 +62,6 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-/* Lays out the memory with the capacity for the largest possible cut, and places the objects. */
 static int place_objects(fxs_frame *f)
 {
     uint32_t first_chunk = 0;
@@ -81,7 +79,6 @@ static int place_objects(fxs_frame *f)
     return error;
 }
 
-/* Finds the cut, then lays out the memory again for the number of drawn chunks. */
 static int choose_chunks(fxs_frame *f)
 {
     fxs_cut cut = {.objects = f->objects, .object_count = f->object_count, .options = f->options,
@@ -121,8 +118,7 @@ int fxs_frame_check(fxs_frame *f)
     return error || f->mode == FXS_FRAME_WHOLE || fxs_bands_can_slice(f) ? error : fxs_frame_begin(f);
 }
 
-/* Bytes that a frame of this size needs for a request; the request's cameras are not read. Returns 0 if an argument is
-   out of range. */
+/* Returns the bytes that a frame needs, or 0 if an argument is out of range. Does not read the request's cameras. */
 static size_t measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
                       fxs_frame_memory *memory)
 {

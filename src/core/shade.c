@@ -1,12 +1,11 @@
-/* shade: quantised SH and view direction -> colour = max(0, 0.5 + sum basis * coefficient). Basis functions and signs
- * as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting, "Calculating color". */
+/* Computes a splat's colour from spherical harmonics (SH) and the view direction: max(0, 0.5 + sum basis *
+ * coefficient). Basis and signs are those of Kerbl et al. 2023 and KHR_gaussian_splatting. */
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 
-/* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
-/* Unit vector from the camera to a Gaussian: shifts components to 15 bits, then multiplies by 1 / length. */
+/* Returns the unit vector from the camera to a Gaussian, Q15. */
 static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
 {
     uint64_t most = 1;
@@ -21,13 +20,13 @@ static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
     }
     int zeros = fxs_clz32(square + !square) & ~1;
     uint32_t inverse_q30 = fxs_rsqrt((square + !square) << zeros);
-    for (int i = 0; i < 3; i++) {  /* d 2^(zeros / 2) is below 2^16 */
+    for (int i = 0; i < 3; i++) {
         int64_t x = fxs_round_shift(fxs_mul_add(d[i] * (1 << zeros / 2), (int32_t)inverse_q30, 0), 31);
         d_q15[i] = fxs_clamp((int32_t)x, -32767, 32767);
     }
 }
 
-/* SH basis functions of degree 1 to `degree`, Q15; each at most 0.75. */
+/* SH basis functions of degree 1 to `degree`, Q15, at most 0.75. */
 static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
 {
     const int32_t x = d_q15[0], y = d_q15[1], z = d_q15[2];
@@ -54,8 +53,7 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
     b[14] = -2 * fxs_mul_q15(fxs_mul_q15(Q15(590044), x), (xx - 3 * yy) / 2);
 }
 
-/* Adds the colour of SH degree d, Q16: step * sum basis * code. `sh` points to the first code of red; the codes of
-   green and blue follow. */
+/* Adds the colour of SH degree d: step * sum basis * code, Q16. `sh` points to the first code of red. */
 static inline void add_band(int32_t sum_q16[3], const int8_t *sh, const int32_t b_q15[15], int d, int step_q19)
 {
     int32_t band_q15[3] = {0, 0, 0};
@@ -69,7 +67,6 @@ static inline void add_band(int32_t sum_q16[3], const int8_t *sh, const int32_t 
         sum_q16[c] += (((band_q15[c] + 512) >> 10) * step_q19 + 128) >> 8;
 }
 
-/* `sign` is 1 or -1. */
 static void add_entry(fxs_sh_sums *s, const int8_t *entry, int sign, const int32_t b_q15[15])
 {
     for (int c = 0; c < 3; c++)
@@ -100,7 +97,6 @@ static fxs_sh_sums sum_of(const fxs_scene *scene, const fxs_chunk *chunk, const 
     return s;
 }
 
-/* SH basis in the direction of a Gaussian; 0 above the view's degree. */
 static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *chunk, const uint16_t position[3])
 {
     int64_t offset_q32[3];
@@ -115,7 +111,6 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
     basis(b_q15, d_q15, view->sh_degree);
 }
 
-/* Adds the colours of SH degrees 1 and up. */
 static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                         const unsigned char *rows, uint32_t g, const uint16_t position[3])
 {
@@ -135,14 +130,13 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
         add_band(sum_q16, sh, b_q15, 3, chunk->sh_step_q19[2]);
 }
 
-/* Colour of Gaussian g of a chunk, from the chunk's rows. */
 static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                       const unsigned char *rows, uint32_t g)
 {
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
     int32_t sum_q16[3];
     for (int c = 0; c < 3; c++) {
-        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(&codes, c);   /* at most 2^27 */
+        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(&codes, c);
         sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
     }
     if (view->sh_degree > 0)

@@ -1,23 +1,21 @@
-/* How a camera sees a chunk of a scene with a tree: visibility, and the key that orders the nodes of the cut.
- *
- * The key of a node is the gain of opening it, in log2:
+/* Decides whether a camera sees a chunk of 256 Gaussians, and orders the nodes of a level-of-detail tree by a key. The
+ * node with the largest key is replaced by its children first. The key is the gain of that step in log2:
  *
  *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
  *
- * gain and sigma are the node's (packed.h), d is the distance from the camera to the node's box, f the focal length in
- * pixels. The first two terms are squared error times pixels. The third term accounts for blur by the pixels: a merge
- * keeps mass and mean, so little of its error remains when the merged Gaussian is smaller than a pixel. */
+ * gain and sigma are stored with the node, d is the distance to the node's box, f the focal length in pixels. The last
+ * term is blur: errors below the size of a pixel are hardly visible. */
 #include "sight.h"
 
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
-#define BLUR 4                     /* below a size of BLURRED_Q8, the error falls with this power of the size */
-#define BLURRED_Q8 (-256)          /* log2 of half a pixel */
+#define BLUR 4                     /* power of the size by which the error of tiny Gaussians falls */
+#define BLURRED_Q8 (-256)
 #define UNLIMITED_Q8 (1 << 24)
 #define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
 
-/* log2 of the distance in units from the camera to the chunk's box, softened by 1/8 of the box. */
+/* Returns log2 of the distance from the camera to the chunk's box, softened by 1/8 of the box. */
 static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
 {
     uint64_t parts[6], most = 1, square = 0;
@@ -36,14 +34,13 @@ static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
     return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
 }
 
-/* log2 of the pixels per unit at the chunk's nearest point. */
 static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
 {
     const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;
     return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
 }
 
-/* 2^x, Q16; x is clamped to -16..20. */
+/* 2^x, Q16; x is clamped to -16..20 */
 static uint64_t exp2_q16(int32_t x_q8)
 {
     const int32_t x = fxs_clamp(x_q8, -16 * 256, 20 * 256), below_q15 = ((256 - (x & 255)) & 255) << 7;
@@ -52,10 +49,9 @@ static uint64_t exp2_q16(int32_t x_q8)
     return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
 }
 
-/* The dilation adds 0.3 pixels^2 to the area of every Gaussian. So from afar many small Gaussians cover more than the
-   few coarse ones that replace them. A node's mass grows to compensate: (area + 0.15 swell) / (area + 0.15), in log2.
-   Half the dilation is used, because small Gaussians hide parts of each other. 0 for an antialiased scene, where
-   opacity already compensates for the dilation. */
+/* Returns log2 of the growth of a node's mass, (area + 0.15 swell) / (area + 0.15). The dilation by 0.3 pixels^2 makes
+   many small Gaussians cover more than a node's few coarse ones. Half the dilation is used, because small Gaussians
+   hide each other. Antialiased scenes already compensate. */
 static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;

@@ -1,7 +1,5 @@
-/* Draws a tile row whose splats do not fit in the memory, in slices. It draws some columns of the row at a time. The
- * nearest splats of these columns, as many as fit, are projected and blended; then the next nearest are blended over
- * the same pixels, until none is left. So any view can be drawn in the minimum of memory. This is slow, because the
- * row's chunks are projected again for every slice. */
+/* Draws a tile row with more splats than the memory holds, in slices: blends the nearest splats that fit, then the next
+ * ones over the same pixels. The method is slow, because every slice projects the row's Gaussians again. */
 #include "bands.h"
 #include "draw.h"
 #include "lister.h"
@@ -12,13 +10,12 @@
 #include "targets.h"
 #include "times.h"
 
-/* A slice: the splats with keys from `first` to `last`. A key is a depth and a Gaussian's number, so keys are
-   unique. */
+/* A slice has the splats with keys from `first` to `last`. A key is a depth and a Gaussian's number, hence unique. */
 typedef struct slice {
     fxs_key first, last;
-    uint32_t count, room;          /* splats kept; capacity, without the slots to project one more chunk */
-    uint64_t taken;                /* splats in all slices up to now */
-    int more;                      /* splats remain beyond `last` */
+    uint32_t count, room;
+    uint64_t taken;
+    int more;
 } slice;
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
@@ -26,7 +23,7 @@ static fxs_key key_of(const fxs_frame *f, uint32_t slot)
     return FXS_KEY(f->depths[slot], f->indices[slot]);
 }
 
-/* From `count` splats projected after the slice's own, keeps those in its key range that touch the columns. */
+/* Keeps those of the last `count` splats that lie in the slice's range of keys and columns. */
 static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
@@ -37,8 +34,7 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
     }
 }
 
-/* Keeps the nearest splats, 3/4 of the capacity, in the order of the scene, and moves `last` to the farthest of
-   them. */
+/* Keeps the nearest splats, 3/4 of the capacity, and moves `last` to the farthest of these. */
 static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
@@ -60,7 +56,6 @@ static int may_have(const fxs_frame *f, const slice *s, uint32_t chunk)
            e->farthest >= s->first >> 32 && e->nearest <= s->last >> 32;
 }
 
-/* Projects the splats of the slice. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 static int take(fxs_frame *f, slice *s)
 {
     s->last = UINT64_MAX;
@@ -82,7 +77,6 @@ static int take(fxs_frame *f, slice *s)
     return 0;
 }
 
-/* shade and bin, for slots in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {
@@ -100,8 +94,7 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Advances to the next slice of the columns: f->count splats, ready to be listed. Returns 0, FXS_ERR_STOPPED or
-   FXS_ERR_SCENE. If the scene changes meanwhile and yields splats without end, it returns FXS_ERR_SCENE too. */
+/* Prepares the next slice. Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -111,14 +104,11 @@ static int next_slice(fxs_frame *f, slice *s)
     return error ? error : s->taken > (uint64_t)f->chunk_count * FXS_CHUNK ? FXS_ERR_SCENE : 0;
 }
 
-/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
-
-/* Blends a slice's list over a tile's pixels. Uses `trace` without outputs, because `blend` always starts from an empty
-   tile. */
+/* Blends a slice's list into a tile. The kernel `blend` would start with an empty tile. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     const int32_t column = (int32_t)tile % f->view.tiles_x - f->first_column;
-    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to its arrays */
+    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to the arrays of `nothing` */
     int32_t x, y;
     nothing->which = 0;
     fxs_tile_origin(f, tile, &x, &y);
@@ -130,7 +120,6 @@ static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps
     fxs_lap(f, laps, FXS_BLENDED);
 }
 
-/* Writes the blended tiles of the columns, or passes them to the back end. Returns 0 or the back end's error. */
 static int hand_over(fxs_frame *f)
 {
     const uint32_t above = fxs_tiles_above(f, f->first_row);

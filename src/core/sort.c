@@ -5,21 +5,21 @@
 #include "memory.h"
 #include "sort.h"
 
-#define FEW 24u                    /* up to this many keys: insertion sort only */
-#define MANY 1500u                 /* from this many keys on: longer digits */
-#ifdef FXS_SMALL_STACK             /* boards: short digits, no recursion */
+#define FEW 24u
+#define MANY 1500u
+#ifdef FXS_SMALL_STACK             /* small boards: short digits, no recursion */
 #define LIST_DIGIT 7
 #define HUGE UINT32_MAX
 #else
-#define LIST_DIGIT DIGIT           /* largest digit of a list, bits */
-#define HUGE 32768u                /* keys: more than a cache holds */
+#define LIST_DIGIT DIGIT
+#define HUGE 32768u                /* number of keys above which a list exceeds the cache */
 #endif
-#define MOVES 4u                   /* largest number of moves per key by insertion */
-#define DIGIT 11                   /* bits of FXS_SORT_BUCKETS */
+#define MOVES 4u                   /* most moves per key by insertion */
+#define DIGIT 11
 
 typedef struct digit {
     int shift;
-    uint32_t buckets;              /* power of two */
+    uint32_t buckets;
 } digit;
 
 typedef struct sorter {
@@ -48,8 +48,7 @@ static void move_keys(const fxs_key *keys, uint32_t count, digit d, uint32_t *ne
         to[next[bucket_of(d, keys[i])]++] = keys[i];
 }
 
-/* ---- All splats, by several jobs
-   ----------------------------------------------------------------------------------------- */
+/* ---- All splats, by several jobs --------------------------------------------------------------------------------- */
 
 static void count_part(void *argument, uint32_t part)
 {
@@ -65,7 +64,7 @@ static void move_part(void *argument, uint32_t part)
     move_keys(s->from + first, end - first, s->digit, s->histograms[part], s->to);
 }
 
-/* Turns sizes into starts. Returns 1 if one bucket holds every key, so that no key has to move. */
+/* Turns bucket sizes into start offsets. Returns 1 if one bucket holds all keys. */
 static int find_starts(const sorter *s)
 {
     uint32_t start = 0;
@@ -100,8 +99,7 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-/* Insertion sort for keys that are almost in order. Returns 0, with the keys in some order, after more than `left`
-   moves. */
+/* Insertion sort for nearly sorted keys. Returns 0 after more than `left` moves. */
 static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 {
     for (uint32_t i = 1; i < count; i++) {
@@ -117,7 +115,7 @@ static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
     return 1;
 }
 
-/* Radix sort by two digits, starting at bit `shift` of (depth - least). */
+/* Radix sort by two digits, from bit `shift` of (depth - least) on. */
 static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int shift, int bits)
 {
     uint32_t next[2][1 << LIST_DIGIT];
@@ -142,7 +140,7 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digit of `range` bits, then each bucket on its own, because a bucket fits in a cache. */
+/* Sorts by the top digit, then each bucket separately, because a bucket fits in a cache. */
 static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int range)
 {
     uint32_t next[257] = {0};
@@ -160,8 +158,7 @@ static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digits of the range of depths, which leaves nearly all keys in order, then by insertion. If that
-   takes too many moves, because many depths lie close together, sorts by all digits first. */
+/* Sorts by the top digits of the range of depths, then by insertion. Many close depths need a sort by all digits. */
 void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;
@@ -182,5 +179,5 @@ void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
         return;
     for (int shift = 0; shift < range; shift += 2 * fxs_min(8, LIST_DIGIT))
         sort_by_two(keys, spare, count, least, shift, fxs_min(8, LIST_DIGIT));
-    insert_each(keys, count, UINT64_MAX);      /* equal depths by slot; such keys are already close */
+    insert_each(keys, count, UINT64_MAX);
 }

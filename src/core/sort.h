@@ -1,11 +1,11 @@
-/* Sorts keys by depth. */
+/* Sorts keys by depth in parallel. */
 #ifndef FXS_SORT_H
 #define FXS_SORT_H
 
 #include "frame.h"
 
-/* Sorts keys by depth, then slot, in `parts` jobs. The keys must arrive in the order of their slots. `spare` has
-   `count` keys, and `histograms` one entry per job. Returns the array with the result: keys or spare. */
+/* Sorts keys by depth, then by splat, in `parts` jobs. The keys must arrive in the order of their splats. `spare` has
+   `count` keys, `histograms` one entry per job. Returns `keys` or `spare`, whichever holds the result. */
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 

@@ -1,9 +1,8 @@
-/* Renders two eyes, one after another in the same memory. Each picture is byte for byte that of a mono frame. */
+/* Renders two eyes one after the other in the same memory. Each picture equals that of a mono frame, byte for byte. */
 #include "stereo.h"
 #include "targets.h"
 
-/* Calls `step` for each eye. Continues with the second eye after FXS_ERR_MEMORY from the first, so that
-   stats.memory.least is the maximum of the two eyes. */
+/* Calls `step` for each eye. Continues after FXS_ERR_MEMORY, so that stats.memory.least is the maximum of both eyes. */
 static int each_eye(fxs_frame *f, const fxs_request *request, int (*step)(fxs_frame *f))
 {
     size_t least = 0;
@@ -27,7 +26,7 @@ int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
         return FXS_ERR_TARGET;
     const uint64_t start = fxs_now(f);
     int error = each_eye(f, request, fxs_frame_check);
-    f->stats.visible = f->stats.missing = 0;               /* counted again by the frames */
+    f->stats.visible = f->stats.missing = 0;
     error = error ? error : each_eye(f, request, fxs_frame_render);
     f->stats.frame_nanoseconds = fxs_now(f) - start;
     return error;

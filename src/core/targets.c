@@ -1,4 +1,4 @@
-/* The targets of a frame: checks, and the pixels of a tile as colour and coverage. trace.c writes depths and ids. */
+/* Checks the images of a request, and writes the colours and coverage of a tile. */
 #include "memory.h"
 #include "targets.h"
 
@@ -9,9 +9,6 @@ void (fxs_targets_init)(fxs_targets *targets, uint32_t size)
     fxs_struct_init(targets, size);
 }
 
-/* ---- Checks ------------------------------------------------------------------------------------------------------ */
-
-/* A target: image, bytes per pixel, alignment, and whether it is written. */
 typedef struct part {
     const fxs_image *image;
     int bytes, alignment, written;
@@ -26,7 +23,6 @@ static void parts_of(part parts[IMAGES], const fxs_targets *t)
     memcpy(parts, all, sizeof all);
 }
 
-/* Address range of an image: first byte to the end of the last. */
 typedef struct extent {
     uintptr_t low, high;
 } extent;
@@ -45,11 +41,12 @@ static int is_valid(const part *p, int32_t width, int32_t height)
     if (top % (unsigned)p->alignment || stride % p->alignment || stride > most || stride < -most ||
         (height > 1 && stride < row && stride > -row))
         return 0;
-    const extent e = extent_of(p, width, height);      /* high < low if it wraps around the address space */
+    const extent e = extent_of(p, width, height);      /* high < low if the range wraps around the address space */
     return e.low <= top && top < e.high;
 }
 
-/* True if two images share a byte. Rows with the same stride may interlace, as in a side-by-side stereo picture. */
+/* Returns true if two images share a byte. Rows with equal strides may interlace, as in a side-by-side stereo
+   picture. */
 static int overlap(const part *a, const part *b, int32_t width, int32_t height)
 {
     const extent extents[2] = {extent_of(a, width, height), extent_of(b, width, height)};
@@ -60,13 +57,12 @@ static int overlap(const part *a, const part *b, int32_t width, int32_t height)
     if ((strides[0] != strides[1] && strides[0] != -strides[1]) || !stride)
         return 1;
     const part *parts[2] = {a, b};
-    const int first = extents[1].low < extents[0].low;     /* index of the image that starts lower */
+    const int first = extents[1].low < extents[0].low;
     const uintptr_t ahead = (extents[!first].low - extents[first].low) % stride;
     return ahead < (uintptr_t)(width * (ptrdiff_t)parts[first]->bytes) ||
            ahead + (uintptr_t)(width * (ptrdiff_t)parts[!first]->bytes) > stride;
 }
 
-/* True if two images overlap and at least one is written. */
 static int collide(const part *a, const part *b, int32_t width, int32_t height)
 {
     return a->image->pixels && b->image->pixels && (a->written || b->written) && overlap(a, b, width, height);
@@ -125,8 +121,6 @@ int fxs_targets_traced(const fxs_targets *t)
     return t && (t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels || t->occluder.pixels);
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
-
 static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                              ptrdiff_t stride)
 {
@@ -135,15 +129,13 @@ static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows
             pixels[y * stride + x] = (unsigned char)fxs_coverage_8bit(tile->transmittance_q15[y * FXS_TILE + x]);
 }
 
-#ifndef __CUDACC__                 /* device code has no table of kernels */
-/* Format that the kernel `resolve` writes, before swap_bytes. */
+#ifndef __CUDACC__
 static enum fxs_format resolved_format(enum fxs_format format)
 {
     return format == FXS_FORMAT_BGRA8 ? FXS_FORMAT_RGBA8
            : format == FXS_FORMAT_RGB565_SWAPPED ? FXS_FORMAT_RGB565 : format;
 }
 
-/* For formats derived from another by a swap: swaps byte 0 of each pixel with byte 2 (BGRA8) or 1 (RGB565_SWAPPED). */
 static void swap_bytes(enum fxs_format format, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 {
     const int bytes = fxs_pixel_bytes(format), other = format == FXS_FORMAT_BGRA8 ? 2 : 1;

@@ -1,17 +1,16 @@
-/* Times of the stages. */
+/* Measures the time of a frame's stages. */
 #ifndef FXS_TIMES_H
 #define FXS_TIMES_H
 
 #include "frame.h"
 
-/* Laps of a macro tile's stopwatch. */
 enum { FXS_SORTED, FXS_LISTED_TILES, FXS_BLENDED, FXS_RESOLVED, FXS_LAPS };
 
 /* Adds the time since the last lap to lap `which`, if the macro tile is timed. */
 void fxs_lap(const fxs_frame *f, fxs_laps *laps, int which);
 
-/* Adds the wall time since `start` to the stages in f->stats, in proportion to the time that the jobs spent in each.
-   `times` has a row of `columns` times per job; stages[c] is the stage of column c. */
+/* Divides the wall time since `start` among the stages in f->stats, in proportion to the jobs' times. `times` has
+   `columns` times per job; stages[c] is the stage of column c. */
 void fxs_share_time(fxs_frame *f, uint64_t start, const uint64_t *times, uint32_t jobs, uint32_t columns,
                     const enum fxs_stage *stages);
 

@@ -1,29 +1,29 @@
-/* trace: blend with auxiliary outputs (depths and ids) or an occluder. The kernel `trace` blends a tile's list in
- * parts. All depths of a part lie in one octave, so 15 bits are enough for a depth, and the outputs of a part are
- * 16-bit numbers per pixel. After each part, these are added to sums of depths or converted to slots. */
+/* Blends a tile with depths, ids or an occluder. The kernel `trace` blends a tile's list in parts. The depths of a part
+ * lie in one octave, so that 16-bit numbers suffice. After each part, these numbers are added to 64-bit sums or
+ * converted to splats. */
 #include "draw.h"
 #include "memory.h"
 #include "targets.h"
 #include "trace.h"
 
-#define STRETCH 32767u             /* largest stretch of a list: entry numbers fit in 16 bits */
-#define PART 512u                  /* largest part, in entries */
-#define AHEAD 16                   /* prefetch distance, in entries */
+#define STRETCH 32767u             /* most entries in a stretch, so that their numbers fit in 16 bits */
+#define PART 512u
+#define AHEAD 16
 
 typedef struct tracer {
     const fxs_frame *f;
     const fxs_targets *targets;
-    int bits;                      /* fraction bits of depths in the targets and the occluder */
-    const uint32_t *list;          /* a stretch of the tile's list */
-    uint32_t count;                /* length of `list` */
-    uint32_t first, end;           /* a part of the stretch */
+    int bits;                      /* fraction bits of depths in the caller's images */
+    const uint32_t *list;
+    uint32_t count;
+    uint32_t first, end;
     fxs_trace trace;
-    int16_t before_q15[FXS_TILE_PIXELS];   /* T before the part */
-    int16_t codes_q15[PART];       /* depth / 2^octave - 1 */
+    int16_t before_q15[FXS_TILE_PIXELS];
+    int16_t codes_q15[PART];       /* codes of depths, depth / 2^octave - 1, Q15 */
     uint32_t keys[PART];
-    uint32_t limits[FXS_TILE_PIXELS];      /* depth keys: farther splats are hidden */
-    uint64_t sums[FXS_TILE_PIXELS];        /* of fxs_depth_sum */
-    uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];   /* slots */
+    uint32_t limits[FXS_TILE_PIXELS];      /* depth keys of the occluder; farther splats are hidden */
+    uint64_t sums[FXS_TILE_PIXELS];
+    uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];
 } tracer;
 
 static uint32_t slot_of(uint32_t entry)
@@ -31,9 +31,6 @@ static uint32_t slot_of(uint32_t entry)
     return entry & ~FXS_ENTRY_CUT_OFF;
 }
 
-/* ---- A part of the list ------------------------------------------------------------------------------------------ */
-
-/* Finds the next part. If no depths are compared or summed, it is the rest of the stretch. */
 static void begin_part(tracer *t)
 {
     const uint32_t *depths = t->f->depths;
@@ -53,7 +50,7 @@ static void begin_part(tracer *t)
     t->end = t->first + n;
 }
 
-/* Index of the part's first entry that is farther than a limit. */
+/* Returns the index of the first entry beyond a depth key. */
 static int16_t end_of(const tracer *t, uint32_t limit)
 {
     uint32_t low = 0, high = t->end - t->first;
@@ -87,14 +84,13 @@ static void add_depths(tracer *t, const fxs_tile *tile)
     }
 }
 
-/* Converts entry numbers to slots; -1 leaves a slot unchanged. */
+/* Converts entry numbers to slots. -1 leaves the slot unchanged. */
 static void note_slots(const tracer *t, const int16_t numbers[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
         slots[i] = numbers[i] < 0 ? slots[i] : slot_of(t->list[numbers[i]]);
 }
 
-/* Returns whether any pixel is still open. */
 static int end_part(tracer *t, const fxs_tile *tile)
 {
     int open = 0;
@@ -106,7 +102,6 @@ static int end_part(tracer *t, const fxs_tile *tile)
     return open;
 }
 
-/* Blends a stretch. Returns whether any pixel is still open. */
 static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
 {
     int open = 1;
@@ -126,8 +121,6 @@ static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
     return open;
 }
 
-/* ---- Targets ----------------------------------------------------------------------------------------------------- */
-
 static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_t rows)
 {
     const fxs_image *occluder = &t->targets->occluder;
@@ -146,7 +139,6 @@ fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index,
     return (fxs_id){(*object)->id, index - (*object)->first_chunk * FXS_CHUNK};
 }
 
-/* Id of a slot. FXS_NOTHING gives FXS_NOTHING. */
 static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
     return slot == FXS_NOTHING ? (fxs_id){FXS_NOTHING, FXS_NOTHING}

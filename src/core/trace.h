@@ -1,15 +1,14 @@
-/* Depths and ids of tiles. */
+/* Blends tiles with depths and ids. */
 #ifndef FXS_TRACE_H
 #define FXS_TRACE_H
 
 #include "frame.h"
 
-/* Blends the list of the tile at pixel (x, y) with `trace` and writes the tile's depths and ids. slots[256], unless
-   null, receives for each pixel the slot of the splat with the largest contribution, or FXS_NOTHING. */
+/* Blends the list of the tile at pixel (x, y), and writes the tile's depths and ids. slots[256], unless null, receives
+   for each pixel the slot of the splat with the largest weight, or FXS_NOTHING. */
 void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
 
-/* Id of a Gaussian from its number in the chunks of all objects. *object caches the last object found; it is tried
-   first. */
+/* Returns the id of a Gaussian by its number, counted over all objects. *object caches the last object found. */
 fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index, const fxs_object_view **object);
 
 #endif

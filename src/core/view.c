@@ -1,14 +1,13 @@
-/* Prepares the camera for the stages, once per frame and once per object: all parts of the projection that do not
- * depend on the Gaussian. */
+/* Computes the parts of the projection that do not depend on the Gaussian, once per frame and object. */
 #include "view.h"
 
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
-#define POSITION_LIMIT_Q32 ((int64_t)1 << 60)   /* 2^28 units */
-#define NEAR_LEAST_Q32 ((int64_t)1 << 12)       /* 2^-20 units */
+#define POSITION_LIMIT_Q32 ((int64_t)1 << 60)
+#define NEAR_LEAST_Q32 ((int64_t)1 << 12)
 #define NEAR_MOST_Q32 ((int64_t)1 << 60)
-#define NEAR_DEFAULT_Q32 858993459              /* 0.2 */
+#define NEAR_DEFAULT_Q32 858993459              /* default near plane, 0.2 units */
 #define ONE_Q60 ((int64_t)1 << 60)
 #define ONE_Q30 ((int64_t)1 << 30)
 
@@ -42,7 +41,6 @@ static int is_window(const fxs_camera *camera)
     return camera->whole_width || camera->whole_height;
 }
 
-/* A window must lie inside its whole picture. */
 static int check_window(const fxs_camera *camera)
 {
     const int32_t whole[2] = {camera->whole_width, camera->whole_height}, own[2] = {camera->width, camera->height};
@@ -83,14 +81,15 @@ static int32_t cut_slope(int64_t slope_q23, int64_t most)
     return (int32_t)(slope_q23 < -most ? -most : slope_q23 > most ? most : slope_q23);
 }
 
-/* Slopes of the picture's edges, moved out by a tile and the reach of the dilation (3.34 sqrt(0.3) < 2). */
+/* Slopes of the picture's edges, moved outwards by a tile and the reach of the dilation, 3.34 sqrt(0.3) < 2 pixels. */
 static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     *low_q23 = cut_slope(-((c_q12 + (18 << 12)) * (1 << 23)) / f_q12, (int64_t)64 << 23);
     *high_q23 = cut_slope((((size + 18) << 12) - c_q12) * (1 << 23) / f_q12, (int64_t)64 << 23);
 }
 
-/* Slopes of the hidden part's edges, moved in by twice the reach of the dilation. low > high if nothing is hidden. */
+/* Slopes of the hidden rectangle's edges, moved inwards by twice the reach of the dilation. low > high: nothing is
+   hidden. */
 static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t most = (int64_t)64 << 23;
@@ -101,21 +100,20 @@ static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
     view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
 }
 
-/* Field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
-   -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
+/* Field of view plus 30 % (Kerbl et al. 2023), as slopes x/z: -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size /
+   (2 f). Clamped to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     const int64_t most = (int64_t)60 << 23;
-    int64_t margin = size * 614;                     /* 0.15 size, Q12 */
+    int64_t margin = size * 614;
     int64_t low = -((c_q12 + margin) * (1 << 23)) / f_q12;
     int64_t high = (((size << 12) - c_q12 + margin) * (1 << 23)) / f_q12;
     *low_q23 = cut_slope(low, most);
     *high_q23 = cut_slope(high, most);
 }
 
-/* A Gaussian with its centre out of range is dropped below this size exponent: the smallest for which a radius of 3.5
-   (2^exponent + 1) pixels reaches the picture from a centre with slope 64, or 65536 pixels off the first pixel. At
-   least 7, and 2^exponent is at least 1/16 of the picture. */
+/* Returns the smallest size exponent of a Gaussian that may reach the picture with its centre out of range: at slope
+   64, or 65536 pixels away. The radius is 3.5 (2^exponent + 1) pixels. */
 static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
@@ -134,7 +132,7 @@ static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const 
     return exponent;
 }
 
-/* ceil(log2(sqrt(1 + max(slope)^2))) */
+/* Returns ceil(log2(sqrt(1 + max(slope)^2))). */
 static int32_t jacobian_exponent(const fxs_view *view)
 {
     int64_t most = 1 << 23;
@@ -165,8 +163,6 @@ static void jacobian_rows(fxs_view *view)
         }
 }
 
-/* Size and principal point of the whole picture that the camera is a window of. For a camera without a window, these
-   are the camera's. */
 static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[2])
 {
     const int window = is_window(camera);
@@ -176,8 +172,7 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
     c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
 }
 
-/* Derives all values that depend on focal lengths, position and rotation. For a window, only the edges, which cull
-   Gaussians outside it, come from the window; all else comes from the whole picture. */
+/* A camera that is a window of a picture has its own edges; the other values come from the whole picture. */
 static void derive(fxs_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
@@ -194,7 +189,7 @@ static void derive(fxs_view *view, const fxs_camera *camera)
     view->veil_exponent = veil_exponent(view, whole, whole_c_q12);
     view->jacobian_exponent = jacobian_exponent(view);
     jacobian_rows(view);
-    for (int i = 0; i < 3; i++)                  /* orthographic: view rays start 2^28 units behind the picture */
+    for (int i = 0; i < 3; i++)                  /* orthographic: the eye is 2^28 units behind the picture */
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
@@ -209,17 +204,16 @@ FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
     }
 }
 
-/* Twice a picture's width or height; or 1/16 of the largest distance of its edges from the principal point, if that is
-   larger. */
+/* Returns the larger of twice the picture's size, and 1/16 of the largest distance from the principal point to an
+   edge. */
 static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 {
     const int64_t after_q12 = (size << 12) - c_q12, reach_q12 = after_q12 > c_q12 ? after_q12 : c_q12;
     return (uint64_t)(reach_q12 >> 4 > size << 13 ? reach_q12 >> 4 : size << 13);
 }
 
-/* Orthographic cameras have fx and fy in pixels per unit: f / z with z = 2^plane_exponent units. The plane is chosen so
-   that f is 1/2 to 1 times plane_focal on one axis and at least 1/2 of it on the other. So slopes on the picture are at
-   most 32. */
+/* Converts the orthographic fx and fy, in pixels per unit, to focal lengths for a plane at depth 2^plane_exponent. One
+   focal length is 1/2 to 1 times plane_focal_q12, so slopes are at most 32. */
 static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
@@ -239,8 +233,7 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
     memset(camera, 0, sizeof *camera);
     camera->width = width;
     camera->height = height;
-    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);   /* width is not checked
-                                                                                               yet */
+    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);
     camera->cy_q12 = (int32_t)((uint32_t)height * 2048);
     camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
 }
@@ -279,7 +272,7 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
 
 /* ---- In the space of an object ----------------------------------------------------------------------------------- */
 
-/* x 2^32 / divisor, rounded down, saturated at 2^62. divisor is 2^16 to 2^48. */
+/* x 2^32 / divisor, rounded down, saturated at 2^62; divisor is 2^16 to 2^48 */
 static int64_t divide_q32(uint64_t x, uint64_t divisor)
 {
     uint64_t quotient = x / divisor, rest = x % divisor;
@@ -296,14 +289,14 @@ static int64_t divide_q32(uint64_t x, uint64_t divisor)
 FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
 {
     int64_t high = 0, low = 0;
-    for (int k = 0; k < 3; k++) {                /* in two halves: 2^61 times 2^30 overflows */
+    for (int k = 0; k < 3; k++) {                /* multiplies in two halves, because 2^61 times 2^30 overflows */
         high += m_q30[3 * k + i] * (v[k] >> 31);
         low += m_q30[3 * k + i] * (v[k] & INT32_MAX);
     }
     return high * 2 + fxs_round_shift(low, 30);
 }
 
-/* R^T (P - T) / s. Returns 0 if the result is too far out. */
+/* Computes R^T (P - T) / s, the camera's position in the object's space. Returns 0 if too far out. */
 static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3], const fxs_object *object)
 {
     int64_t apart_q32[3];
@@ -319,7 +312,6 @@ static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3],
     return 1;
 }
 
-/* W R; as close to a rotation as W and R are. */
 static void turn(int32_t out_q30[9], const int32_t w_q30[9], const int32_t r_q30[9])
 {
     for (int i = 0; i < 3; i++)
