@@ -1,10 +1,10 @@
-/* Builds a k-d tree from the top down. Each run of Gaussians is cut across x, y, z, or the distance from the middle of
-   the scene, at the place where the sum of the costs of the two new boxes is smallest. The cost of a box is the sum of
-   squared position errors, in pixels, for a viewer around the middle. Cuts by distance separate Gaussians that lie far
-   out on all sides: sky, surroundings, outliers.
+/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run is the consecutive Gaussians
+   of a tree node. Each run is cut across x, y, z, or the distance from the scene's middle, where the sum of the
+   costs of the two new boxes is smallest. The cost of a box is the sum of squared position errors, in pixels, for a
+   viewer near the middle. Cuts by distance separate sky, surroundings and outliers.
 
-   The order is the same on every processor: weights are integers, and every float operation is rounded to a float by
-   itself, which gives the same result on processors that compute with more bits. */
+   The order is the same on every processor: weights are integers, and every float operation is rounded to a float
+   by itself. */
 #include "order.h"
 
 #include <math.h>
@@ -13,22 +13,23 @@
 #include <fixsplat/packed.h>
 
 enum {
-    BINS = 32,                       /* bins of a histogram; cuts are tried at their borders */
+    BINS = 32,                       /* bins of a histogram; cuts are tried at bin borders */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* levels with histograms over all Gaussians, to catch every outlier */
-    SAMPLED = 4096,                  /* lower levels count about this many Gaussians of a longer run */
-    FREE_LEVELS = 40,                /* below this level runs are halved, to bound the depth */
+    WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch every
+                                        outlier */
+    SAMPLED = 4096,                  /* approximate number of sampled Gaussians per histogram on lower tree levels */
+    FREE_LEVELS = 40,                /* runs below this tree level are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
-    SAMPLE = 16384,                  /* most Gaussians for finding the middle */
-    JOBS = 128,                      /* most runs processed at once */
-    PIECES = 8,                      /* most chunks cut from one leaf */
-    MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut: see coarse_cost */
+    SAMPLE = 16384,                  /* most Gaussians sampled to find the scene's middle */
+    JOBS = 128,                      /* most runs processed in parallel */
+    PIECES = 8,                      /* most chunks cut from one leaf of the tree */
+    MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut into chunks */
 };
 
-#define AMONG_ITS_LIKE (1u << 31)     /* flag in an index: the Gaussian is to be ordered separately */
-#define LEAST_WIDTH 1e-30f           /* narrower runs are not cut by a histogram */
-#define NARROW 0.25f                 /* axes narrower than this share of a run's widest are not cut */
-#define WEIGHT_ONE 1073741824.0f     /* 2^30 */
+#define AMONG_ITS_LIKE (1u << 31)     /* flag of an index: the Gaussian is ordered separately */
+#define LEAST_WIDTH 1e-30f           /* coordinates with a smaller extent are not cut */
+#define NARROW 0.25f                 /* axes narrower than this share of a run's widest axis are not cut */
+#define WEIGHT_ONE 1073741824.0f     /* weight of a near Gaussian, 2^30 */
 
 typedef struct stretch {
     uint32_t first, count;
@@ -38,26 +39,24 @@ typedef struct stretch {
 typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
-    float near_square;               /* squared median distance from the middle */
-    float coarse;                    /* cost above which a leaf is cut into pieces */
+    float near_square;               /* squared median distance from the scene's middle */
+    float coarse;                    /* cost above which a leaf of the tree is cut into several chunks */
     stretch stretches[JOBS], halves[JOBS][2];
-    uint32_t stretch_count, large;   /* runs longer than `large` are cut before jobs share them */
+    uint32_t stretch_count, large;   /* runs of more than `large` Gaussians are cut before jobs share them */
 } order;
 
 /* A bounding box. Upper bounds are negated, so that one branch-free loop of minima widens all sides. */
 typedef struct box {
-    float sides[8];                  /* low x, y, z, unused, -high x, y, z, unused */
+    float sides[8];                  /* order: low x, y, z, unused, -high x, y, z, unused */
     uint64_t weight;
     uint32_t count;
 } box;
 
-/* A cut of a run: `first` Gaussians lie before it. */
+/* A cut of a run of Gaussians. `first` Gaussians lie before the cut. */
 typedef struct cut {
     int coordinate;
     uint32_t first;
 } cut;
-
-/* ---- Coordinates ------------------------------------------------------------------------------------------------- */
 
 static float sum_of(float x, float y)
 {
@@ -85,7 +84,8 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* The distance on a logarithmic scale, except near the middle: taken from the bits of the float. */
+/* Maps a squared distance to a logarithmic scale by the bits of the float. Near the middle the scale is not
+   logarithmic. */
 static float octaves(const order *o, float square)
 {
     return (float)(int32_t)(fxs_ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
@@ -96,13 +96,11 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
     return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
 }
 
-/* Sort key of an entry by a coordinate; no two entries have the same. */
+/* Returns the sort key of an entry by a coordinate. All keys are different. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
     return (uint64_t)fxs_ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
 }
-
-/* ---- Selection --------------------------------------------------------------------------------------------------- */
 
 /* One pass of Shell sort: insertion sort of keys `gap` apart. */
 static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
@@ -124,8 +122,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* A pivot from a sample of the keys. It lies slightly beyond the k-th key, on the side with more keys, so that one pass
-   removes most of that side. */
+/* Returns a pivot for quickselect from a sample of the keys. The pivot lies slightly beyond the k-th key, on the
+   side with more keys, so that one pass removes most of that side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -141,7 +139,7 @@ static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t cou
     return keys[rank];
 }
 
-/* Moves entries below the pivot to the front. Returns their number. */
+/* Moves entries below the pivot to the front. Returns the number of entries below the pivot. */
 static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coordinate, uint64_t pivot)
 {
     uint32_t below = 0;
@@ -155,11 +153,11 @@ static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coo
 }
 
 /* Quickselect: moves the k Gaussians with the lowest keys to the front, 0 < k < r.count. After 16 rounds, pivots
-   bisect the range of keys (2^64 at first), which bounds the number of rounds. */
+   bisect the range of keys, to bound the number of rounds. */
 static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 {
     fxs_order_entry *e = o->entries + r.first;
-    uint32_t from = 0, to = r.count;             /* the k-th key lies in from..to */
+    uint32_t from = 0, to = r.count;             /* range that contains the k-th key */
     uint64_t low = 0, high = UINT64_MAX;
     for (int round = 0; from < k && k < to; round++) {
         const uint64_t pivot = round < 16 ? pivot_for(o, e + from, to - from, k - from, coordinate)
@@ -175,8 +173,6 @@ static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
     }
 }
 
-/* ---- Costs ------------------------------------------------------------------------------------------------------- */
-
 static void clear(box *b)
 {
     for (int i = 0; i < 8; i++)
@@ -185,7 +181,6 @@ static void clear(box *b)
     b->count = 0;
 }
 
-/* The box of one position. */
 static void sides_of(float sides[8], const fxs_order_entry *e)
 {
     memcpy(sides, e, 4 * sizeof *sides);
@@ -196,7 +191,7 @@ static void sides_of(float sides[8], const fxs_order_entry *e)
 static void widen(box *b, const float sides[8])
 {
 #if defined(__GNUC__)
-#pragma GCC unroll 1                 /* else the compiler unrolls the loop instead of vectorising it */
+#pragma GCC unroll 1                 /* without the pragma, GCC unrolls the loop instead of vectorising it */
 #endif
     for (int i = 0; i < 8; i++)
         b->sides[i] = sides[i] < b->sides[i] ? sides[i] : b->sides[i];
@@ -219,8 +214,8 @@ static float cost_of(const box *b)
     return product(length_square(side_of(b, 0), side_of(b, 1), side_of(b, 2)), (float)b->weight);
 }
 
-/* Weight of a Gaussian by its distance from the middle: 2^30 for the nearer half of the Gaussians; beyond, proportional
-   to 1 / distance^2. */
+/* Returns the weight of a Gaussian: 2^30 up to the median distance from the middle, farther out proportional to 1 /
+   distance^2. */
 static uint64_t weight_of(const order *o, float distance)
 {
     const float share = distance > o->near_square ? o->near_square / distance : 1;
@@ -229,7 +224,7 @@ static uint64_t weight_of(const order *o, float distance)
 
 typedef struct histogram {
     uint32_t step;                   /* every step-th Gaussian is counted */
-    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across this coordinate */
+    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across the coordinate */
     box bins[COORDINATES][BINS];
 } histogram;
 
@@ -295,14 +290,14 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
     }
 }
 
-/* The multiple of FXS_CHUNK nearest to `before` that leaves Gaussians on each side of the cut. */
+/* Returns the multiple of FXS_CHUNK nearest to `before` that leaves Gaussians on each side of the cut. */
 static uint32_t whole_chunks(uint32_t before, uint32_t count)
 {
     const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
     return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
 }
 
-/* Tries all cuts across a coordinate. The first and the last bin are never empty. */
+/* Tries all cuts of a run across a coordinate. The first and the last bin are never empty. */
 static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
 {
     const box *bins = h->bins[coordinate];
@@ -343,8 +338,6 @@ static cut find_cut(const order *o, stretch r)
     return best;
 }
 
-/* ---- Tree -------------------------------------------------------------------------------------------------------- */
-
 static void cut_stretch(const order *o, stretch r, stretch to[2])
 {
     const cut c = find_cut(o, r);
@@ -360,7 +353,7 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x1249;
 }
 
-/* Morton code of 5 bits an axis. */
+/* Returns the Morton code of a position in a box, 5 bits per axis. */
 static uint32_t morton(const box *b, float scale, const float position[3])
 {
     uint32_t code = 0;
@@ -369,7 +362,7 @@ static uint32_t morton(const box *b, float scale, const float position[3])
     return code;
 }
 
-/* Sorts the keys of a leaf: a counting sort by the high 8 bits of the Morton codes, then an insertion sort. */
+/* Sorts the keys of a leaf by a counting sort of the high 8 bits of the Morton codes, then by an insertion sort. */
 static void sort_codes(uint64_t *keys, uint32_t count)
 {
     enum { SHIFT = 32 + 15 - 8 };
@@ -413,7 +406,7 @@ static box box_of(const order *o, const fxs_order_entry *e)
     return b;
 }
 
-/* Finds the cheapest cut of a leaf across a coordinate, at any Gaussian. */
+/* Finds the cheapest cut of a leaf across a coordinate, between any two Gaussians. */
 static void try_pieces(const order *o, stretch r, int coordinate, cut *best, float *least)
 {
     const fxs_order_entry *e = o->entries + r.first;
@@ -461,8 +454,8 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* A leaf that holds a few Gaussians far beyond the others would have position steps of many pixels. So cuts the leaf's
-   most expensive piece until the cost of every piece is below o->coarse. */
+/* Cuts the most expensive piece of a leaf until every piece costs at most o->coarse. Without cuts, a few distant
+   Gaussians would widen the chunk's position steps to many pixels. */
 static void order_leaf(const order *o, stretch r)
 {
     stretch pieces[PIECES] = {r};
@@ -515,7 +508,7 @@ static void cut_job(void *argument, uint32_t i)
         cut_stretch(o, o->stretches[i], o->halves[i]);
 }
 
-/* Cuts every large run once, in parallel. Returns 1 if it cut any. */
+/* Cuts every large run once, in parallel. Returns 1 if a run was cut. */
 static int cut_stretches(order *o, const fxs_pack_options *options)
 {
     const uint32_t before = o->stretch_count;
@@ -527,8 +520,6 @@ static int cut_stretches(order *o, const fxs_pack_options *options)
                 o->stretches[o->stretch_count++] = o->halves[i][side];
     return o->stretch_count > before;
 }
-
-/* ---- Middle ------------------------------------------------------------------------------------------------------ */
 
 float fxs_value_of_rank(const float *values, size_t count, size_t rank)
 {
@@ -547,7 +538,7 @@ float fxs_value_of_rank(const float *values, size_t count, size_t rank)
     return fxs_ordered_float(bits);
 }
 
-/* Median of a coordinate over an evenly spaced sample of the Gaussians. */
+/* Returns the median of a coordinate over an evenly spaced sample of the Gaussians. */
 static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
 {
     const uint32_t step = (count - 1) / SAMPLE + 1;
@@ -565,8 +556,7 @@ static void find_middle(order *o, uint32_t count, float *sample)
     o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
 }
 
-/* Sets the indexes of the entries and moves dropped entries to the end. Returns the number of entries that are not
-   dropped. */
+/* Sets the indexes of the entries and moves dropped entries to the end. Returns the number of kept entries. */
 static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
@@ -583,7 +573,7 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
     return kept;
 }
 
-/* Moves entries that are ordered separately to the end. Returns the number of chunks for the others. */
+/* Moves entries that are ordered separately to the end. Returns the number of chunks of the other entries. */
 static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t others = 0;
@@ -598,9 +588,9 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
     return fxs_chunks_of(others);
 }
 
-/* The largest cost of an uncut leaf: that of 256 Gaussians in a box with a diagonal of `reach` times their distance
-   from the middle. Infinite for reach 0. It is larger in small scenes, where an extra chunk costs relatively more
-   bytes. */
+/* Returns the largest cost of an uncut leaf: 256 Gaussians in a box with a diagonal of `reach` times their distance
+   from the middle. Infinite for reach 0. Small scenes get a larger limit, because an extra chunk costs relatively
+   more bytes. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

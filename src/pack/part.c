@@ -1,4 +1,5 @@
-/* Computes the layout of a part from its two headers, and validates them against each other: see part.h. */
+/* Computes and validates the layout of a part file, a separately packed run of chunks of a scene. A chunk is 256
+   Gaussians. */
 #include "part.h"
 
 #include <string.h>
