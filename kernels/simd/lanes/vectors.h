@@ -1,9 +1,7 @@
-/* Vectors of LANES numbers, with the vector extensions of GCC and clang: + - * & | ~ and shifts by a constant are plain
- * operators. The header of each instruction set (kernels/simd/x86/lanes_avx2.h and so on) has the other operations. It
- * defines first
- *
- *   ISA      its name
- *   LANES    32-bit numbers per vector: 4, 8 or 16 */
+/* Vectors of LANES numbers, with the vector extensions of GCC and clang. The operators + - * & | ~ and shifts by a
+ * constant work on vectors. The header of each instruction set, such as kernels/simd/x86/lanes_avx2.h, has the
+ * other operations. That header first defines ISA, the name of the instruction set, and LANES, the number of 32-bit
+ * lanes: 4, 8 or 16. */
 #ifndef FXS_VECTORS_H
 #define FXS_VECTORS_H
 
@@ -17,7 +15,7 @@ typedef uint8_t anywhere __attribute__((vector_size(4 * LANES), aligned(1), may_
 
 static const int32_t lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/* Byte order that moves the lanes of a mask to the front. */
+/* Byte shuffles that move the lanes of a mask to the front. */
 #define BYTES(lane) (0x03020100 + 0x04040404 * (lane))
 #define ORDER(a, b, c, d) {BYTES(a), BYTES(b), BYTES(c), BYTES(d)}
 static const int32_t compress_order[16][4] __attribute__((aligned(16))) = {
@@ -39,7 +37,7 @@ static inline void store(void *to, vi x)
     *(anywhere *)to = (__typeof__(*(anywhere *)to))x;
 }
 
-/* base + step * (0, 1, 2, ...), modulo 2^32 */
+/* Returns base + step * (0, 1, 2, ...), modulo 2^32. */
 static inline vu ramp(uint32_t base, uint32_t step)
 {
     return base + step * (vu)load(lane_numbers);
