@@ -1,5 +1,5 @@
-/* Chooses the origin of a scene: on each axis the median of a sample of positions, rounded to GRID. The origin is 0
-   where floats are precise enough. */
+/* Chooses the origin of a scene: on each axis the median of a sample of positions, rounded to GRID, or 0 where
+   floats are precise enough. */
 #include "origin_internal.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 
 enum { FXS_ORIGIN_SAMPLE = 33 };    /* most positions from which an origin is chosen */
 
-/* Largest origin on each axis. The sum of origin and packed position then stays within 2^28 units. */
+/* Largest origin on each axis. Origin plus packed position stays within 2^28 units. */
 #define FXS_ORIGIN_FARTHEST 0x1p26
 
 static inline int fxs_has_origin(const double origin[3])

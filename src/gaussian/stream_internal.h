@@ -6,7 +6,6 @@
 
 #include "src/base/source_internal.h"
 
-/* Beginning of a file, used to recognise the file format. */
 typedef struct fxs_head {
     const fxs_scene_source *source;
     const char *bytes;    /* up to 4095 bytes after an optional UTF-8 mark, then a 0 */
@@ -19,20 +18,20 @@ typedef struct fxs_reader {
     /* Returns 1 if the file has the reader's format, 0 if not, or an error and a message. Null: no file has the
        format. */
     int (*is)(const fxs_head *head, fxs_message *message);
-    size_t size;          /* size of the reader's state in bytes */
-    /* Opens the source, which outlives the reader's state `data`. The state is all 0 at first. Returns 0 and fills
-       in *info, or an error and a message. The format, a single level and an equal stored SH degree need not be
-       set. `close` is called in either case. */
+    size_t size;
+    /* Opens the source, which outlives `data`, the reader's zeroed state. Returns 0 and fills in *info, or an error
+       and a message. The format, a single level and an equal stored SH degree need not be set. `close` is called in
+       either case. */
     int (*open)(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *data, fxs_message *message);
-    void (*close)(void *data);   /* frees the memory of the state, or NULL */
+    void (*close)(void *data);
 } fxs_reader;
 
 struct fxs_scene_file {
     fxs_scene_source source;
     const fxs_reader *reader;
-    void *data;                  /* the reader's state, or NULL */
+    void *data;
     fxs_import import;
 };
 

@@ -31,7 +31,7 @@ static void sh_basis(double b[15], const double d[3])
 }
 
 /* Computes sh[j][k], the integral over the sphere of Y_j(d) Y_k(R^T d). 4 Gauss-Legendre nodes in z times 8
-   azimuths are exact up to degree 7; the integrand has at most degree 6. */
+   azimuths are exact up to degree 7. */
 static void rotate_sh(double sh[15][15], matrix r)
 {
     static const double node[2] = {0.3399810435848563, 0.8611363115940526};
@@ -121,7 +121,6 @@ static double dot(matrix m, int i, int j)
     return m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
 }
 
-/* Rotates columns i and j in their plane until orthogonal. Returns 0 if the columns already are. */
 static int orthogonalise(matrix m, int i, int j)
 {
     double a = dot(m, i, i), b = dot(m, j, j), c = dot(m, i, j);
@@ -155,7 +154,6 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4])
     return 0;
 }
 
-/* Makes the columns of m orthogonal by one-sided Jacobi rotations. The columns are then axes times scales. */
 void fxs_set_axes(fxs_gaussian *g, matrix m)
 {
     for (int sweep = 0; sweep < 16; sweep++)
@@ -186,7 +184,6 @@ void fxs_set_covariance(fxs_gaussian *g, const double c[6], double more)
     fxs_set_axes(g, l);
 }
 
-/* Computes the new axes, those of M R S, where M is the linear part of the map and R S the old axes times scales. */
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
 {
     matrix r, m;

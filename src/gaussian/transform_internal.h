@@ -18,8 +18,8 @@ void fxs_transform_apply(const fxs_transform *transform, fxs_gaussian *gaussian,
 /* Sets the rotation and the scales of a Gaussian from the covariance m m^T. Overwrites m. */
 void fxs_set_axes(fxs_gaussian *gaussian, double m[3][3]);
 
-/* Sets the rotation and the scales of a Gaussian from a covariance xx, yy, zz, xy, xz, yz. Each variance is raised
-   by `least` and by 1e-12 of the sum of the variances. */
+/* Sets the rotation and the scales from a covariance xx, yy, zz, xy, xz, yz. Each variance is raised by `least` and
+   by 1e-12 of the variances' sum. */
 void fxs_set_covariance(fxs_gaussian *gaussian, const double covariance[6], double least);
 
 #endif

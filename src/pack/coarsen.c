@@ -1,5 +1,4 @@
-/* Reduces a set of Gaussians to a smaller number by merging neighbours. coarsen_stages.h holds the algorithm, which
- * this file compiles as portable C. */
+/* Reduces a set of Gaussians to a smaller number by merging neighbours. coarsen_stages.h holds the algorithm. */
 #include "coarsen.h"
 
 #include <math.h>
@@ -27,7 +26,6 @@ size_t fxs_merger_bytes(void)
     return sizeof(fxs_merger);
 }
 
-/* Computes the covariance R S S R^T from the rotation R and the scales S, then the area and the opacity. */
 void fxs_coarse_set(fxs_coarse *c, const fxs_gaussian *g)
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
@@ -54,7 +52,6 @@ void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6])
     fxs_set_covariance(gaussian, c, 1e-37);
 }
 
-/* Writes Gaussian i of the set to `out`. An unmerged Gaussian stays unchanged. */
 static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 {
     *out = *m->from[i];

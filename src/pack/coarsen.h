@@ -12,7 +12,6 @@ enum { FXS_MERGE_MOST = 512 };         /* largest number of Gaussians in a set t
 /* Smallest alpha that is drawn. */
 #define FXS_FAINTEST (1 / 255.5f)
 
-/* A Gaussian and the quantities that merging derives from it. */
 typedef struct fxs_coarse {
     fxs_gaussian gaussian;
     float covariance[6];               /* covariance matrix: xx, yy, zz, xy, xz, yz */
@@ -21,7 +20,7 @@ typedef struct fxs_coarse {
 } fxs_coarse;
 
 /* Returns the opacity that counts in merging. Alpha below FXS_FAINTEST is not drawn, which lowers the integral of a
-   Gaussian as if its opacity were lower by FXS_FAINTEST. */
+   Gaussian like a lower opacity. */
 static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 {
     return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;
@@ -38,7 +37,6 @@ typedef struct fxs_merge_error {
 
 typedef struct fxs_merger fxs_merger;
 
-/* Declares the coarsen function of an instruction set. */
 #define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
 #define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 

@@ -2,11 +2,10 @@
    has the mean and covariance of its pair, weighted by opacity times area. The error of a pair is the squared
    difference of the pictures before and after the merge, averaged over the three coordinate planes. For Gaussians
    of peak 1 with covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d /
-   2). Colours are relative to the mean of the neighbours, because a Gaussian's background usually has a similar
-   colour.
+   2).
 
-   Results are equal on every processor: IEEE 754 defines all float operations here exactly, and no sum depends on
-   the vector width. The includer defines ISA and gather_rows, which transposes LANES rows. */
+   All float operations are exact by IEEE 754, so results are equal on every processor. The includer defines ISA and
+   gather_rows, which transposes LANES rows. */
 #include "merger.h"
 
 #include <math.h>
@@ -36,7 +35,6 @@ static inline float minor(float u, float v, float uv)
     return larger(u * v - uv * uv, 1e-6f * u * v);
 }
 
-/* Computes the square root of the determinant of each Gaussian's covariance in each coordinate plane. */
 static inline void find_roots(group *of, int count)
 {
     for (int p = 0; p < PLANES; p++)
@@ -47,7 +45,7 @@ static inline void find_roots(group *of, int count)
         }
 }
 
-/* Computes the inner product <Ga, Gb> / pi of each pair of Gaussians in coordinate plane p. */
+/* Computes the inner product <Ga, Gb> / pi of Gaussians in coordinate plane p. */
 static inline void find_products(lanes product, const group *a, const group *b, int p, int count)
 {
     const float *au = a->f[first_square[p]], *av = a->f[second_square[p]], *auv = a->f[mixed[p]];
@@ -64,8 +62,7 @@ static inline void find_products(lanes product, const group *a, const group *b, 
     }
 }
 
-/* Computes the mass of each pair: the sum of both masses, reduced by OVERLAP times their mutual occlusion.
-   `products` is <Ga, Gb> / pi in each coordinate plane. */
+/* The mass of a pair is the sum of both masses, reduced by OVERLAP times their mutual occlusion. */
 static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -77,8 +74,7 @@ static inline void find_masses(lanes mass, const group *a, const group *b, lanes
     }
 }
 
-/* Merges each pair a, b. `share` becomes the weight of a. A merged opacity above its cap by a factor r is capped,
-   and the variances grow by sqrt(r). */
+/* Merges each pair a, b. A merged opacity above its cap by a factor r is capped, and the variances grow by sqrt(r). */
 static inline void join(group *out, lanes share, const group *a, const group *b, lanes products[PLANES], int count)
 {
     lanes mass;
@@ -177,7 +173,6 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x9249249;
 }
 
-/* Sorts indices by 30-bit keys with a stable radix sort of 10 bits per pass. */
 static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32_t count)
 {
     uint16_t other[MOST], *from = order, *to = other;
@@ -198,8 +193,8 @@ static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32
     memcpy(order, other, count * sizeof *order);
 }
 
-/* Orders the Gaussians along a Morton curve with 10 bits per axis. The curve fills a cube twice as wide as the
-   extent of the Gaussians. The cube begins `shift` times its width, 0 to 1/2, before the extent. */
+/* Orders the Gaussians along a Morton curve in a cube twice as wide as their extent. The cube begins `shift` times
+   its width before the extent. */
 static void find_order(fxs_merger *m, float shift)
 {
     float low[3], width = LEAST;
@@ -227,15 +222,13 @@ static void find_order(fxs_merger *m, float shift)
             m->places[k][i] = m->places[k][WINDOW + m->count + i] = INFINITY;
 }
 
-/* Merge candidates of a Gaussian, in ascending order of distance. */
 typedef struct candidates {
     float distances[NEAREST];
     uint16_t which[NEAREST];
     uint32_t count;
 } candidates;
 
-/* Inserts a candidate if the list has room or the candidate is nearer than the farthest in the list. `again`: the
-   list may already contain the candidate. */
+/* Inserts a candidate in order of distance. `again`: the list may already contain the candidate. */
 static inline void take(candidates *c, uint16_t other, float distance, int again)
 {
     uint32_t at = c->count < NEAREST ? c->count : NEAREST - 1;
@@ -253,8 +246,6 @@ static inline void take(candidates *c, uint16_t other, float distance, int again
     c->which[at] = other;
 }
 
-/* Computes squared distances from the Gaussian at place `from` of the Morton curve to WINDOW Gaussians from place
-   `first` on. */
 static inline void find_distances(float distances[WINDOW], const fxs_merger *m, uint32_t first, uint32_t from)
 {
     for (uint32_t k = 0; k < WINDOW; k++) {
@@ -264,7 +255,6 @@ static inline void find_distances(float distances[WINDOW], const fxs_merger *m, 
     }
 }
 
-/* Offers each Gaussian its WINDOW neighbours on either side of the Morton curve as merge candidates. */
 static void look_along(fxs_merger *m, int again)
 {
     for (uint32_t i = 0; i < m->count; i++) {
@@ -286,8 +276,7 @@ static void look_along(fxs_merger *m, int again)
     }
 }
 
-/* Finds the nearest candidates of each Gaussian along two Morton curves. The second curve is shifted, because near
-   Gaussians can be far apart on a single curve. */
+/* Searches along two Morton curves, because near Gaussians can be far apart on a single curve. */
 static void find_nearest(fxs_merger *m)
 {
     memset(m->nearest_count, 0, sizeof m->nearest_count);
@@ -338,7 +327,7 @@ static int is_candidate(const fxs_merger *m, uint32_t of, uint32_t which)
     return 0;
 }
 
-/* Pairs every Gaussian with its candidates and builds the heap of errors. Mutual candidates make only one pair. */
+/* Pairs every Gaussian with its candidates. Mutual candidates make only one pair. */
 static void find_pairs(fxs_merger *m)
 {
     m->pair_count = 0;
@@ -357,8 +346,7 @@ static void find_pairs(fxs_merger *m)
         sift_down(m->heap, m->heap_count, i);
 }
 
-/* Joins the candidates of the merged Gaussians a and b without duplicates, and pushes the resulting pairs. Gaussian
-   a keeps the first NEAREST candidates. */
+/* Gaussian a takes over the candidates of a and b, without duplicates. */
 static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 {
     uint16_t both[2 * NEAREST];

@@ -1,5 +1,4 @@
-/* Packs a scene with attributes that are already quantised, such as the result of a fit. The caller gives the chunk
- * headers, the palette and the codes of each Gaussian. A chunk is 256 Gaussians. */
+/* Packs a scene with attributes that are already quantised, such as the result of a fit. A chunk is 256 Gaussians. */
 #ifndef FXS_CODED_H
 #define FXS_CODED_H
 
@@ -21,8 +20,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
                    fxs_message *message);
 
 /* Packs a scene like fxs_pack_coded, but with at most `held` chunks in memory that wait for palette codes. `held`
-   is at least 1. A scene with more chunks is read again for every `held` chunks. The result does not depend on
-   `held`. */
+   is at least 1. The file is read again for every `held` chunks. */
 int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
                   fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                   fxs_message *message);

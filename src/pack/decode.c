@@ -18,8 +18,8 @@ static double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* Computes the quaternion w, x, y, z as a product of three rotations: +z to the first axis, the roll about z, and
-   the permutation of x, y, z to z, x, y. */
+/* Computes a quaternion w, x, y, z as a product of three rotations: +z to the first axis, the roll about z, and the
+   permutation of x, y, z to z, x, y. */
 static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_codes *codes, float rotation[4])
 {
     int32_t fall_q16[3];

@@ -1,6 +1,5 @@
-/* Writes chunk headers and rows. A chunk is 256 Gaussians of a packed scene. A record is the codes of one Gaussian.
- * A header gets the smallest fixed-point steps that cover the ranges of the chunk's Gaussians. encode_stages.h
- * computes the codes. */
+/* Writes chunk headers and rows. A chunk is 256 Gaussians of a packed scene. Its header gets the smallest
+ * fixed-point steps that cover the ranges of the Gaussians. */
 #include "encode.h"
 
 #include <math.h>
@@ -159,7 +158,6 @@ void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian
     fxs_pack_stages_choose(~0u)->encode(e, chunk, g, opacity, record, loss);
 }
 
-/* Copies bytes first..first + width - 1 of each record of a chunk, side by side. */
 static unsigned char *put_row(unsigned char *to, const unsigned char *records, uint32_t bytes, uint32_t first,
                               uint32_t width)
 {

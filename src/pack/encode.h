@@ -36,7 +36,6 @@ typedef struct fxs_range {
     float low, high;
 } fxs_range;
 
-/* Ranges of the attributes of a chunk's 256 Gaussians. */
 typedef struct fxs_chunk_ranges {
     fxs_range position[3], scale, colour[3];
     float sh[3];                     /* largest magnitude of the SH coefficients of each degree, 1 to 3 */
@@ -47,15 +46,14 @@ void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
 /* Returns round(x / step) clamped to +-127, halves up, or 0 for step 0. `inverse` is 1 / step. x and step are
-   floats, so a quotient is either exactly between two integers or at least 2^-26 away from there. x * inverse has
-   an error of at most 2^-45. Adding 2^-30 therefore rounds every quotient correctly. */
+   floats, so x / step is a rounding border or at least 2^-26 away. Adding 2^-30 therefore hides the error of x *
+   inverse. */
 static inline int32_t fxs_coefficient_code(double x, double step, double inverse)
 {
     const double most = 127 * step, above = x > -most ? x : -most, held = above < most ? above : most;
     return (int32_t)(held * inverse + (128.5 + 0x1p-30)) - 128;
 }
 
-/* Quantises `count` SH coefficients to codes of -127 to 127. */
 void fxs_code_coefficients(const float *x, int count, double step, int32_t *codes);
 
 /* Returns the largest magnitude of `count` SH coefficients. `count` is 0 or at least 8. NaN counts as 0. */
@@ -74,7 +72,6 @@ static inline float fxs_largest_coefficient(const float *sh, int count)
     return most[0];
 }
 
-/* Writes the position fields of a chunk's header. */
 void fxs_encode_places(fxs_chunk *chunk, const fxs_range position[3]);
 
 /* Writes a chunk's header. If the source file's numbers lie on a coarse grid and the range allows it, codes use the
@@ -95,17 +92,16 @@ typedef struct fxs_encoder {
 
 enum { FXS_RECORD_BYTES = 63 };      /* size of the largest record of a Gaussian in bytes */
 
-/* The unpacked codes of one Gaussian. */
 typedef struct fxs_row_codes {
     uint32_t position[3], scale[3];
     uint32_t rotation;                   /* rotation word; profile small keeps its upper 23 bits */
     uint32_t colour[3], opacity;
 } fxs_row_codes;
 
-/* Writes codes into a record, in the order of a chunk's rows. Returns the place in the record for the SH codes. */
+/* Returns the place in the record for the SH codes. */
 unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_row_codes *codes, unsigned char *record);
 
-/* Writes the codes of a Gaussian into a record and adds the coding errors to `loss`. In profiles with a palette,
+/* Writes the codes of a Gaussian into a record and adds the coding errors to `loss`. With a palette,
    fxs_palette_code_chunk writes the SH codes. */
 void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian, double opacity,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
@@ -113,7 +109,7 @@ void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_ga
 /* Returns the gain of a gain code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
 double fxs_gain(int code);
 
-/* Transposes the 256 consecutive records of a chunk into its rows. Each row holds one attribute of all Gaussians. */
+/* Transposes the 256 records of a chunk into rows of one attribute each. */
 void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);
 
 #endif

@@ -1,11 +1,9 @@
-/* Quantises the attributes of a Gaussian to codes, and takes the attribute ranges of a chunk of 256 Gaussians. The
-   loops are small, so that the compiler vectorises them. */
+/* Quantises the attributes of a Gaussian to codes. The loops are small, so that the compiler vectorises them. */
 #include "encode.h"
 #include "src/base/tilt.h"
 
 #define DEGREES 57.29577951308232   /* degrees per radian */
 
-/* Returns floor(x) clamped to low..high for low >= 0, or low for NaN. */
 static inline int32_t cut_within(double x, int32_t low, int32_t high)
 {
     const double held = x > low ? x < high ? x : high : low;
@@ -23,8 +21,7 @@ static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
 
-/* Finds the nearest code and its error for each law of opacity codes. The opacity is at least 1/255. Law 0: code /
-   255. Other laws: 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2. */
+/* Finds the nearest code and its error for each law of opacity codes. The opacity is at least 1/255. */
 static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS], double errors[FXS_OPACITY_LAWS])
 {
     const double root = sqrt(opacity - 1 / 255.0);
@@ -42,7 +39,7 @@ static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS
     errors[0] = codes[0] / 255.0 - opacity;
 }
 
-/* Codes an opacity. Opacities below 1/255 are not drawn, and only law 0 has codes for them. */
+/* Opacities below 1/255 are not drawn, and only law 0 has codes for them. */
 static inline int32_t encode_opacity(double opacity, uint32_t law, double *error)
 {
     int32_t codes[FXS_OPACITY_LAWS] = {0};
@@ -107,9 +104,8 @@ static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* Codes the position with 16 bits per axis and the base colour with 9 bits per channel. Profile small uses 11 bits
-   per axis and 7, 7, 6 bits for red, green, blue. The decoded value is low + code * step, with the code extended to
-   full width. */
+/* Codes position (16 bits per axis) and base colour (9 bits per channel). Profile small uses 11 bits per axis and
+   7, 7, 6 bits for red, green, blue. The decoded value is low + code * step. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                fxs_row_codes *codes, fxs_loss *loss)
 {
@@ -144,7 +140,6 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     note_three(loss, FXS_LOSS_DC, errors + 3);
 }
 
-/* Extends a scale code of axis i to 10 bits. Axis 2 has 9 bits and a 0 below them. */
 static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
 {
     return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
@@ -177,8 +172,7 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
     note_three(loss, FXS_LOSS_SCALE, errors);
 }
 
-/* Adds the angle 2 acos(|dot|) in degrees to the losses. acos(x)^2 is at most 2.5 (1 - x), so acos is called only
-   for a possible new maximum. The squared angle is approximated by 8 (1 - |dot|). */
+/* acos(x)^2 is at most 2.5 (1 - x), so acos is called only for a possible new maximum. */
 static inline void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
@@ -204,8 +198,8 @@ static inline double roll_of(double cosine, double sine)
     return roll;
 }
 
-/* Returns the two's complement code of `bits` bits nearest to x, -1 <= x <= 1. `below` is the fraction of a step
-   that the following bits of the word add. */
+/* Returns the code of `bits` bits nearest to x, -1 <= x <= 1. `below` is the fraction of a step that the following
+   bits of the word add. */
 static inline int32_t code_around(double x, int32_t bits, double below)
 {
     const int32_t half = 1 << (bits - 1);
@@ -213,7 +207,6 @@ static inline int32_t code_around(double x, int32_t bits, double below)
     return code - half;
 }
 
-/* Returns the fraction of a step that the bits of a code add to the preceding number of the word. */
 static inline double part_of(int32_t code, int32_t bits, double below)
 {
     const int32_t number = 1 << bits;
@@ -226,8 +219,8 @@ static inline int is_too_long(uint32_t word, int32_t bits)
     return x_q15 * x_q15 + y_q15 * y_q15 > 1 << 30;
 }
 
-/* Returns the rotation word, `all` bits wide, of three axes. The roll is relative to the first axis as coded. A
-   second round therefore starts from the decoded result of the first round. */
+/* The roll is relative to the coded first axis, so a second round starts from the decoded result of the first
+   round. */
 static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
 {
     const double sign = axis[0][2] < 0 ? -1 : 1, length = sqrt(1 + fabs(axis[0][2]));
@@ -259,7 +252,6 @@ static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
     return word;
 }
 
-/* Sorts the three axes by length, longest first. */
 static inline void order_axes(float scale[3], double axis[3][3])
 {
     for (int i = 0; i < 3; i++) {
@@ -277,8 +269,7 @@ static inline void order_axes(float scale[3], double axis[3][3])
     }
 }
 
-/* Returns the cosine of half the angle between `axis` and the decoded axes of a rotation word. Opposite directions
-   of an axis count as equal. */
+/* Returns the cosine of half the angle to the decoded axes. Opposite directions of an axis count as equal. */
 static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
 {
     const fxs_tilt a = fxs_tilt_of_word(word, bits);
@@ -291,7 +282,7 @@ static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t
     return sqrt(1 + trace) / 2;
 }
 
-/* Codes the rotation. The scale codes determine the number of bits per field of the rotation word. */
+/* The scale codes determine the number of bits per field of the rotation word. */
 static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *chunk, double axis[3][3],
                                        const uint32_t scale[3], fxs_loss *loss)
 {
@@ -318,7 +309,6 @@ static inline void fill_by_degree(double numbers[BANDS], const double of[3])
         numbers[i] = of[2];
 }
 
-/* Adds the absolute errors of 48 SH coefficients to `loss`. Overwrites the array. */
 static inline void note_bands(fxs_loss *loss, double errors[BANDS])
 {
     double most[BANDS / 2];
@@ -339,7 +329,6 @@ static inline void note_bands(fxs_loss *loss, double errors[BANDS])
     loss->squares[FXS_LOSS_SH] += errors[0] + errors[1] + errors[2];
 }
 
-/* Codes the SH coefficients for profile default. Coefficients above the scene's SH degree are 0. */
 static inline void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                 unsigned char *record, fxs_loss *loss)
 {

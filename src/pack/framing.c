@@ -10,7 +10,7 @@
 #include "src/gaussian/attributes.h"
 
 #define EDGE 0.002                   /* share of the weight outside the box at each end of an axis */
-#define CORE 0.05                    /* share of the weight outside the core at each end of an axis */
+#define CORE 0.05
 #define SPREAD 1.5                   /* largest ratio of box radius to core radius for a single object */
 #define FAR_OUT 8                    /* outliers are farther from the middle than FAR_OUT times the median distance */
 
@@ -23,7 +23,6 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
                       opacity * 255 < 0.5 ? 0 : (float)opacity};   /* an 8-bit opacity of 0 is never drawn */
 }
 
-/* Sorts places by x with a stable radix sort of 8 bits per pass. `spare` has room for `count` places. */
 static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t count)
 {
     for (int shift = 0; shift < 32; shift += 8) {
@@ -50,7 +49,7 @@ static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_s
     sort_places(places, spare, count);
 }
 
-/* Returns the weighted quantile: the x at which the running sum of the weights reaches `share` of their total. */
+/* Returns the x at which the running sum of the weights reaches `share` of their total. */
 static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
 {
     double total = 0, sum = 0;
@@ -76,7 +75,6 @@ static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_
     return sqrt(square);
 }
 
-/* Sorts `places` by distance from the middle of the scene. Returns the weighted median of the distances. */
 static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count,
                               const double middle[3])
 {
@@ -92,8 +90,8 @@ static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, con
     return quantile(places, seen, count, 0.5);
 }
 
-/* Multiplies the weights by size, because flat parts of an object have few, large Gaussians. The size is capped, so
-   that one large floater does not outweigh a thousand small Gaussians. Outliers get weight 0. */
+/* Multiplies the weights by size, because flat parts of an object have few, large Gaussians. The cap keeps a large
+   floater from outweighing a thousand small Gaussians. */
 static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {

@@ -14,7 +14,6 @@ typedef struct fxs_seen {
     float weight;                    /* opacity; 0: never drawn */
 } fxs_seen;
 
-/* Sort entry of a Gaussian. x is a coordinate, a distance or a size. */
 typedef struct fxs_seen_place {
     float x;
     uint32_t index;

@@ -1,5 +1,4 @@
-/* Working memory for merging a set of Gaussians: their attributes, the candidate pairs, and a heap of the pairs'
-   errors. */
+/* Working memory for merging a set of Gaussians. */
 #ifndef FXS_MERGER_H
 #define FXS_MERGER_H
 
@@ -11,19 +10,18 @@
 enum {
     MOST = FXS_MERGE_MOST,
     LANES = 8,                         /* pairs per vector of the error computation */
-    NEAREST = 5,                       /* merge candidates stored per Gaussian */
+    NEAREST = 5,
     JOINED = 8,                        /* most new pairs of a merged Gaussian */
     PLANES = 3,
-    SH = 45,                           /* SH coefficients of three channels, without degree 0 */
+    SH = 45,
     COMPARED = 12,                     /* SH coefficients that count in errors: 9 of degree 1, 3 zeros as padding */
-    CURVES = 2,                        /* number of Morton curves along which candidates are searched */
+    CURVES = 2,
     WINDOW = 8,                        /* neighbours searched on each side of a Gaussian along a Morton curve */
-    PAIRS = MOST * NEAREST + MOST * JOINED   /* capacity: pairs over the whole run */
+    PAIRS = MOST * NEAREST + MOST * JOINED
 };
 
-/* Fields of a Gaussian. ROOT: square root of the determinant of the covariance, per coordinate plane. COLOUR:
-   colour of SH degree 0. LOCAL: mean colour of the neighbourhood. SQUARE: squared length of the compared SH
-   coefficients. ROW: number of fields, padded to whole vectors. */
+/* Fields of a Gaussian. ROOT: square root of the determinant of the covariance, per coordinate plane. LOCAL: mean
+   colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
@@ -31,19 +29,16 @@ enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLA
 #define OVERLAP 0.3f                   /* share of the mutual occlusion of a pair that is subtracted from the merged
                                           mass */
 #define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; each colour channel has weight 1 */
-#define THINNEST 1e-3f                 /* share of the trace of a covariance that is added to its variances in
-                                          errors */
+#define THINNEST 1e-3f                 /* share of a covariance's trace that errors add to its variances */
 #define LEAST 1e-30f
 #define PI 3.14159265f
 
-/* Axes of each coordinate plane, and the covariance fields of the plane. */
 static const uint8_t first_axis[PLANES] = {X, X, Y}, second_axis[PLANES] = {Y, Z, Z};
 static const uint8_t first_square[PLANES] = {XX, XX, YY}, second_square[PLANES] = {YY, ZZ, ZZ},
                      mixed[PLANES] = {XY, XZ, YZ};
 
 typedef float lanes[LANES];
 
-/* LANES Gaussians, stored field by field. */
 typedef struct group {
     lanes f[ROW];
 } group;
@@ -51,7 +46,7 @@ typedef struct group {
 /* Candidate pair for a merge. The pair is stale if a_age or b_age differs from the age of its Gaussian. */
 typedef struct pair {
     float error;
-    uint16_t a, b;                     /* indices of the two Gaussians, a < b */
+    uint16_t a, b;
     uint16_t a_age, b_age;
 } pair;
 
@@ -59,15 +54,15 @@ struct fxs_merger {
     uint32_t count, left;
     const fxs_coarse *from[MOST];
     float fields[MOST][ROW];
-    float sh[MOST][SH];                /* SH coefficients times the SH basis of degree 0 */
+    float sh[MOST][SH];
     float compared[MOST][COMPARED];
     uint32_t sh_count;                 /* number of SH coefficients of the set's degree */
-    uint16_t order[MOST];              /* indices of the Gaussians along a Morton curve */
+    uint16_t order[MOST];
     float places[3][WINDOW + MOST + WINDOW];   /* positions along the Morton curve, padded with infinity */
-    float distances[MOST][NEAREST];    /* squared distances to the merge candidates */
+    float distances[MOST][NEAREST];
     uint16_t into[MOST];               /* index of the absorbing Gaussian, or the Gaussian's own index */
-    uint16_t age[MOST];                /* number of merges of each Gaussian */
-    uint16_t nearest[MOST][NEAREST];   /* merge candidates in ascending order of distance */
+    uint16_t age[MOST];
+    uint16_t nearest[MOST][NEAREST];
     uint8_t nearest_count[MOST];
     pair pairs[PAIRS];
     uint64_t heap[PAIRS];              /* min-heap of keys; key: bits of the error, then index of the pair */

@@ -1,10 +1,9 @@
-/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run is the consecutive Gaussians
-   of a tree node. Each run is cut across x, y, z, or the distance from the scene's middle, where the sum of the
-   costs of the two new boxes is smallest. The cost of a box is the sum of squared position errors, in pixels, for a
-   viewer near the middle. Cuts by distance separate sky, surroundings and outliers.
+/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x,
+   y, z, or the distance from the scene's middle, where the sum of the costs of the two new boxes is smallest. The
+   cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle. Cuts by distance
+   separate sky, surroundings and outliers.
 
-   The order is the same on every processor: weights are integers, and every float operation is rounded to a float
-   by itself. */
+   The order is the same on every processor: weights are integers, and every float operation is rounded to a float. */
 #include "order.h"
 
 #include <math.h>
@@ -20,8 +19,8 @@ enum {
     SAMPLED = 4096,                  /* approximate number of sampled Gaussians per histogram on lower tree levels */
     FREE_LEVELS = 40,                /* runs below this tree level are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
-    SAMPLE = 16384,                  /* most Gaussians sampled to find the scene's middle */
-    JOBS = 128,                      /* most runs processed in parallel */
+    SAMPLE = 16384,
+    JOBS = 128,
     PIECES = 8,                      /* most chunks cut from one leaf of the tree */
     MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut into chunks */
 };
@@ -29,7 +28,7 @@ enum {
 #define AMONG_ITS_LIKE (1u << 31)     /* flag of an index: the Gaussian is ordered separately */
 #define LEAST_WIDTH 1e-30f           /* coordinates with a smaller extent are not cut */
 #define NARROW 0.25f                 /* axes narrower than this share of a run's widest axis are not cut */
-#define WEIGHT_ONE 1073741824.0f     /* weight of a near Gaussian, 2^30 */
+#define WEIGHT_ONE 1073741824.0f
 
 typedef struct stretch {
     uint32_t first, count;
@@ -39,7 +38,7 @@ typedef struct stretch {
 typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
-    float near_square;               /* squared median distance from the scene's middle */
+    float near_square;
     float coarse;                    /* cost above which a leaf of the tree is cut into several chunks */
     stretch stretches[JOBS], halves[JOBS][2];
     uint32_t stretch_count, large;   /* runs of more than `large` Gaussians are cut before jobs share them */
@@ -52,7 +51,6 @@ typedef struct box {
     uint32_t count;
 } box;
 
-/* A cut of a run of Gaussians. `first` Gaussians lie before the cut. */
 typedef struct cut {
     int coordinate;
     uint32_t first;
@@ -84,8 +82,7 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* Maps a squared distance to a logarithmic scale by the bits of the float. Near the middle the scale is not
-   logarithmic. */
+/* Maps a squared distance to a scale by the bits of the float. The scale is logarithmic except near the middle. */
 static float octaves(const order *o, float square)
 {
     return (float)(int32_t)(fxs_ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
@@ -96,13 +93,11 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
     return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
 }
 
-/* Returns the sort key of an entry by a coordinate. All keys are different. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
     return (uint64_t)fxs_ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
 }
 
-/* One pass of Shell sort: insertion sort of keys `gap` apart. */
 static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
 {
     for (uint32_t i = gap; i < count; i++) {
@@ -122,8 +117,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* Returns a pivot for quickselect from a sample of the keys. The pivot lies slightly beyond the k-th key, on the
-   side with more keys, so that one pass removes most of that side. */
+/* The pivot lies slightly beyond the k-th key, on the side with more keys, so that one pass removes most of that
+   side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -139,7 +134,6 @@ static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t cou
     return keys[rank];
 }
 
-/* Moves entries below the pivot to the front. Returns the number of entries below the pivot. */
 static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coordinate, uint64_t pivot)
 {
     uint32_t below = 0;
@@ -152,12 +146,12 @@ static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coo
     return below;
 }
 
-/* Quickselect: moves the k Gaussians with the lowest keys to the front, 0 < k < r.count. After 16 rounds, pivots
-   bisect the range of keys, to bound the number of rounds. */
+/* Moves the k Gaussians with the lowest keys to the front by quickselect. After 16 rounds, pivots bisect the range
+   of keys, to bound the number of rounds. */
 static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 {
     fxs_order_entry *e = o->entries + r.first;
-    uint32_t from = 0, to = r.count;             /* range that contains the k-th key */
+    uint32_t from = 0, to = r.count;
     uint64_t low = 0, high = UINT64_MAX;
     for (int round = 0; from < k && k < to; round++) {
         const uint64_t pivot = round < 16 ? pivot_for(o, e + from, to - from, k - from, coordinate)
@@ -223,7 +217,7 @@ static uint64_t weight_of(const order *o, float distance)
 }
 
 typedef struct histogram {
-    uint32_t step;                   /* every step-th Gaussian is counted */
+    uint32_t step;
     float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across the coordinate */
     box bins[COORDINATES][BINS];
 } histogram;
@@ -353,7 +347,6 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x1249;
 }
 
-/* Returns the Morton code of a position in a box, 5 bits per axis. */
 static uint32_t morton(const box *b, float scale, const float position[3])
 {
     uint32_t code = 0;
@@ -362,7 +355,6 @@ static uint32_t morton(const box *b, float scale, const float position[3])
     return code;
 }
 
-/* Sorts the keys of a leaf by a counting sort of the high 8 bits of the Morton codes, then by an insertion sort. */
 static void sort_codes(uint64_t *keys, uint32_t count)
 {
     enum { SHIFT = 32 + 15 - 8 };
@@ -406,7 +398,6 @@ static box box_of(const order *o, const fxs_order_entry *e)
     return b;
 }
 
-/* Finds the cheapest cut of a leaf across a coordinate, between any two Gaussians. */
 static void try_pieces(const order *o, stretch r, int coordinate, cut *best, float *least)
 {
     const fxs_order_entry *e = o->entries + r.first;
@@ -454,8 +445,7 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* Cuts the most expensive piece of a leaf until every piece costs at most o->coarse. Without cuts, a few distant
-   Gaussians would widen the chunk's position steps to many pixels. */
+/* Cuts a leaf into pieces, because a few distant Gaussians would widen the chunk's position steps to many pixels. */
 static void order_leaf(const order *o, stretch r)
 {
     stretch pieces[PIECES] = {r};
@@ -508,7 +498,6 @@ static void cut_job(void *argument, uint32_t i)
         cut_stretch(o, o->stretches[i], o->halves[i]);
 }
 
-/* Cuts every large run once, in parallel. Returns 1 if a run was cut. */
 static int cut_stretches(order *o, const fxs_pack_options *options)
 {
     const uint32_t before = o->stretch_count;
@@ -538,7 +527,6 @@ float fxs_value_of_rank(const float *values, size_t count, size_t rank)
     return fxs_ordered_float(bits);
 }
 
-/* Returns the median of a coordinate over an evenly spaced sample of the Gaussians. */
 static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
 {
     const uint32_t step = (count - 1) / SAMPLE + 1;
@@ -556,7 +544,7 @@ static void find_middle(order *o, uint32_t count, float *sample)
     o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
 }
 
-/* Sets the indexes of the entries and moves dropped entries to the end. Returns the number of kept entries. */
+/* Moves dropped entries to the end. Returns the number of kept entries. */
 static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
@@ -589,8 +577,7 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 }
 
 /* Returns the largest cost of an uncut leaf: 256 Gaussians in a box with a diagonal of `reach` times their distance
-   from the middle. Infinite for reach 0. Small scenes get a larger limit, because an extra chunk costs relatively
-   more bytes. */
+   from the middle. Small scenes get a larger limit, because an extra chunk costs relatively more bytes. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

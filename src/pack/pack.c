@@ -1,7 +1,7 @@
-/* Packs a scene file in three passes over the file, so that its Gaussians need not fit in memory. Pass 1 drops
- * Gaussians that cannot be drawn, and orders the rest into chunks of 256. Pass 2 finds the ranges of the attributes
- * per chunk and a sample for the SH palette. Pass 3 writes the codes of each Gaussian, and is repeated for every
- * HELD chunks if the scene has a palette. While a job reads a batch, PARTS jobs work on the preceding batch. */
+/* Packs a scene file in three passes, so that its Gaussians need not fit in memory. Pass 1 drops Gaussians that
+ * cannot be drawn, and orders the rest into chunks of 256. Pass 2 finds the ranges of the attributes per chunk and
+ * a sample for the SH palette. Pass 3 writes the codes of each Gaussian, and is repeated for every HELD chunks if
+ * the scene has a palette. While a job reads a batch, PARTS jobs work on the preceding batch. */
 #include <fixsplat/pack.h>
 
 #include <float.h>
@@ -25,9 +25,9 @@
 #include "part.h"
 #include "tree.h"
 
-#define BATCH 4096                   /* Gaussians per read */
+#define BATCH 4096
 #define HELD (1u << 16)              /* most chunks in memory that wait for SH codes */
-#define FINISHED 512                 /* chunks between two progress reports */
+#define FINISHED 512
 #define PARTS 16                     /* jobs per batch; fixed, so that sums do not depend on the number of threads */
 #define AHEAD 8                      /* prefetch distance, Gaussians */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 scene units */
@@ -44,7 +44,7 @@
 
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
-    uint64_t first;                  /* index of the first Gaussian in the file */
+    uint64_t first;
     long count;                      /* number of Gaussians; 0: end of file; negative: error */
 } batch;
 
@@ -76,13 +76,13 @@ struct packer {
     fxs_pack_options options;
     fxs_message *message;
     const fxs_pack_stages *stages;
-    findings *findings;              /* PARTS elements, one per job */
+    findings *findings;
     batch *batches;                  /* two batches, of which one is read ahead */
     int ready;
     part_fn *work;
     double done, share;              /* shares of the import's time: of earlier passes, and of this pass */
     fxs_order_entry *entries;
-    fxs_seen *seen;                  /* every seen_step-th Gaussian of the file */
+    fxs_seen *seen;
     uint64_t seen_step;
     uint32_t *slots;                 /* place of each Gaussian in the packed scene, or FXS_NO_SLOT */
     uint64_t slot_count;             /* number of places in the packed scene, with gaps */
@@ -94,14 +94,14 @@ struct packer {
     fxs_chunk_ranges *ranges;
     fxs_encoder encoder;
     const fxs_coded *coded;          /* existing codes to copy, or null */
-    fxs_palette *palette;            /* null: no palette is learned */
+    fxs_palette *palette;
     fxs_sh_item *sample;             /* Gaussians from which the palette is learned */
     fxs_sh_item *items;              /* Gaussians of chunks first_chunk..end_chunk - 1; null: `sample` holds the
                                         whole scene */
-    uint32_t held;                   /* capacity of items in chunks */
+    uint32_t held;
     uint32_t first_chunk, end_chunk;
     uint32_t finished;
-    fxs_packed_header *header;       /* in native byte order until the last step */
+    fxs_packed_header *header;
     fxs_chunk *chunks;
     unsigned char *palette_bytes, *rows;
     size_t bytes;
@@ -131,7 +131,6 @@ static void read_or_work(void *argument, uint32_t job)
         p->work(p, b, job - 1);
 }
 
-/* Returns the share of the import's time for the level-of-detail tree. */
 static double tree_share(const packer *p)
 {
     return p->options.tree ? 0.5 : 0;
@@ -154,8 +153,7 @@ static int fail_stopped(const packer *p)
     return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
 }
 
-/* Returns the share of the import's time for a pass. With a palette, SH coding takes half of the time before the
-   tree. */
+/* With a palette, SH coding takes half of the import's time before the tree. */
 static double pass_share(const packer *p)
 {
     return (1 - tree_share(p)) * (fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree) ? 0.25 : 1.0 / 3);
@@ -200,7 +198,6 @@ static float known_scale(float scale)
     return fxs_held_scale(scale < INFINITY ? scale : -INFINITY);
 }
 
-/* Returns ln of the product of the two largest sigmas. */
 static double log_area(const fxs_gaussian *g)
 {
     const float a = known_scale(g->scale[0]), b = known_scale(g->scale[1]), c = known_scale(g->scale[2]);
@@ -242,7 +239,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Clamps the position and the scales of a Gaussian. Every pass must call this function. */
+/* Clamps the position and the scales of a Gaussian, alike in every pass. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -331,7 +328,6 @@ static int read_positions(packer *p)
     return 0;
 }
 
-/* Computes the bounds of the middle 90 % of the centres from an evenly spaced sample. */
 static int find_inner_bounds(packer *p)
 {
     enum { MIDDLE = 65536 };
@@ -412,7 +408,6 @@ static int find_slots(packer *p)
     return 0;
 }
 
-/* Computes the boxes of all chunks, rounded as in the chunks' headers. */
 static int find_boxes(packer *p)
 {
     fxs_range *ranges = fxs_allocate(p->options.allocator, 3 * (size_t)p->end, sizeof *ranges);
@@ -482,7 +477,6 @@ static void take_sample(packer *p, uint32_t slot, const fxs_gaussian *g, double 
         fxs_sh_item_set(&p->sample[at + slot % FXS_CHUNK], g, opacity, p->encoder.sh_degree);
 }
 
-/* Replaces each x by 1 / (1 + e^x). */
 static void find_opacities(const packer *p, double *x, uint32_t count)
 {
     p->stages->exponentials(x, count);
@@ -559,7 +553,6 @@ static int allocate_palette(packer *p)
     return 0;
 }
 
-/* Learns the palette, then frees the sample unless the sample is the whole scene. */
 static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
@@ -599,8 +592,8 @@ static void fetch(const packer *p, uint32_t slot)
         PREFETCH(&p->ranges[chunk - p->first]);
 }
 
-/* Stores the codes of each Gaussian as a record. Rows are written later, because neighbours in the file lie in
-   different chunks and would touch a cache line per byte. */
+/* Stores the codes of each Gaussian together. Writing to rows here would touch a cache line per byte, because
+   neighbours in the file lie in different chunks. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
@@ -647,7 +640,6 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
     loss->squares[FXS_LOSS_SH] = sh.squares;
 }
 
-/* Turns the records of the next FINISHED chunks into rows. */
 static void finish_part(void *argument, uint32_t part)
 {
     const packer *p = argument;
@@ -775,7 +767,7 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
     return h;
 }
 
-/* Allocates the packed scene. Fails if `bytes` is SIZE_MAX. */
+/* Always fails if `bytes` is SIZE_MAX. */
 static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
 {
     scene->bytes = bytes;
@@ -808,7 +800,6 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     return h.palette_entries ? allocate_palette(p) : 0;
 }
 
-/* Writes a hash of the scene's Gaussians and of their grids. */
 static void write_source(const packer *p, uint32_t source[2])
 {
     const fxs_grid grids[2] = {p->info->colour, p->info->sh};

@@ -20,15 +20,14 @@ typedef struct fxs_pack_stages {
     void (*take_ranges)(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
     void (*encode)(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian, double opacity,
                    unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
-    /* Finds one signed entry per palette stage, so that the sum of the entries is near the vector. Writes the
-       indices of the entries and subtracts their sum from the vector. */
+    /* Finds one signed entry per palette stage with a sum near the vector. Subtracts the sum from the vector. */
     void (*find)(const fxs_palette *palette, fxs_sh_vector vector, uint8_t indices[FXS_PALETTE_STAGES]);
     /* Returns the signed index of the nearest of `count` vectors, count 1 to 16. The arrays are padded to a
        multiple of 8. */
     uint32_t (*nearest)(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count,
                         const fxs_sh_vector vector);
-    /* Merges a set down to `most` Gaussians and adds the errors to `sums`. The set must have more than `most`
-       Gaussians. Null in builds without trees. */
+    /* Merges a set of more than `most` Gaussians down to `most` and adds the errors to `sums`. Null in builds
+       without trees. */
     void (*coarsen)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
     /* Same contract as fxs_palette_code_chunk in palette.h. */
     void (*code_chunk)(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],

@@ -1,7 +1,7 @@
-/* Inner loops of packing for the instruction set ISA: exponentials, palette search and coding of SH coefficients.
-   The includer defines find_dots, which computes the dot products of a vector with GROUP vectors. The includer also
-   defines find_leasts, which finds the `wanted` smallest of 8, 16 or 48 costs. Equal costs are found in ascending
-   order of index; index 0 follows when all costs are taken. find_leasts may change the costs. */
+/* Inner loops of packing for the instruction set ISA. The includer defines find_dots, which computes the dot
+   products of a vector with GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest
+   of 8, 16 or 48 costs, and may change the costs. Equal costs are found in ascending order of index; index 0
+   follows when all costs are taken. */
 #include "pack_stage.h"
 
 #include <math.h>
@@ -28,7 +28,7 @@ enum {
     WINDOW = 48                    /* most earlier Gaussians that diffuse their errors to a Gaussian */
 };
 
-/* Replaces each of 8 numbers by its exponential. |x| <= 700 keeps the powers of two normal numbers. */
+/* |x| <= 700 keeps the powers of two normal numbers. */
 static inline void find_exponentials(double x[8])
 {
     for (int i = 0; i < 8; i++) {
@@ -61,8 +61,7 @@ typedef struct candidate {
     uint8_t indices[STAGES];
 } candidate;
 
-/* Computes the costs of adding each of GROUP vectors with the better sign: cost + |vector|^2 - 2 |dot(left,
-   vector)|. `dots` receives the dot products. */
+/* Adding a vector with the better sign changes the cost by |vector|^2 - 2 |dot(left, vector)|. */
 static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t cost, const fxs_sh_vector left,
                               const fxs_sh_vector *vectors, const int32_t *squares)
 {
@@ -71,7 +70,6 @@ static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t
         costs[j] = cost + squares[j] - 2 * absolute(dots[j]);
 }
 
-/* Computes the costs of adding each entry of the TRIED groups of entries nearest to from->left. */
 static inline void try_groups(int32_t costs[TRIED * GROUP], int32_t dots[TRIED * GROUP], uint32_t groups[TRIED],
                               const candidate *from, const fxs_palette *p, uint32_t stage)
 {
@@ -89,7 +87,6 @@ static inline void try_groups(int32_t costs[TRIED * GROUP], int32_t dots[TRIED *
     }
 }
 
-/* Extends the partial sums by the best entries of one more stage. Returns the number of partial sums. */
 static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
                               uint32_t stage)
 {
@@ -115,8 +112,8 @@ static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], ui
     return BEAM;
 }
 
-/* Improves a sum: each stage in turn takes the entry nearest to the vector minus the entries of all other stages
-   (iterated conditional modes, Besag 1986). */
+/* Each stage in turn takes the entry nearest to the vector minus the entries of all other stages (iterated
+   conditional modes, Besag 1986). */
 static inline void settle(candidate *sum, const fxs_palette *p)
 {
     enum { KEYS = BEAM * TRIED * GROUP };
@@ -169,9 +166,8 @@ static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, cons
 
 enum { NUMBERS = 48 };                   /* coefficients of an SH residual: 45, padded to 48 */
 
-/* Returns floor(x / (2 gain) + 4) clamped to 0..7. half_inverse is 1 / (2 gain); |x| is at most 16 gain. A quotient
-   that is not an integer is at least 2^-13.2 below the next integer. Floats err by at most 2^-20, so adding 2^-14
-   rounds every quotient correctly. */
+/* Returns floor(x / (2 gain) + 4) clamped to 0..7, for |x| at most 16 gain. A quotient is an integer or at least
+   2^-13.2 below the next integer. Floats err by at most 2^-20, so adding 2^-14 rounds every quotient correctly. */
 static inline int32_t eighth_of(float x, float half_inverse)
 {
     const float eighths = x * half_inverse + (4 + 0x1p-14f), above = eighths > 0 ? eighths : 0;
@@ -195,9 +191,8 @@ static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
     return squares[0] + squares[1] + squares[2] + (squares[3] + squares[4] + squares[5]);
 }
 
-/* Searches the gain with the smallest squared error of `count` numbers, padded with zeros. The search covers 1.5
-   octaves below the smallest gain that clips no number. Returns the gain in units of the numbers, and its stored
-   form in *code. */
+/* Searches the gain with the smallest squared error, up to 1.5 octaves below the smallest gain that clips no
+   number. */
 static inline float find_gain(const float numbers[NUMBERS], int count, int unit_exponent, int *code)
 {
     const float unit = (float)fxs_scaled(1, unit_exponent);
@@ -220,8 +215,7 @@ static inline float find_gain(const float numbers[NUMBERS], int count, int unit_
     return best;
 }
 
-/* Writes the gain and the 3-bit codes of an SH residual into a record of profile compact. `rest` becomes the error
-   of these codes. */
+/* Writes the gain and the 3-bit codes of an SH residual. `rest` becomes the error of these codes. */
 static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
     float numbers[NUMBERS] = {0};
@@ -245,10 +239,9 @@ static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent,
     }
 }
 
-/* Returns the overlap of Gaussian `from` with Gaussian `to`, relative to `to`, Q8, 0 to 1024. For round Gaussians
-   of areas a and b (sigma^2) at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))), times the ratio
-   of their opacities. The exponential is approximated by (1 - d^2 / (8 (a + b)))^4. `square` is d^2, less than 8 (a
-   + b). */
+/* Returns the overlap of two Gaussians relative to Gaussian `to`, Q8, 0 to 1024. For round Gaussians of areas a and
+   b (sigma^2) at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))), times the ratio of opacities. (1
+   - d^2 / (8 (a + b)))^4 approximates the exponential. */
 static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
                                  double square)
 {
@@ -258,7 +251,6 @@ static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, cons
     return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* rounding guard: 4/3 times 3 must give 4 */
 }
 
-/* Returns the area of a Gaussian, 2^(item->area / 8). */
 static inline double area_of(const fxs_sh_item *item)
 {
     static const double eighths[8] = {1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
@@ -274,8 +266,7 @@ typedef struct coder {
     fxs_sh_vector errors[FXS_CHUNK];   /* original minus coded SH coefficients, palette units */
 } coder;
 
-/* Adds half the errors of earlier overlapping Gaussians to the vector of Gaussian i. The sum of the errors is
-   shortened to at most the vector's length. */
+/* Adds half the errors of earlier overlapping Gaussians to the vector, at most the vector's length. */
 static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
 {
     const uint32_t first = i > WINDOW ? i - WINDOW : 0;
@@ -302,8 +293,7 @@ static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-/* Adds the error of `coded`, in palette units, to the losses. Each channel has its own sum, so that additions
-   overlap in the pipeline. */
+/* Each channel has its own sum of errors, so that additions overlap in the pipeline. */
 static inline void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
 {
     const double unit = ldexp(1, -p->unit_exponent), step = (double)item->step;

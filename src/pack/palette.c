@@ -1,7 +1,7 @@
-/* Learns palettes of SH coefficients. Each stage of a palette has its own entries and codes the residual of the
+/* Learns palettes of SH coefficients. A palette has several stages of entries; each stage codes the residual of the
  * preceding stages. A stage is learned by k-means with signed entries: first the middles of groups of GROUP
- * entries, then the entries of each group. After all stages, joint rounds move all entries towards the sums that
- * Gaussians choose. Last, the entries are quantised to 8 bits with a common step. */
+ * entries, then the entries of each group. Joint rounds then move all entries towards the sums that Gaussians
+ * choose. Last, the entries are quantised to 8 bits with a common step. */
 #include "palette.h"
 
 #include <float.h>
@@ -21,9 +21,8 @@ enum {
     JOBS = 16
 };
 
-/* Returns the largest number of entries that keeps the packed scene within 40 bytes per Gaussian, 20 in profile
-   small. The palette gets at least 0.1 bytes per Gaussian. Below 10,000 Gaussians, the palette gets at least 0.4
-   bytes per Gaussian, because quality matters more there than the limit. */
+/* Keeps the packed scene within 40 bytes per Gaussian, 20 in profile small. The palette gets at least 0.1 bytes per
+   Gaussian, or 0.4 bytes in scenes below 10,000 Gaussians. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
@@ -60,8 +59,7 @@ static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
         to[d] = hold(sign * from[d]);
 }
 
-/* Computes the squared lengths of a stage's vectors. Unused entries and groups get NEVER, so that no search takes
-   them. */
+/* Unused entries and groups get NEVER, so that no search takes them. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
@@ -73,14 +71,14 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* sample vectors, minus the chosen entries of the finished stages */
+    fxs_sh_vector *vectors;        /* sample, minus the chosen entries of the finished stages */
     uint32_t count;
-    uint8_t (*indices)[STAGES];    /* per sample vector: chosen entry of each stage */
-    int32_t (*sums)[WIDTH];        /* per entry: sum of its assigned vectors, at most 2^14 vectors */
-    int32_t *total;                /* per entry: number of its assigned vectors */
+    uint8_t (*indices)[STAGES];
+    int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, at most 2^14 vectors */
+    int32_t *total;
     const fxs_pack_options *options;
     uint32_t rounds, stage;
-    int32_t most;                  /* largest coefficient of the means of the sampled chunks, palette units */
+    int32_t most;                  /* largest coefficient of the means of the sampled chunks */
 } learner;
 
 static int stopped(learner *l)
@@ -108,7 +106,6 @@ static void find_group(void *argument, uint32_t job)
                                                               groups_of(p), l->vectors[i]);
 }
 
-/* Finds the nearest entry to each vector within the vector's current group of entries. */
 static void find_entry(void *argument, uint32_t job)
 {
     const learner *l = argument;
@@ -128,14 +125,12 @@ static void add_to(learner *l, uint32_t entry, const fxs_sh_vector vector, int s
     l->total[entry]++;
 }
 
-/* Returns sum / total, rounded to nearest. */
 static int32_t mean_of(int32_t sum, int32_t total)
 {
     return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
-/* Sets each vector to keep * vector + mean of its assigned vectors; keep is 0 or 1. A vector without assigned
-   vectors stays unchanged. */
+/* Sets each vector to keep * vector + mean of its assigned vectors; keep is 0 or 1. */
 static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
     for (uint32_t j = 0; j < count; j++)
@@ -145,7 +140,6 @@ static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
     memset(l->total, 0, l->palette->entries * sizeof *l->total);
 }
 
-/* Runs LLOYD_ROUNDS rounds of k-means. `vectors` are the groups or the entries of the stage. */
 static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, void (*find_all)(void *, uint32_t))
 {
     for (uint32_t round = 0; round < LLOYD_ROUNDS; round++) {
@@ -180,8 +174,8 @@ static void begin_entries(learner *l)
     }
 }
 
-/* Learns a stage by k-means: first the groups, then the entries of each group. Groups start as vectors spread
-   evenly over the sample. Subtracts the chosen entries from the sample's vectors. */
+/* Groups start as vectors spread evenly over the sample. The chosen entries are subtracted from the sample's
+   vectors. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -198,7 +192,6 @@ static int learn_stage(learner *l, uint32_t stage)
     return 0;
 }
 
-/* Restores the sample's vectors by adding the chosen entries to the residuals. */
 static void add_sums(learner *l)
 {
     for (uint32_t i = 0; i < l->count; i++)
@@ -213,7 +206,6 @@ static void find_sums(void *argument, uint32_t job)
         l->stages->find(l->palette, l->vectors[i], l->indices[i]);
 }
 
-/* Runs one joint round: finds the best sum for each vector, then moves each stage's entries by the mean residual. */
 static void learn_jointly(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -232,7 +224,6 @@ static void learn_jointly(learner *l)
         prepare_stage(p, s);
 }
 
-/* Quantises the entries to 8 bits. The step also covers the means of the chunks. */
 static void quantise(fxs_palette *p, int32_t most)
 {
     for (uint32_t s = 0; s < p->stages; s++)
@@ -288,7 +279,6 @@ static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, 
         p->unit_exponent--;
 }
 
-/* Takes every step-th Gaussian, minus the mean of its chunk, as a vector to learn from. */
 static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     l->count = 0;
@@ -312,7 +302,7 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
     }
 }
 
-/* Learns the first two stages from a sample. Returns the remaining squared error, or -1 if stopped. */
+/* Learns two stages from a sample. Returns the remaining squared error, or -1 if stopped. */
 static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step, int centred)
 {
     double sum = 0;
@@ -326,7 +316,7 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
     return sum;
 }
 
-/* Learns all stages. The means of the chunks are subtracted only if subtraction lowers the error. */
+/* The means of the chunks are subtracted only if subtraction lowers the error. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     const double plain = try_sample(l, items, count, 4 * step, 0);
@@ -415,7 +405,7 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
-/* Computes the middle of each group of entries, because a packed scene does not store the middles. */
+/* Computes the middles of the groups of entries, because a packed scene does not store middles. */
 static void find_middles(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t g = 0; g < groups_of(p); g++) {

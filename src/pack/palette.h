@@ -1,7 +1,6 @@
 /* Codes spherical-harmonics (SH) coefficients as the mean of a chunk plus a signed entry from each of several
  * palettes. A chunk is 256 Gaussians. The method is residual vector quantisation (Juang and Gray 1982). Each
- * palette is learned by k-means (Lloyd 1982) on the residual of the preceding palettes. All vectors are integers,
- * so the result is the same on every machine. */
+ * palette is learned by k-means (Lloyd 1982). */
 #ifndef FXS_PALETTE_H
 #define FXS_PALETTE_H
 
@@ -15,13 +14,12 @@
 /* SH coefficients of a Gaussian, kept until the scene's palette is known; 64 bytes. */
 typedef struct fxs_sh_item {
     float position[3];
-    float step;                        /* an SH coefficient is code * step */
+    float step;
     int16_t area;                      /* 8 log2 of the product of the two largest sigmas */
     uint8_t opacity;                   /* opacity times 255; 0: invisible, or no Gaussian */
     int8_t codes[45];                  /* red, green and blue code of each SH coefficient */
 } fxs_sh_item;
 
-/* Fills in an item from a Gaussian. `opacity` is 0 to 1. */
 void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
 /* SH coefficients in palette units: 16 of red, 16 of green, 16 of blue. The 16th of each channel is always 0. */
@@ -37,7 +35,7 @@ typedef struct fxs_palette {
     int centred;                       /* 1: entries code differences from the chunks' means; 0: all means are 0 */
     int32_t step;                      /* quantisation step of the packed entries, 1 to 10 palette units */
     fxs_sh_vector vectors[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];
-    int32_t squares[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];   /* squared length of each entry */
+    int32_t squares[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];
     fxs_sh_vector groups[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];   /* mean of each 8 consecutive entries */
     int32_t group_squares[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
 } fxs_palette;
@@ -46,17 +44,17 @@ typedef struct fxs_palette {
    palette. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
-/* A palette is learned from a sample of about 2^14 Gaussians and the means of their chunks. The caller passes the
-   items of the sampled chunks only, FXS_CHUNK items per chunk. fxs_palette_sample returns the number of items for a
-   scene of `count` Gaussians, at most 2^22 + FXS_CHUNK. fxs_palette_sample_at returns the index of a chunk's first
-   item in the sample, or FXS_NOT_SAMPLED. */
+/* A palette is learned from a sample of about 2^14 Gaussians. The caller passes the items of the sampled chunks
+   only, FXS_CHUNK items per chunk. fxs_palette_sample returns the number of items for a scene of `count` Gaussians,
+   at most 2^22 + FXS_CHUNK. fxs_palette_sample_at returns the index of a chunk's first item in the sample, or
+   FXS_NOT_SAMPLED. */
 #define FXS_NOT_SAMPLED UINT32_MAX
 uint32_t fxs_palette_sample(uint32_t count);
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
 
 /* Learns the palette of a scene of `count` Gaussians from the sample `items`. The caller sets palette->profile and
-   sh_degree. `entries` is the result of fxs_palette_entries_for. options->run must not be null. options->progress
-   gets 0 to 1. Returns 0, or an error and a message: out of memory, or stopped. */
+   sh_degree. `entries` is the result of fxs_palette_entries_for. options->run must not be null. Returns 0, or an
+   error and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 
@@ -64,12 +62,11 @@ int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item 
 int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
                        const fxs_pack_options *options, fxs_message *message);
 
-/* Validates a palette from a file and computes its squared lengths. Returns 0 if a field is out of range or the
-   palette does not have `entries` entries per stage, else 1. */
+/* Validates a palette from a file, which must have `entries` entries per stage. Returns 1, or 0 if a field is
+   invalid. */
 int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
 
-/* Reads the palette of an open packed scene, to code more Gaussians with the same palette. The scene must have a
-   palette. */
+/* Reads the palette of an open packed scene, which must have a palette. */
 void fxs_palette_of_scene(fxs_palette *palette, const fxs_scene *scene);
 
 /* Returns the quantisation step of the packed palette in Q19. */
@@ -78,12 +75,11 @@ uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 /* Writes the entries of all stages in the format of a packed scene. */
 void fxs_palette_write(const fxs_palette *palette, int8_t *to);
 
-/* Largest error and sum of squared errors of coded SH coefficients. */
 typedef struct fxs_sh_loss {
     double largest, squares;
 } fxs_sh_loss;
 
-/* Codes the SH coefficients of a chunk of `count` Gaussians. Writes the chunk's mean and one record per Gaussian,
+/* Codes the SH coefficients of a chunk of `count` Gaussians. Writes the chunk's mean and a record per Gaussian,
    records `stride` bytes apart. The error of a Gaussian is diffused to later overlapping Gaussians of the chunk. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);

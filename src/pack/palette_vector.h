@@ -14,7 +14,6 @@ enum {
     FXS_PALETTE_WIDTH = (int)FXS_PALETTE_STRIDE
 };
 
-/* A cost and its index in an array of costs. */
 typedef struct fxs_pack_place {
     int32_t cost;
     uint32_t place;
@@ -50,7 +49,6 @@ static inline void subtract(fxs_sh_vector vector, const fxs_sh_vector from)
         vector[d] = (int16_t)(vector[d] - from[d]);
 }
 
-/* Subtracts the palette entry of a signed index from the vector. */
 static inline void subtract_entry(fxs_sh_vector vector, const fxs_palette *p, uint32_t stage, uint32_t index)
 {
     const int16_t *entry = p->vectors[stage][index % FXS_PALETTE_ENTRIES];
@@ -75,7 +73,6 @@ static inline uint32_t groups_of(const fxs_palette *p)
     return (p->entries + FXS_PALETTE_GROUP - 1) / FXS_PALETTE_GROUP;
 }
 
-/* Computes the mean of the vectors, weighted by the opacities of their items. */
 static inline void find_mean(fxs_sh_vector mean, fxs_sh_vector *vectors, const fxs_sh_item *items, uint32_t count)
 {
     int32_t sums[FXS_PALETTE_STRIDE] = {0}, weight = 0;

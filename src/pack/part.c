@@ -1,5 +1,4 @@
-/* Computes and validates the layout of a part file, a separately packed run of chunks of a scene. A chunk is 256
-   Gaussians. */
+/* Computes and validates the layout of a part file, a separately packed run of chunks of a scene. */
 #include "part.h"
 
 #include <string.h>

@@ -30,15 +30,15 @@
 #define FXS_PART_VERSION 1u
 #define FXS_PARTS_MOST 512                /* limited, because merging opens all parts at once */
 
-typedef struct fxs_part_header {          /* size: 64 bytes */
+typedef struct fxs_part_header {
     uint32_t magic, version;
-    uint32_t program;                     /* FXS_VERSION_NUMBER of the writing program */
+    uint32_t program;
     uint32_t number, count;               /* number of the part, 1..count, and number of all parts */
-    uint32_t first, chunk_count;          /* first chunk of the part, and number of its chunks */
+    uint32_t first, chunk_count;
     uint32_t node_count, top_count;
     uint32_t source[2];                   /* hash of all Gaussians of the source file, in file order */
     uint32_t boxes;                       /* CRC-32 of the boxes of all chunks of the scene, as little-endian floats */
-    int32_t unit_exponent, centred;       /* copies of the fields of fxs_palette */
+    int32_t unit_exponent, centred;
     uint32_t head_checksum;               /* CRC-32 of all bytes before the rows, with both header checksums 0 */
     uint32_t tree_checksum;               /* CRC-32 of the node sums, node headers and topmost nodes */
 } fxs_part_header;
@@ -50,13 +50,11 @@ static inline void fxs_part_header_turn(fxs_part_header *header)
     fxs_little_endian(header, 0, sizeof *header / 4, 4);
 }
 
-/* Byte offsets of the sections of a part, and the size of the part. */
 typedef struct fxs_part_layout {
     uint64_t scene, chunks, palette, groups, rows, sums, node_chunks, node_rows, tops, bytes;
 } fxs_part_layout;
 
-/* Computes the layout of a part. Both headers are in native byte order. Returns 0, or FXS_ERR_FILE if a header is
-   invalid or the headers disagree. */
+/* Both headers are in native byte order. Returns 0, or FXS_ERR_FILE if a header is invalid or the headers disagree. */
 int fxs_part_lay_out(fxs_part_layout *layout, const fxs_part_header *part, const fxs_packed_header *scene);
 
 /* Returns the first chunk of part `number`, 1..count. For number = count + 1, returns the number of chunks. */
@@ -66,10 +64,9 @@ uint32_t fxs_part_first(uint32_t chunks, uint32_t number, uint32_t count);
 uint32_t fxs_part_add_box(const fxs_crc32_table *table, uint32_t checksum, const float box[6]);
 
 /* Packs part `number` of `count` parts, count 1 to FXS_PARTS_MOST. Gaussians get the same codes as from fxs_pack.
-   The whole file is read as often as by fxs_pack, but only the part's headers and rows are in memory. The report is
-   for the whole scene, without losses. `part` gets the layout above with all checksums 0; free it with
-   fxs_packed_scene_free. Returns FXS_ERR_ARGUMENT if the scene has fewer chunks than parts; other errors are those
-   of fxs_pack. */
+   The whole file is read, but only the part's headers and rows are in memory. The report is for the whole scene,
+   without losses. All checksums of `part` are 0; free it with fxs_packed_scene_free. Returns FXS_ERR_ARGUMENT if
+   the scene has fewer chunks than parts. */
 int fxs_pack_part(fxs_scene_file *file, const fxs_scene_file_info *info, uint32_t number, uint32_t count,
                   fxs_packed_scene *part, fxs_pack_report *report, const fxs_pack_options *options,
                   fxs_message *message);

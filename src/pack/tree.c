@@ -1,8 +1,7 @@
 /* Builds the level-of-detail tree of a packed scene. A leaf is a chunk of 256 Gaussians of the scene. A node is a
    chunk of Gaussians merged from the node's two children. A run of consecutive leaves is cut in two where the sum
    of the costs of the two boxes is smallest; then each half is cut again. Nodes are built depth first, so that few
-   chunks are in memory at once. Nodes are numbered by descending number of leaves, then by first leaf. If a scene
-   is packed in parts, each part builds the nodes with all leaves in the part's run. */
+   chunks are in memory at once. Nodes are numbered by descending number of leaves, then by first leaf. */
 #include "tree.h"
 
 #include <float.h>
@@ -28,18 +27,17 @@ enum {
 #define SEEN 0.55                      /* visible share of a Gaussian's area: 0.5 for a disc, 0.58 for a ball */
 
 typedef struct node {
-    uint32_t first, leaves;            /* run of leaves below the node */
+    uint32_t first, leaves;
     uint32_t children[2];              /* indices of nodes, or number of nodes + index of a leaf */
     uint32_t parent, number;
-    uint32_t part, at;                 /* part that built the node, or FXS_TREE_ABOVE; index of the node's chunk in
-                                          that part */
+    uint32_t part, at;                 /* part that built the node; index of the node's chunk in that part */
     fxs_node_sums sums;
 } node;
 
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
-    double opacity;                    /* sum of the drawn opacities of all leaves below */
+    double opacity;
     fxs_range reach[3];                /* range of the centres of all chunks below */
     float scale;                       /* log2 of the largest sigma of all chunks below */
 } held;
@@ -52,12 +50,11 @@ typedef struct worker {
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
 } worker;
 
-/* A group of nodes that are opened together. */
 typedef struct group {
     double sum, nodes;
-    uint32_t heap;                     /* root of a leftist heap of the groups below, by gain; or NONE */
-    uint32_t left, right, rank;        /* links in the heap of the group above */
-    uint32_t into;                     /* group that absorbed this group, or NONE */
+    uint32_t heap;                     /* root of a leftist heap of the groups below, by gain */
+    uint32_t left, right, rank;
+    uint32_t into;
 } group;
 
 typedef struct fxs_tree tree;
@@ -66,15 +63,15 @@ struct fxs_tree {
     const fxs_tree_source *source;     /* reads parts; null: all leaves are in the run */
     fxs_pack_options options;
     fxs_encoder encoder;
-    uint32_t count;                    /* number of nodes, one less than the number of leaves */
+    uint32_t count;
     node *nodes;                       /* a node comes before its children */
     uint32_t *places;                  /* index of each node by its number */
     float (*boxes)[6];                 /* low and high corner of each leaf's box; only while planning */
-    float *costs;                      /* cost of the leaves right of each cut */
+    float *costs;
     uint32_t *subtrees, subtree_count; /* roots of the subtrees that jobs build */
-    uint32_t built;                    /* number of finished jobs */
+    uint32_t built;
     uint32_t large;                    /* nodes with more leaves build their first child first */
-    uint32_t limit;                    /* largest number of leaves of a job */
+    uint32_t limit;
     held **done;                       /* built nodes that wait for their parents, else null */
     worker *workers;
     uint32_t worker_count;
@@ -114,7 +111,6 @@ static float cost_of(const float box[6], uint32_t leaves)
     return (x * x + y * y + z * z) * (float)leaves;
 }
 
-/* Returns the number of leaves before the cheapest cut. */
 static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
 {
     uint32_t best = leaves / 2;
@@ -138,7 +134,6 @@ static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
     return best;
 }
 
-/* Cuts a node's run, then the runs of its descendants. `next` is the next free node. */
 static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
 {
     node *n = &t->nodes[place];
@@ -162,7 +157,6 @@ static int compare_keys(const void *a, const void *b)
     return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
 }
 
-/* Numbers the nodes by descending number of leaves, then by first leaf. */
 static int number_nodes(tree *t)
 {
     uint64_t (*keys)[2] = fxs_allocate(t->options.allocator, t->count, sizeof *keys);
@@ -250,7 +244,6 @@ static void read_leaf(const tree *t, uint32_t leaf, held *to)
     read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), t->run.rows + at * t->run.scene->chunk_bytes, to);
 }
 
-/* Copies Gaussians and sorts them along a Morton curve. */
 static void copy_sorted(held *to, const held *from)
 {
     fxs_order_entry order[FXS_CHUNK];
@@ -362,7 +355,7 @@ static int first_side(const tree *t, const node *n)
     return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
-/* Builds the subtree of a child into slot `at`. Building the larger child first bounds the slots by log2(leaves). */
+/* Building the child with more leaves first bounds the number of slots by log2(leaves). */
 static void build(tree *t, worker *w, uint32_t child, uint32_t at)
 {
     if (child >= t->count) {
@@ -391,7 +384,6 @@ static int note_built(const tree *t, uint32_t leaves)
     return t->options.progress ? t->options.progress(t->options.argument, leaves / all) : 0;
 }
 
-/* Returns 1 if options.progress stopped the build. */
 static int build_subtrees(tree *t)
 {
     for (uint32_t leaves = 0; t->built < t->subtree_count; t->built += t->worker_count) {
@@ -405,7 +397,6 @@ static int build_subtrees(tree *t)
     return note_built(t, t->run.end - t->run.first + 1);
 }
 
-/* Returns the Gaussians of a child. The caller frees them. */
 static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
 {
     const node *n = child < t->count ? &t->nodes[child] : NULL;
@@ -449,7 +440,6 @@ static int build_node(tree *t, uint32_t place, fxs_message *message)
     return error;
 }
 
-/* Builds the nodes above the jobs' subtrees, children first. */
 static int build_top(tree *t, fxs_message *message)
 {
     int error = 0;
@@ -466,7 +456,6 @@ static int is_subtree(const tree *t, uint32_t place)
     return is_own(t, n) && n->leaves <= t->limit && (!above || !is_own(t, above) || above->leaves > t->limit);
 }
 
-/* Finds the roots of the jobs' subtrees, largest subtree first. */
 static int find_subtrees(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -487,7 +476,6 @@ static int find_subtrees(tree *t)
     return error;
 }
 
-/* Allocates the workers, each with about log2(leaves of the largest job) slots. */
 static int make_workers(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -529,7 +517,7 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
 
 /* Groups nodes that share a gain. Opening a node replaces it by its children, which can remove less error than
    opening the children. A node therefore absorbs the group below with the largest mean gain, while that gain
-   exceeds its own mean. */
+   exceeds its own. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
@@ -662,7 +650,6 @@ void fxs_tree_count_within(const fxs_tree *t, uint32_t first, uint32_t end, uint
     }
 }
 
-/* Writes the sums and the topmost nodes, as input for merging the parts. */
 static void write_run(const tree *t)
 {
     const fxs_tree_run *r = &t->run;
@@ -868,8 +855,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Adds UNMEASURED times the present gains to the measured errors, in equal units. A node that no view shows thus
-   keeps a gain. */
+/* Adds UNMEASURED times the present gains to the measured errors, so that a node outside all views keeps a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;

@@ -1,6 +1,6 @@
 /* Builds the binary tree of levels of detail over the chunks of a packed scene. A chunk is 256 Gaussians. The
-   leaves of the tree are the chunks of the scene. A node is a chunk of merged Gaussians that replaces the leaves
-   below the node. A run is a range of consecutive leaves. */
+   leaves of the tree are the chunks of the scene. A node is a chunk of Gaussians merged from the node's children. A
+   run is a range of consecutive leaves. */
 #ifndef FXS_TREE_H
 #define FXS_TREE_H
 
@@ -10,16 +10,14 @@
 #include "palette.h"
 
 /* Writes a tree's nodes, chunks and rows behind the existing header of the tree. `scene` is open on `data`, the
-   whole packed scene. `palette` is the palette that coded the scene, or null. The result depends only on the leaves
-   and the palette. options->run must not be null. options->progress gets 0 to 1. Takes 6 MB of memory, 2 MB per
-   thread and 120 bytes per chunk. Returns 0, or an error and a message: out of memory, stopped, or compiled with
-   excess float precision. */
+   whole packed scene. `palette` is the palette that coded the scene, or null. options->run must not be null. Takes
+   6 MB of memory, 2 MB per thread and 120 bytes per chunk. Returns 0, or an error and a message: out of memory,
+   stopped, or compiled with excess float precision. */
 int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
                    fxs_message *message);
 
 /* Steps for a scene that is built in separate parts. A part builds the nodes with all leaves in the part's run. The
-   shape of the tree follows from the boxes of all leaves. The nodes above are merged from the parts' topmost nodes
-   and leaves. */
+   nodes above are merged from the parts' topmost nodes and leaves. */
 
 typedef struct fxs_tree fxs_tree;
 
@@ -30,7 +28,7 @@ void fxs_chunk_box(const fxs_chunk *chunk, float box[6]);
 /* Computes the boxes of chunks from their little-endian headers. */
 void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6]);
 
-/* Plans the shape of the tree over `leaves` chunks, at least 2, from their boxes. Copies the options. Returns 0, or
+/* Plans the shape of the tree over at least 2 leaves from their boxes. Copies the options. Returns 0, or
    FXS_ERR_MEMORY and a message. Free *tree with fxs_tree_free in either case; null is accepted. */
 int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], uint32_t leaves, const fxs_pack_options *options,
                   fxs_message *message);
@@ -43,8 +41,8 @@ void fxs_tree_count_within(const fxs_tree *tree, uint32_t first, uint32_t end, u
 /* Properties of a node besides its chunk; little-endian in files. */
 typedef struct fxs_node_sums {
     double error, size;                /* sums of merge errors, as in fxs_merge_error */
-    double opacity, own, area;         /* sums of opacities: of the leaves below; of the node's Gaussians; of the
-                                          node's Gaussians times their areas */
+    double opacity, own, area;         /* sums of opacities: of the leaves below, of the node's Gaussians, and of
+                                          opacity times area */
 } fxs_node_sums;
 
 static inline void fxs_node_sums_turn(fxs_node_sums *sums)
@@ -58,11 +56,10 @@ enum { FXS_TREE_TOP_HEAD = 64, FXS_TREE_TOP_BYTES = FXS_TREE_TOP_HEAD + FXS_CHUN
 
 /* A run of leaves, and the memory for the nodes of the run, in ascending order of node number. */
 typedef struct fxs_tree_run {
-    const fxs_scene *scene;            /* gives the profile, the SH degree, the bytes per chunk and the packed
-                                          palette */
+    const fxs_scene *scene;
     const fxs_palette *palette;        /* palette that coded the leaves, or null */
-    uint32_t first, end;               /* leaves first..end - 1 of the scene */
-    const unsigned char *chunks, *rows;        /* headers and rows of the leaves */
+    uint32_t first, end;               /* the run is leaves first..end - 1 */
+    const unsigned char *chunks, *rows;
     unsigned char *node_chunks, *node_rows;
     unsigned char *sums, *tops;        /* fxs_node_sums of all nodes, and topmost nodes; null: not written */
 } fxs_tree_run;
@@ -100,8 +97,8 @@ uint32_t fxs_tree_find(const fxs_tree *tree, uint32_t number, uint32_t *at);
 /* Writes the node records of a packed scene, after all nodes are built. Returns 0, or FXS_ERR_MEMORY and a message. */
 int fxs_tree_write(const fxs_tree *tree, unsigned char *nodes, fxs_message *message);
 
-/* Changes the Gaussians of an existing tree's nodes and the gains of opening nodes. Opening a node replaces the
-   node by its children. Not thread-safe. */
+/* Changes the Gaussians of a tree's nodes, and the gains of opening nodes. Opening a node replaces the node by its
+   children. Not thread-safe. */
 typedef struct fxs_tree_editor fxs_tree_editor;
 
 /* Begins an edit. `scene` is open on `data`, has a validated tree, and outlives the editor. Returns 0, or an error

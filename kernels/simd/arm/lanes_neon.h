@@ -51,7 +51,6 @@ static inline void load_fours(vi words[4], const int32_t *from, int stride, cons
     transpose_4(words, words + 1, words + 2, words + 3);
 }
 
-/* Stores a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const int32x4x2_t pairs = {{(int32x4_t)a, (int32x4_t)b}};
@@ -75,7 +74,7 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)pairs.val[1];
 }
 
-/* Stores the lanes of `which` in order, without gaps. Always writes a whole vector. */
+/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     store(to, (vi)vqtbl1q_u8((uint8x16_t)x, (uint8x16_t)load(compress_order[bits(which)])));
@@ -117,7 +116,7 @@ static inline vu shift_right(vu x, vi shift)
     return shift_left(x, -shift);
 }
 
-/* Returns x * 2^-shift, rounded to nearest; large shifts give 0. shift is 1 to 127. */
+/* Returns x * 2^-shift, rounded to nearest; shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (vu)vrshlq_u32((uint32x4_t)x, (int32x4_t)-shift);
@@ -126,7 +125,6 @@ static inline vu scale_down(vu x, vi shift)
 /* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 #define round_shift(x, shift) ((vi)vrshrq_n_s32((int32x4_t)(x), shift))
 
-/* Counts leading zeros; 32 for 0. */
 static inline vi clz(vu x)
 {
     return (vi)vclzq_u32((uint32x4_t)x);
@@ -163,7 +161,6 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.low << shift, x.high << shift};
 }
 
-/* Returns a | abs(b). */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.low | (vw)vabsq_s64((int64x2_t)b.low), a.high | (vw)vabsq_s64((int64x2_t)b.high)};
@@ -212,7 +209,6 @@ static inline vu top_half(wide x, vi shift)
                             (vw)vshlq_u64((uint64x2_t)x.high, vmovl_high_s32((int32x4_t)shift))});
 }
 
-/* Newton's method, as in src/include/fixsplat/fixed.h. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - high_half(mul_wide_u(m, (vu)all(2021161081)));
@@ -231,7 +227,7 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* 8 words, or 16 numbers of 16 bits, of one Gaussian. */
+/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -248,7 +244,6 @@ static inline void store_6(void *to, octet x)
     vst1_s32((int32_t *)to + 4, vget_low_s32((int32x4_t)x.high));
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     (void)first;
@@ -274,7 +269,6 @@ static inline octet add_16(octet x, const int8_t *from, int negative)
                    (vi)vmlal_s8((int16x8_t)x.high, vget_high_s8(entry), sign)};
 }
 
-/* Returns the dot product of x and y in four partial sums. */
 static inline int32x4_t products(octet x, octet y)
 {
     const int16x8_t a = (int16x8_t)x.low, b = (int16x8_t)x.high, c = (int16x8_t)y.low, d = (int16x8_t)y.high;
@@ -290,8 +284,7 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = vaddvq_s32(products(x[i], y));
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is shifted to the top of a 16-bit
-   window. */
+/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) 3 * (k) / 8, 3 * (k) / 8 + 1
@@ -317,7 +310,6 @@ static inline factor factor_of(vi first, vi last)
     return vuzp1q_s16((int16x8_t)first, (int16x8_t)last);
 }
 
-/* Adds codes * x to the sums, one code per Gaussian. */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     const int16x8_t code = vmovl_s8(vld1_s8(codes));
@@ -332,7 +324,7 @@ static inline vh all_h(int x)
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* Rounded product like fxs_mul_q15, except that -32768 squared is 32767. Only coordinates below -4 are -32768, and
+/* Rounded product like fxs_mul_q15, except that -32768 squared is 32767. The difference has no effect, because
    either square is above every limit. */
 static inline vh mul_h(vh a, vh b)
 {
@@ -376,7 +368,6 @@ static inline vh pack_q13(vu a_q24, vu b_q24)
     return (vh)vqshrn_high_n_s32(vqshrn_n_s32((int32x4_t)a_q24, 11), (int32x4_t)b_q24, 11);
 }
 
-/* Returns the mask of pixels that are not yet opaque. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return (mask_h)vcgeq_s16((int16x8_t)transmittance_q15, vdupq_n_s16(FXS_CLOSED_Q15));
@@ -413,7 +404,6 @@ static inline uint32_t bits_h(mask_h which)
     return vaddvq_u16(vandq_u16((uint16x8_t)which, lanes));
 }
 
-/* Stores 8 RGBA pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint8x8x4_t rgba = {{vqmovun_s16((int16x8_t)r), vqmovun_s16((int16x8_t)g), vqmovun_s16((int16x8_t)b),
@@ -421,7 +411,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     vst4_u8(to, rgba);
 }
 
-/* Stores 8 RGBA pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint16x8x4_t rgba = {{(uint16x8_t)r, (uint16x8_t)g, (uint16x8_t)b, (uint16x8_t)a}};

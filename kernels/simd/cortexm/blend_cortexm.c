@@ -29,7 +29,6 @@ static inline int alpha_of(int level_q11, int half)
 
 #define FOUR_Q24 (4u << 24)        /* larger |v| are beyond every limit */
 
-/* A splat on a row of pixels. */
 typedef struct at_row {
     int32_t u_q24, ux_q24;         /* u at the first pixel, and its step per pixel */
     uint32_t per_u;                /* 2^32 / ux, rounded down */
@@ -92,7 +91,6 @@ static inline int blend_row(int16_t *t, const at_row *r)
     return closed;
 }
 
-/* Blends a splat into a tile; ux >= 0. Returns the number of pixels that became opaque. */
 static int blend_splat(fxs_tile *tile, uint8_t open[FXS_TILE], const fxs_view *view, const fxs_splat *splat, int32_t x,
                        int32_t y)
 {

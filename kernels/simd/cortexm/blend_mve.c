@@ -1,8 +1,7 @@
 /* Blends the splats of a tile with Helium, or traces them with auxiliary outputs. The splats of the tile's list are
- * taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches. The second
- * step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2 rows; its pixel (c,
- * r) is in lane 2 c + r. During blending, the tile's arrays hold one patch after another. The level of a pixel is
- * u^2 + v^2 + offset, and alpha is exp(-level / 2). */
+ * taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches of the
+ * tile. The second step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2
+ * rows, stored column by column. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
 #include "lanes_mve.h"
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
@@ -10,12 +9,12 @@
 #define GROUP 8
 #define COLUMNS 4
 #define ROWS 2
-#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* numbered row by row, four patches per two rows of pixels */
+#define PATCHES (FXS_TILE_PIXELS / GROUP)
 #define ACROSS (FXS_TILE / COLUMNS)
 #define FIRSTS 0x5555u             /* lower of the two predicate bits of each lane */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* Numbers of the splats of a group. The upper half of a word with a 16-bit number is undefined. */
+/* The upper half of a word with a 16-bit number is undefined. */
 enum word {
     U, UX, UY,                     /* Q24; u at the tile's first pixel, minus 2^10 */
     LIMIT, RED, GREEN, BLUE,       /* 16-bit numbers */
@@ -28,13 +27,12 @@ typedef struct group {
     uint16_t reached[PATCHES];     /* two bits per splat that may reach a pixel of the patch */
 } group;
 
-/* Numbers of entries 2 i and 2 i + 1 in lane i. Packed to 16 bits, entry i is in lane i. */
+/* Numbers of entries 2 i and 2 i + 1 in lane i. */
 typedef struct pair {
     vu even, odd;
 } pair;
 
-/* Numbers for finding the patches that the splats reach. u and v are 2^10 less than in fxs_splat, because packing
-   rounds. */
+/* u and v are 2^10 less than in fxs_splat, because packing rounds. */
 typedef struct outline {
     pair middle_q24, four_q24, two_q24;        /* u in the middle of a patch, 4 ux, 2 uy */
     pair v_q24, vy_q24;                        /* v on the tile's first row, and its step per row */
@@ -48,7 +46,6 @@ static inline vh add_cut(vh a, vh b)
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Packs numbers to 16 bits, rounded and saturated. */
 static inline vh pack_q13(pair q24)
 {
     const int16x8_t even = vqrshrnbq_n_s32((int16x8_t)q24.even, (int32x4_t)q24.even, 11);
@@ -65,7 +62,6 @@ static inline pair add(pair a, pair b)
     return (pair){a.even + b.even, a.odd + b.odd};
 }
 
-/* Returns a + n b. */
 static inline pair add_times(pair a, pair b, uint32_t n)
 {
     return (pair){(vu)vmlaq_n_u32((uint32x4_t)a.even, (uint32x4_t)b.even, n),
@@ -110,7 +106,6 @@ static inline pair word_of(const fxs_splat *splats, pair at, int i)
                   (vu)vldrwq_gather_shifted_offset_u32(word, (uint32x4_t)at.odd)};
 }
 
-/* Computes the u coordinates of a group of splats; ux >= 0. */
 static inline void place_across(group *g, outline *o, const fxs_splat *splats, pair at, uint32_t x, uint32_t y)
 {
     const pair ux = word_of(splats, at, 2), uy = word_of(splats, at, 3);
@@ -126,7 +121,6 @@ static inline void place_across(group *g, outline *o, const fxs_splat *splats, p
     o->middle_q24 = add(u, (pair){(vu)((vi)far.even >> 1), (vu)((vi)far.odd >> 1)});
 }
 
-/* Computes the v coordinates, limits and colours of a group of splats. */
 static inline void place(group *g, outline *o, const fxs_view *view, const fxs_splat *splats, pair at, uint32_t which,
                          uint32_t y)
 {
@@ -159,8 +153,7 @@ static inline void set_out_levels(group *g, outline *o)
     }
 }
 
-/* Finds the splats that reach the patches of two rows. A saturated coordinate is nearer to 0, so no splat is
-   missed. */
+/* A saturated coordinate is nearer to 0, so no splat that reaches a patch is missed. */
 static inline void set_out_rows(uint16_t reached[ACROSS], const outline *o, pair u_q24, vh least_q11)
 {
     for (uint32_t i = 0; i < ACROSS; i++) {
@@ -187,7 +180,6 @@ static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, co
     }
 }
 
-/* Returns the levels of the pixels of a patch at (x, y) in the tile. `splat` is the first word of a splat. */
 static inline vh level_of(const uint32_t *splat, uint32_t x, uint32_t y)
 {
     const uint32_t ux = splat[UX * GROUP], uy = splat[UY * GROUP], u = splat[0] + x * ux + y * uy;
@@ -233,7 +225,6 @@ ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred
             : "memory");
 }
 
-/* Adds a splat to the auxiliary outputs of the patch at index `at`. t is the transmittance before the splat. */
 static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q15, vh weight_q15, vh t)
 {
     if (trace->which & FXS_TRACE_MEAN) {
@@ -258,8 +249,7 @@ static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
     return (vh)vpselq_s16((int16x8_t)level, vdupq_n_s16(FXS_LEVEL_MAX_Q11), seen);
 }
 
-/* Blends a group of splats into a patch that at least one splat reaches. `trace` and `depths_q15` are null without
-   auxiliary outputs. Returns 1 while a pixel is not yet opaque. */
+/* Blends a group of splats into a patch that at least one splat reaches. Returns 1 while a pixel is not yet opaque. */
 ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, uint32_t patch, int number,
                               const int16_t *depths_q15)
 {
@@ -291,7 +281,7 @@ ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, 
     return vcmpgeq_n_s16((int16x8_t)p.t, FXS_CLOSED_Q15) != 0;
 }
 
-/* Returns a mask with two bits for each of 16 patches. The lower bit is set if the patch's number is not 0. */
+/* Returns a mask with two bits for each of 16 patches, of which the lower tells if the patch's number is not 0. */
 static inline uint32_t bits_of(const uint16_t numbers[16])
 {
     const uint32_t low = vcmpneq_n_u16(vldrhq_u16(numbers), 0), high = vcmpneq_n_u16(vldrhq_u16(numbers + 8), 0);
@@ -324,7 +314,6 @@ ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_view *
     }
 }
 
-/* Reorders an array of a tile from patches to rows of pixels. */
 static void rows_of_patches(int16_t array[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i += ROWS * FXS_TILE) {

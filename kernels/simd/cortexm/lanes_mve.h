@@ -41,7 +41,6 @@ static inline void load_fours(vi words[4], const int32_t *from, int stride, cons
         words[i] = (vi)vldrwq_gather_shifted_offset_s32(from + i, offset);
 }
 
-/* Stores a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const int32x4x2_t pairs = {{(int32x4_t)a, (int32x4_t)b}};
@@ -111,7 +110,7 @@ static inline vu shift_right(vu x, vi shift)
     return shift_left(x, -shift);
 }
 
-/* Returns x * 2^-shift, rounded to nearest; large shifts give 0. shift is 1 to 127. */
+/* Returns x * 2^-shift, rounded to nearest; shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (vu)vrshlq_u32((uint32x4_t)x, (int32x4_t)-shift);
@@ -120,7 +119,6 @@ static inline vu scale_down(vu x, vi shift)
 /* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 #define round_shift(x, shift) ((vi)vrshrq_n_s32((int32x4_t)(x), shift))
 
-/* Counts leading zeros; 32 for 0. */
 static inline vi clz(vu x)
 {
     return (vi)vclzq_u32((uint32x4_t)x);
@@ -169,7 +167,6 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.low << shift, x.high << shift | shift_left(x.low, all(shift - 32))};
 }
 
-/* Returns a | abs(b). */
 static inline wide or_magnitude(wide a, wide b)
 {
     const vu sign = (vu)((vi)b.high >> 31), low = b.low ^ sign, high = b.high ^ sign;
@@ -214,8 +211,7 @@ static inline vu top_half(wide x, vi shift)
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
 }
 
-/* Newton's method, as in src/include/fixsplat/fixed.h. a b >> 30 is the high half of 2 a times 2 b, because a and b
-   are below 2^31. */
+/* Newton's method. a b >> 30 is the high half of 2 a times 2 b, because a and b are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));
@@ -234,7 +230,7 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* 8 words, or 16 numbers of 16 bits, of one Gaussian. */
+/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -260,7 +256,6 @@ static inline void transpose_4(vi out[4], const vi rows[4])
         out[i] = load(words[i]);
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     vi low[4], high[4];
@@ -291,8 +286,7 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
                                (int16x8_t)y.high);
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each lane takes five codes and shifts one to
-   the top. */
+/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
     static const int16_t low_up[8] = {13, 10, 7, 4, 1, 13, 10, 7}, high_up[8] = {4, 1, 13, 10, 7, 4, 1, 0};
@@ -313,7 +307,6 @@ static inline factor factor_of(vi first, vi last)
     return first;
 }
 
-/* Adds codes * x to the sums, one code per Gaussian. */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += load_i8(codes) * x;
@@ -346,7 +339,6 @@ static inline vh most_h(vh a, vh b)
     return (vh)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Stores 8 RGBA pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint8x16_t rg = vqmovuntq_s16(vqmovunbq_s16(vdupq_n_u8(0), (int16x8_t)r), (int16x8_t)g);
@@ -358,7 +350,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     store(to + 16, load(pixels + 8));
 }
 
-/* Stores 8 RGBA pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint16x8x4_t rgba = {{(uint16x8_t)r, (uint16x8_t)g, (uint16x8_t)b, (uint16x8_t)a}};

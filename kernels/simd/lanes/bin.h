@@ -1,6 +1,6 @@
-/* Finds the tiles of LANES splats together, with the numbers of src/core/bin.c in 32 bits. The first pass finds
- * bounding boxes, and the tile masks of splats within one tile row. Taller splats that fit in an fxs_box are
- * collected until they fill a vector. The second pass finds the tiles of collected splats row by row. */
+/* Finds the tiles of LANES splats together. The first pass finds bounding boxes, and the tile masks of splats
+ * within one tile row. Taller splats that fit in an fxs_box are collected until they fill a vector. The second pass
+ * finds the tiles of collected splats row by row. */
 #include "lanes.h"
 #include "stages.h"
 
@@ -27,7 +27,7 @@ enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
 #define LOAD_FOURS(words, structs, member, at) \
     load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
 
-/* Computes the tile columns of the pixels between two x coordinates. Returns the lanes without a pixel. */
+/* Computes the tile columns between two x coordinates. Returns the lanes without a pixel. */
 static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi left_q8, vi right_q8)
 {
     vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
@@ -39,8 +39,8 @@ static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi
 typedef struct ellipse {
     vi v_q24, vy_q24;              /* v on the first pixel row of a tile row; step of v per pixel row */
     vi cx_q8, breadth_q8, shear_q8, reach_q8, margin_q8, r_q12, tangent;
-    vi first_column;               /* first tile column of the box */
-    vi first_row, more_rows;       /* tile rows of the box */
+    vi first_column;
+    vi first_row, more_rows;
 } ellipse;
 
 /* Moves the bits of six tiles in a row to the masks of three macro tiles of 2x2 tiles. */
@@ -49,7 +49,7 @@ static inline vi spread_row(vi tiles)
     return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
 }
 
-/* Stores the boxes of LANES splats; lanes in `none` get FXS_NOWHERE. */
+/* Stores boxes; lanes in `none` get FXS_NOWHERE. */
 static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi high, vi row, vi column, mask none)
 {
     const vi macro = (row >> 1) * (int32_t)fxs_macros(view->tiles_x) + (column >> 1);
@@ -119,7 +119,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
            greater(-r - 2, bottom_q12);
 }
 
-/* Returns the tiles of a tile row as a mask, with bit 0 for the first column of the box. */
+/* Returns the tiles of a tile row as a mask; bit 0 is the first column of the box. */
 static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
 {
     vi first, last;
@@ -128,7 +128,7 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
     return choose(none, all(0), (vi)tiles);
 }
 
-/* Finds the boxes of the first `count` splats of a list, at most LANES. All LANES indices must be valid. */
+/* Finds the boxes of `count` splats of a list, at most LANES. The list must hold LANES valid indices. */
 static void fill_boxes(const job *j, const list *l, uint32_t count)
 {
     fxs_box boxes[LANES];
@@ -157,7 +157,6 @@ static inline void append(const job *j, list *l, vi index, mask which)
     store(l->index, load(l->index + LANES));
 }
 
-/* Finds the boxes of splats i to i + LANES - 1. */
 static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t i)
 {
     vi splat[4], centre[4], shape[4], first, last;
@@ -173,12 +172,12 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
                 greater(all(FXS_BOX_TILES), last - column) & ~none;
     mask whole = fits & equal(first_tile_row, last_tile_row) & greater(all(FXS_NARROW), last - first) &
                  greater(first_row, all(0)) & greater(all(j->view->height - 1), last_row);
-    /* stores boxes within one tile row; taller boxes are stored later */
+    /* taller boxes are stored later */
     const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
     const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
     store_boxes(j->boxes + i, j->view, on_rows, all(0), first_tile_row, column, none);
     mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
-    /* one list per number of tile rows; list 0: splats near the top or bottom of their tile rows */
+    /* one list per number of tile rows; list 0: splats near the edge of a tile row */
     mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));
     vi list_number = choose(at_edge, all(0), last_tile_row - first_tile_row);
     for (int k = 0; k < FXS_BOX_TILES; k++) {

@@ -1,13 +1,13 @@
-/* Blends the splats of a tile, or traces them with auxiliary outputs. A tile is cut into patches of 2 * LANES
- * pixels: 8 columns, ROWS rows. The splats of the tile's list are taken in groups of 2 * LANES. The first step,
- * with one splat per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends
- * the splats of each patch. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
+/* Blends the splats of a tile, or traces them with auxiliary outputs. The tile is cut into patches of 8 columns and
+ * ROWS rows of pixels. The splats of the tile's list are taken in groups of 2 * LANES. The first step, with one
+ * splat per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends the
+ * splats of each patch. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
 #include "src/core/memory.h"
 #include "stages.h"
 
 #define GROUP (2 * LANES)
 #define ROWS (LANES / 4)
-#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* numbered row by row, two patches per row */
+#define PATCHES (FXS_TILE_PIXELS / GROUP)
 #define AHEAD 64                   /* prefetch distance in list entries */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
@@ -45,14 +45,13 @@ typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
 
-/* Auxiliary outputs of the pixels of a patch. */
 typedef struct kept {
     vh depth_q15, median, weight_q15, largest, end;
 } kept;
 
 /* Splats of a group, one per lane, in two vectors of 32-bit numbers. Entry 8 i + 4 j + k is in lane 4 i + k of
-   vector j, because packing to 16 bits takes 4 lanes of each vector in turn. 16-bit values are stored twice per
-   32-bit word, so that one broadcast fills a vector. */
+   vector j, the order of the packing instructions. 16-bit values are stored twice per word, so that one broadcast
+   fills a vector. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* u at the first pixel of each patch */
     vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the pixels outside pattern_q24, minus u of the pixels
@@ -63,7 +62,6 @@ typedef struct group {
     uint32_t reached[PATCHES];     /* per patch: mask of the splats that may reach a pixel */
 } group;
 
-/* Numbers for finding the patches that the splats reach. */
 typedef struct outline {
     vu u_q24[2], v_q24[2], vy_q24[2];          /* u and v at the first pixel of a row */
     vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to the patch's first pixel */
@@ -90,8 +88,7 @@ static inline vu twice(vi x)
     return (vu)(x & 65535) * 0x10001;
 }
 
-/* Sets at[place] to the indices of the next splats of the list, or of the first past its end. Returns a bit for
-   each valid entry. */
+/* Past the end of the list, repeats the first entry. Returns a bit for each valid entry. */
 static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
@@ -107,7 +104,6 @@ static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, 
     return which;
 }
 
-/* Computes vector j of each number of a group for the tile at pixel (x, y). Returns the offsets. */
 static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, const fxs_splat *splats,
                              const int32_t at[LANES], int32_t x, int32_t y)
 {
@@ -142,7 +138,6 @@ static inline vh level_at(const outline *o, vh v_q13)
     return add_level(mul_h(v_q13, v_q13), o->offset_q11);
 }
 
-/* Returns the mask of splats that may reach a patch, from the smallest level of its rows. */
 static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
 {
     const vh low = pack_q13(u_q24[0] + o->u_low_q24[0], u_q24[1] + o->u_low_q24[1]);
@@ -151,7 +146,7 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* Computes u of the next two patches, and the levels of their rows. v is extreme in the first and last row. */
+/* v is extreme in the first and last row of a patch. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
     vh v_q13[ROWS];
@@ -204,7 +199,6 @@ static inline vh alpha_of(vh level)
     return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
 }
 
-/* Adds a splat to the auxiliary outputs of a patch. t_q15 is the transmittance before the splat. */
 static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15, vh weight_q15, vh t_q15)
 {
     const vh number = all_h(entry);
@@ -244,8 +238,7 @@ ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
 }
 
-/* Blends a group of splats into a patch that at least one splat reaches. Returns nonzero while a pixel is not yet
-   opaque. */
+/* Returns nonzero while a pixel of the patch is not yet opaque. */
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {
@@ -269,7 +262,6 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
     return any_h(open);
 }
 
-/* Blends list entries first..end - 1. depths_q15 is null without auxiliary outputs. */
 ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               unsigned which, uint32_t first, uint32_t end)
@@ -291,7 +283,6 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
     }
 }
 
-/* Returns the index of a patch's first pixel in the arrays of a tile. */
 static inline int start_of(int patch)
 {
     return patch / 2 * ROWS * FXS_TILE + patch % 2 * 8;

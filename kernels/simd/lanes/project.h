@@ -1,14 +1,12 @@
-/* Projects LANES Gaussians of a chunk together, with the numbers of src/core/project.c. A chunk is 256 Gaussians.
- * The first pass finds the centres and drops Gaussians behind the camera or outside the picture. The second pass
- * finds the shapes of the remaining Gaussians and stores them without gaps. The C version handles rare chunks with
- * very large Gaussians. */
+/* Projects LANES Gaussians of a chunk together. The first pass over the chunk's 256 Gaussians finds the centres and
+ * drops Gaussians behind the camera or outside the picture. The second pass finds the shapes of the remaining
+ * Gaussians and stores them without gaps. The C version handles rare chunks with very large Gaussians. */
 #include "lane_codes.h"
 
 #ifndef AT_ONCE                    /* Gaussians per pass; fewer Gaussians need less stack */
 #define AT_ONCE FXS_CHUNK
 #endif
 
-/* Numbers per Gaussian that the second pass needs. */
 enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
 
 typedef struct survivors {
@@ -17,7 +15,7 @@ typedef struct survivors {
 } survivors;
 
 typedef struct centre {
-    vi camera[3];                  /* orthographic camera: x and y are clamped to +-plane_side */
+    vi camera[3];                  /* orthographic camera: x and y are clamped */
     vi zeros_of_z, zeros, inverse_q30, slope_q23[2], position_q14[2];
 } centre;
 
@@ -29,7 +27,7 @@ static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
     return (vi)narrow(offset_wide(x, cv->base_q16[i]), 16);
 }
 
-/* Sets the depth for projection. Returns the lanes that are not too far off the camera's axis. */
+/* Returns the lanes that are not too far off the camera's axis. */
 static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chunk_view *cv)
 {
     vi *x = &c->camera[0], *y = &c->camera[1], z = c->camera[2];
@@ -47,8 +45,8 @@ static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chun
     return greater(z, *x >> 6) & greater(z, -*x >> 6) & greater(z, *y >> 6) & greater(z, -*y >> 6);
 }
 
-/* Sets the slope and the position on one axis. Returns the lanes not too far off the picture. With 2^30 - 1 added,
-   -2^30 < position < 2^30 is a test of the high bits. */
+/* Returns the lanes not too far off the picture. With 2^30 - 1 added, -2^30 < position < 2^30 is a test of the high
+   bits. */
 static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t up = FXS_CENTRE_LIMIT_Q14 - 1;
@@ -82,8 +80,7 @@ static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, con
     return shift_left(mantissa, zeros);
 }
 
-/* Returns the lanes on the picture and not wholly in its hidden part. The radius 3.5 (2^exponent + 1) is clamped to
-   the limit of centres. */
+/* Returns the lanes on the picture and not wholly in its hidden part. */
 static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
@@ -102,7 +99,7 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros_of_z) >> 5 & 0x3ffffff));
 }
 
-/* Finds the centres of Gaussians i to i + LANES - 1. Returns 0 if the C version must project the chunk. */
+/* Finds the centres of LANES Gaussians. Returns 0 if the C version must project the chunk. */
 static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
@@ -161,7 +158,7 @@ static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
     return least(FXS_AXIS_BITS_LEAST(profile) + (5 * gap >> 16), all(FXS_AXIS_BITS_MOST(profile)));
 }
 
-/* Decodes rotation words to axes. Returns the lanes with a valid rotation word. */
+/* Returns the lanes with a valid rotation word. */
 static inline mask read_axes(axes *out, vi word, vi bits)
 {
     const vu y_word = shift_left((vu)word, bits), roll_word = shift_left(y_word, bits);
@@ -196,8 +193,7 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
     return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
 }
 
-/* Computes the screen axes T = J W R S from Jacobian J, view W, rotation R and scales S. Returns the lanes with a
-   valid rotation word. */
+/* Computes the screen axes T = J W R S from Jacobian J, view W, rotation R and scales S. */
 static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
                                const survivors *s, uint32_t at)
 {
@@ -365,8 +361,7 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
 }
 
-/* Appends the structures of the lanes in `which`. Writes every lane; the next structure overwrites an unwanted
-   structure. */
+/* Writes every lane; the next structure overwrites an unwanted structure. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[WORDS], const vi bound[WORDS],
                           unsigned which)
 {
@@ -409,8 +404,8 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
 
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
-/* Returns the number of visible Gaussians, an FXS_ERR_* code, or LEFT_TO_C. Not inlined, so that the stack is free
-   before the C version runs. */
+/* Returns the number of visible Gaussians, an FXS_ERR_* code, or LEFT_TO_C. Not inlined, to free the stack before
+   the C version runs. */
 static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
                                                        outputs out)
 {

@@ -1,6 +1,5 @@
-/* Computes the colours of PARTS vectors of Gaussians together, with the numbers of src/core/shade.c. Neighbours in
- * a chunk of 256 Gaussians are shaded together, visible or not. The colours of visible Gaussians are copied to
- * their splats. */
+/* Computes the colours of PARTS vectors of Gaussians together. Neighbours in a chunk of 256 Gaussians are shaded
+ * together, visible or not. The colours of visible Gaussians are copied to their splats. */
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
@@ -70,7 +69,6 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
     b[14] = -2 * mul_q15(scale_q15(Q15(590044), x), divide(xx - 3 * yy, 1));
 }
 
-/* Neighbours in a chunk that are shaded together. */
 typedef struct neighbours {
     uint32_t start, end;           /* range in the chunk's list of visible Gaussians */
     uint32_t first, wanted;        /* index of the first neighbour; mask of visible neighbours */
@@ -112,7 +110,6 @@ static inline void add_band(vi sum_q16[PARTS], const vi band_q15[PARTS], int32_t
         sum_q16[part] += round_shift(round_shift(band_q15[part], 10) * step_q19, 8);
 }
 
-/* Adds the colours of SH degrees 1 and up. `codes` points to the SH codes of the first Gaussian. */
 static inline void add_bands(vi sum_q16[3][PARTS], const int8_t *codes, vi b_q15[PARTS][16],
                              const uint16_t step_q19[3], int degree)
 {
@@ -148,8 +145,8 @@ static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *re
     return s;
 }
 
-/* Adds the palette's share of the colour to the wanted lanes, one lane after another, because their palette entries
-   lie far apart. */
+/* Adds the palette's share of the colour, one lane after another, because the palette entries of the lanes lie far
+   apart. */
 static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, const fxs_chunk *header,
                                const unsigned char *rows, uint32_t first, vi b_q15[PARTS][16], int degree,
                                uint32_t wanted)
@@ -177,8 +174,7 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
             sum_q16[c][part] += load(more_q16[c] + part * LANES);
 }
 
-/* Computes colours, at least for the lanes in n->wanted. Not inlined, because constants would be saved around calls
-   of the C version. */
+/* Not inlined, because constants would be saved around calls of the C version. */
 static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
                                               const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header,
                                               const unsigned char *rows)
@@ -208,7 +204,7 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
     }
 }
 
-/* Collects the neighbours of visible Gaussian i. Returns the first visible Gaussian after the neighbours. */
+/* Returns the first visible Gaussian after the neighbours of Gaussian i. */
 static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, uint32_t i, uint32_t count)
 {
     const uint32_t first = indices[i] & ~(GROUP - 1u);

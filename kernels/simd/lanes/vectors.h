@@ -1,7 +1,6 @@
 /* Vectors of LANES numbers, with the vector extensions of GCC and clang. The operators + - * & | ~ and shifts by a
  * constant work on vectors. The header of each instruction set, such as kernels/simd/x86/lanes_avx2.h, has the
- * other operations. That header first defines ISA, the name of the instruction set, and LANES, the number of 32-bit
- * lanes: 4, 8 or 16. */
+ * other operations. That header first defines ISA, the name of the instruction set, and LANES: 4, 8 or 16. */
 #ifndef FXS_VECTORS_H
 #define FXS_VECTORS_H
 
@@ -37,7 +36,6 @@ static inline void store(void *to, vi x)
     *(anywhere *)to = (__typeof__(*(anywhere *)to))x;
 }
 
-/* Returns base + step * (0, 1, 2, ...), modulo 2^32. */
 static inline vu ramp(uint32_t base, uint32_t step)
 {
     return base + step * (vu)load(lane_numbers);

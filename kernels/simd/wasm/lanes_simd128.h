@@ -48,7 +48,6 @@ static inline void load_fours(vi words[4], const int32_t *from, int stride, cons
     transpose_4(words, rows);
 }
 
-/* Stores a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     store(to, (vi)wasm_i32x4_shuffle((v128_t)a, (v128_t)b, 0, 4, 1, 5));
@@ -72,7 +71,7 @@ static inline unsigned bits(mask which)
     return wasm_i32x4_bitmask((v128_t)which);
 }
 
-/* Stores the lanes of `which` in order, without gaps. Always writes a whole vector. */
+/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     store(to, (vi)wasm_i8x16_swizzle((v128_t)x, (v128_t)load(compress_order[bits(which)])));
@@ -103,16 +102,15 @@ static inline vi most(vi a, vi b)
     return (vi)wasm_i32x4_max((v128_t)a, (v128_t)b);
 }
 
-/* Counts leading zeros by the exponent of x as a float; 32 for 0. Clearing the 8th bit below the highest stops
-   rounding from carrying into the exponent. From 2^31 on, the float is negative. */
+/* Reads leading zeros from the exponent of x as a float. Clearing the 8th bit below the highest stops rounding from
+   carrying into the exponent. From 2^31 on, the float is negative. */
 static inline vi clz(vu x)
 {
     const vu exponent = (vu)wasm_f32x4_convert_i32x4((v128_t)(x & ~(x >> 8))) >> 23;
     return least(most((vi)(158 - exponent), all(0)), all(32));
 }
 
-/* Returns 2^shift per lane; a shift of 32 to 127 or -128 to -1 gives 0. A table gives each byte of the power;
-   indices outside the table give 0. */
+/* Returns 2^shift per lane, or 0 for a shift of 32 to 127 or -128 to -1. A table gives each byte of the power. */
 static inline vu power(vi shift)
 {
     const v128_t bits = wasm_i8x16_const(1, 2, 4, 8, 16, 32, 64, -128, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -153,7 +151,6 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.low << shift, x.high << shift};
 }
 
-/* Returns a | abs(b). */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.low | (vw)wasm_i64x2_abs((v128_t)b.low), a.high | (vw)wasm_i64x2_abs((v128_t)b.high)};
@@ -186,7 +183,7 @@ static inline vu shift_right(vu x, vi shift)
     return high_half(mul_wide_u(x, power(32 - shift))) | (x & (vu)equal(shift, all(0)));
 }
 
-/* Returns x * 2^-shift, rounded to nearest; large shifts give 0. shift is 1 to 127. */
+/* Returns x * 2^-shift, rounded to nearest; shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return high_half(offset_wide(mul_wide_u(x, power(32 - shift)), INT64_C(1) << 31));
@@ -233,8 +230,7 @@ static inline vu mul_high(vu a, vu b)
     return high_half(mul_wide_u(a, b));
 }
 
-/* Newton's method, as in src/include/fixsplat/fixed.h. a b >> 30 is the high half of 2 a times 2 b, because a and b
-   are below 2^31. */
+/* Newton's method. a b >> 30 is the high half of 2 a times 2 b, because a and b are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));
@@ -253,7 +249,7 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* 8 words, or 16 numbers of 16 bits, of one Gaussian. */
+/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -270,7 +266,6 @@ static inline void store_6(void *to, octet x)
     wasm_v128_store64_lane((int32_t *)to + 4, (v128_t)x.high, 0);
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     vi low[4], high[4];
@@ -302,8 +297,7 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
     }
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is shifted to the top of a 16-bit
-   window. */
+/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) 3 * (k) / 8, 3 * (k) / 8 + 1
@@ -331,7 +325,6 @@ static inline factor factor_of(vi first, vi last)
     return first & 65535;
 }
 
-/* Adds codes * x to the sums, one code per Gaussian. */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += (vi)wasm_i32x4_dot_i16x8((v128_t)load_i8(codes), (v128_t)x);
@@ -350,8 +343,7 @@ static inline vh mul_h(vh a, vh b)
     return (vh)wasm_i16x8_q15mulr_sat((v128_t)a, (v128_t)b);
 }
 
-/* Adds levels as unsigned numbers, saturated at 65535. The C version saturates at 32767. All saturated levels are
-   above every limit, so the pixel gets no weight in either version. */
+/* Adds unsigned levels, saturated at 65535. The C version saturates at 32767; both are above every limit. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)wasm_u16x8_add_sat((v128_t)a, (v128_t)b);
@@ -390,7 +382,6 @@ static inline mask_h greater_h(vh a, vh b)
     return (mask_h)wasm_i16x8_gt((v128_t)a, (v128_t)b);
 }
 
-/* Returns the mask of pixels that are not yet opaque. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return greater_h(transmittance_q15, all_h(FXS_CLOSED_Q15 - 1));
@@ -421,7 +412,6 @@ static inline uint32_t bits_h(mask_h which)
     return wasm_i16x8_bitmask((v128_t)which);
 }
 
-/* Stores 8 RGBA pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const v128_t rg = wasm_u8x16_narrow_i16x8((v128_t)r, (v128_t)g), ba = wasm_u8x16_narrow_i16x8((v128_t)b, (v128_t)a);
@@ -429,7 +419,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     store(to + 16, (vi)wasm_i8x16_shuffle(rg, ba, 4, 12, 20, 28, 5, 13, 21, 29, 6, 14, 22, 30, 7, 15, 23, 31));
 }
 
-/* Stores 8 RGBA pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const v128_t rg_low = wasm_i16x8_shuffle((v128_t)r, (v128_t)g, 0, 8, 1, 9, 2, 10, 3, 11);

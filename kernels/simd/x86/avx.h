@@ -1,5 +1,4 @@
-/* Vector operations shared by AVX2 and AVX-512. V is the vector type and MM(name) the intrinsic of the vector's
-   width. */
+/* Vector operations shared by AVX2 and AVX-512. */
 #ifndef FXS_AVX_H
 #define FXS_AVX_H
 
@@ -16,7 +15,7 @@ static inline vu shift_right(vu x, vi shift)
 
 #include "wide.h"
 
-/* 8 words, or 16 numbers of 16 bits, of one Gaussian. */
+/* 8 words, or 16 numbers of 16 bits. */
 typedef __m256i octet;
 
 static inline void store_8(void *to, octet x)
@@ -52,8 +51,7 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = sums[i];
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is shifted to the top of a 16-bit
-   window. */
+/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)

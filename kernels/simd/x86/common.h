@@ -1,5 +1,4 @@
-/* Vector operations that take one instruction at every x86 width. V is the vector type and MM(name) the intrinsic
-   of the vector's width. */
+/* Vector operations that take one instruction at every x86 width. V is the vector type; MM(name) is the intrinsic. */
 #ifndef FXS_X86_COMMON_H
 #define FXS_X86_COMMON_H
 
@@ -55,15 +54,13 @@ static inline vh most_h(vh a, vh b)
     return (vh)MM(max_epi16)((V)a, (V)b);
 }
 
-/* Adds levels as unsigned numbers, saturated at 65535. The C version saturates at 32767. All saturated levels are
-   above every limit, so the pixel gets no weight in either version. */
+/* Adds unsigned levels, saturated at 65535. The C version saturates at 32767; both are above every limit. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)MM(adds_epu16)((V)a, (V)b);
 }
 
-/* Interleaves four channels to pixels of 8 bits per channel, saturated. In each 128 bits, fours[0] has the first
-   four pixels and fours[1] the next four. */
+/* Interleaves four channels to pixels of 8 bits per channel, saturated, four pixels per 128 bits. */
 static inline void mix_bytes(V fours[2], vh r, vh g, vh b, vh a)
 {
     const V rb = MM(packus_epi16)((V)r, (V)b), ga = MM(packus_epi16)((V)g, (V)a);

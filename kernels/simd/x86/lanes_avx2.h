@@ -28,7 +28,6 @@ static inline __m256i every_fourth(const int32_t *from, int stride, const int32_
                                (const __m128i *)(const void *)(from + stride * at[0]));
 }
 
-/* Stores a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     __m256i low = _mm256_unpacklo_epi32((__m256i)a, (__m256i)b), high = _mm256_unpackhi_epi32((__m256i)a, (__m256i)b);
@@ -55,7 +54,7 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm256_permute4x64_epi64((__m256i)_mm256_shuffle_ps(low, high, 0xdd), 0xd8);
 }
 
-/* Stores the lanes of `which` in order, without gaps. Always writes a whole vector. */
+/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     unsigned low = bits(which) & 15, high = bits(which) >> 4;
@@ -81,8 +80,7 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)which);
 }
 
-/* Counts leading zeros; 32 for 0. A table gives the zeros of each half byte. A lower part counts if the upper part
-   is 0. */
+/* Counts leading zeros of half bytes with a table. */
 static inline vi clz(vu x)
 {
     const __m128i table = _mm_setr_epi8(4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -125,7 +123,6 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     const __m128i *four = (const __m128i *)(const void *)rows + first / 4;
@@ -142,7 +139,6 @@ static inline void transpose(octet out[4], const vi rows[8], int first)
 
 typedef vh mask_h;
 
-/* Returns the mask of pixels that are not yet opaque. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return (mask_h)_mm256_cmpgt_epi16((__m256i)transmittance_q15, _mm256_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -180,7 +176,7 @@ static inline uint32_t bits_h(mask_h which)
     return (bits & 0xff) | (bits >> 8 & 0xff00);
 }
 
-/* Returns x * column + y * row for columns 0, 1, 4 and 5 of a patch of pixels. */
+/* Returns x * column + y * row for columns 0, 1, 4 and 5 of a patch. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm256_setr_epi32(0, 0, 1, 1, 4, 4, 5, 5) + y * (vu)_mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1);
@@ -196,14 +192,14 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Returns the levels of a splat in the pixels of a patch, column by column. */
+/* Returns the levels of a splat in a patch, column by column. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int32_t *pairs = (const int32_t *)(levels_q11 + (entry >> 2 & 1)) + (entry >> 3) * 4 + (entry & 3);
     return (vh)_mm256_set1_epi32(*pairs);
 }
 
-/* Reorders pixels from columns of two to rows of eight. columns_of is the inverse. */
+/* Reorders pixels from columns of two to rows of eight. */
 static inline vh rows_of(vh columns)
 {
     const __m256i by_row = _mm256_setr_epi64x(0x0d0c090805040100, 0x0f0e0b0a07060302, 0x0d0c090805040100,
@@ -218,14 +214,13 @@ static inline vh columns_of(vh rows)
     return (vh)_mm256_shuffle_epi8(_mm256_permute4x64_epi64((__m256i)rows, 0xd8), by_column);
 }
 
-/* Stores the lower halves of x and y at `to`, and the upper halves `apart` bytes later. */
+/* Stores the lower halves at `to`, and the upper halves `apart` bytes later. */
 static inline void store_halves(unsigned char *to, size_t apart, __m256i x, __m256i y)
 {
     _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permute2x128_si256(x, y, 0x20));
     _mm256_storeu_si256((__m256i *)(void *)(to + apart), _mm256_permute2x128_si256(x, y, 0x31));
 }
 
-/* Stores 16 RGBA pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m256i fours[2];
@@ -233,7 +228,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     store_halves(to, 32, fours[0], fours[1]);
 }
 
-/* Stores 16 RGBA pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m256i twos[4];

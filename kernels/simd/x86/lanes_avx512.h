@@ -31,7 +31,6 @@ static inline __m512i every_fourth(const int32_t *from, int stride, const int32_
     return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
 }
 
-/* Stores a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
@@ -48,7 +47,7 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm512_permutex2var_epi32(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high);
 }
 
-/* Stores the lanes of `which` in order, without gaps. Always writes a whole vector. */
+/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(which, (__m512i)x));
@@ -102,7 +101,6 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* Transposes lanes first to first + 3 of 8 vectors; `first` is a constant. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     const __m512i two = first < 8 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11)
@@ -125,7 +123,6 @@ static inline void transpose(octet out[4], const vi rows[8], int first)
 
 typedef __mmask32 mask_h;
 
-/* Returns the mask of pixels that are not yet opaque. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return _mm512_cmpgt_epi16_mask((__m512i)transmittance_q15, _mm512_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -161,7 +158,7 @@ static inline uint32_t bits_h(mask_h which)
     return which;
 }
 
-/* Returns x * column + y * row for columns 0, 2, 4 and 6 of a patch of pixels. */
+/* Returns x * column + y * row for columns 0, 2, 4 and 6 of a patch. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm512_setr_epi32(0, 0, 0, 0, 2, 2, 2, 2, 4, 4, 4, 4, 6, 6, 6, 6) +
@@ -182,14 +179,14 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Returns the levels of a splat in the pixels of a patch, column by column. */
+/* Returns the levels of a splat in a patch, column by column. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int64_t *fours = (const int64_t *)(levels_q11 + (entry >> 1 & 3)) + (entry >> 3) * 2 + (entry & 1);
     return (vh)_mm512_set1_epi64(*fours);
 }
 
-/* Reorders pixels from columns of four to rows of eight. columns_of is the inverse. */
+/* Reorders pixels from columns of four to rows of eight. */
 static inline vh rows_of(vh columns)
 {
     const __m512i from = _mm512_setr_epi64(0x000c000800040000, 0x001c001800140010, 0x000d000900050001,

@@ -29,7 +29,6 @@ static inline __m128i every_fourth(const int32_t *from, int stride, const int32_
     return (__m128i)load(from + stride * at[0]);
 }
 
-/* Stores a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     store(to, (vi)_mm_unpacklo_epi32((__m128i)a, (__m128i)b));
@@ -53,7 +52,7 @@ static inline unsigned bits(mask which)
     return (unsigned)_mm_movemask_ps((__m128)which);
 }
 
-/* Stores the lanes of `which` in order, without gaps. Always writes a whole vector. */
+/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     const __m128i order = _mm_load_si128((const __m128i *)(const void *)compress_order[bits(which)]);
@@ -75,8 +74,8 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
 }
 
-/* Counts leading zeros by the exponent of x as a float; 32 for 0. Clearing the 8th bit below the highest stops
-   rounding from carrying into the exponent. From 2^31 on, the float is negative. */
+/* Reads leading zeros from the exponent of x as a float. Clearing the 8th bit below the highest stops rounding from
+   carrying into the exponent. From 2^31 on, the float is negative. */
 static inline vi clz(vu x)
 {
     const __m128i kept = _mm_andnot_si128((__m128i)(x >> 8), (__m128i)x);
@@ -109,8 +108,8 @@ static inline vw magnitude_64(vw x)
     return (x ^ sign) - sign;
 }
 
-/* Shifts left per lane. A shift outside 0..31 gives 0. Multiplies by 2^shift, built in the exponent of a float. The
-   conversion of 2^31 overflows, but returns 2^31. */
+/* Shifts left per lane by a product with 2^shift, built in the exponent of a float. A shift outside 0..31 gives 0.
+   The conversion of 2^31 overflows, but returns 2^31. */
 static inline vu shift_left(vu x, vi shift)
 {
     const __m128i power = _mm_cvttps_epi32(_mm_castsi128_ps((__m128i)((shift << 23) + (127 << 23))));
@@ -118,7 +117,7 @@ static inline vu shift_left(vu x, vi shift)
     return (vu)_mm_mullo_epi32((__m128i)x, _mm_and_si128(power, (__m128i)in_range));
 }
 
-/* Shifts right per lane, by one shift of all lanes for each lane. A shift of 32 or more gives 0. */
+/* Shifts right per lane. A shift of 32 or more gives 0. */
 static inline vu shift_right(vu x, vi shift)
 {
     const __m128i zero = _mm_setzero_si128(), low = _mm_unpacklo_epi32((__m128i)shift, zero);
@@ -130,7 +129,7 @@ static inline vu shift_right(vu x, vi shift)
 
 #include "wide.h"
 
-/* 8 words, or 16 numbers of 16 bits, of one Gaussian. */
+/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     __m128i low, high;
 } octet;
@@ -159,7 +158,6 @@ static inline void transpose_4(__m128i out[4], const vi rows[4])
     out[3] = _mm_unpackhi_epi64(c, d);
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     __m128i low[4], high[4];
@@ -184,7 +182,6 @@ static inline octet add_16(octet x, const int8_t *from, int negative)
                    _mm_add_epi16(x.high, _mm_sign_epi16(entry.high, sign))};
 }
 
-/* Returns the dot product of x and y in four partial sums. */
 static inline __m128i products(octet x, octet y)
 {
     return _mm_add_epi32(_mm_madd_epi16(x.low, y.low), _mm_madd_epi16(x.high, y.high));
@@ -199,8 +196,7 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = sums[i];
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is shifted to the top of a 16-bit
-   window. */
+/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)
@@ -221,7 +217,6 @@ static inline octet odd_numbers(uint64_t codes)
 
 typedef vh mask_h;
 
-/* Returns the mask of pixels that are not yet opaque. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return (mask_h)_mm_cmpgt_epi16((__m128i)transmittance_q15, _mm_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -257,7 +252,6 @@ static inline uint32_t bits_h(mask_h which)
     return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)which, _mm_setzero_si128()));
 }
 
-/* Stores 8 RGBA pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m128i fours[2];
@@ -265,7 +259,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     memcpy(to, fours, sizeof fours);
 }
 
-/* Stores 8 RGBA pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m128i twos[4];

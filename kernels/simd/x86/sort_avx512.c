@@ -5,7 +5,7 @@
 #include "kernels/simd/lanes/stages.h"
 #include "src/core/memory.h"
 
-#define KEYS 8u                    /* keys per vector */
+#define KEYS 8u                    /* 64-bit keys per vector */
 #define FEW (8 * KEYS)
 #define MOST_BITS 11               /* most bits of a digit */
 
@@ -70,7 +70,6 @@ static inline __attribute__((always_inline)) void merge_runs(__m512i *x, int hal
         x[i] = merge_within(x[i]);
 }
 
-/* Sorts 1 to FEW keys into `to`. */
 static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
 {
     const __m512i none = _mm512_set1_epi64(-1);
@@ -89,7 +88,7 @@ static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
         _mm512_mask_storeu_epi64(to + i * KEYS, (__mmask8)(there >> i * KEYS), x[i]);
 }
 
-/* Finds the smallest and the largest of more than FEW keys. Prefetches `spare`, which is written next. */
+/* Finds the range of the keys, and prefetches `spare`, which is written next. */
 static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t count, fxs_key *least, fxs_key *most)
 {
     __m512i low = _mm512_loadu_si512(keys + count - KEYS), high = low;
@@ -103,7 +102,6 @@ static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t 
     *most = _mm512_reduce_max_epu64(high);
 }
 
-/* Moves keys to their buckets in `spare`. Sets `ends` to the end of each bucket. */
 static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t count, fxs_key least, int shift,
                                    uint32_t buckets, uint32_t *ends)
 {
@@ -119,7 +117,7 @@ static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t
         spare[ends[(keys[i] - least) >> shift]++] = keys[i];
 }
 
-/* Sorts a bucket of more than FEW keys recursively. The range of the bucket's keys is at least `bits` bits smaller. */
+/* Sorts buckets of more than FEW keys recursively. */
 FXS_SORT(avx512)
 {
     uint32_t ends[1 << MOST_BITS], start = 0, end;

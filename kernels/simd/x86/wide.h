@@ -1,5 +1,4 @@
-/* 64-bit numbers and other operations of all x86 vectors, built from the operations of an instruction set. Include
- * those operations first. */
+/* 64-bit numbers and other operations of all x86 vectors. Include the operations of an instruction set first. */
 #ifndef FXS_X86_WIDE_H
 #define FXS_X86_WIDE_H
 
@@ -13,7 +12,6 @@ static inline wide mul_wide(vi a, vi b)
     return (wide){(vw)MM(mul_epi32)((V)a, (V)b), (vw)MM(mul_epi32)((V)((vw)a >> 32), (V)((vw)b >> 32))};
 }
 
-/* Multiplies the low halves of 64-bit numbers. */
 static inline vw mul_low(vw a, vw b)
 {
     return (vw)MM(mul_epu32)((V)a, (V)b);
@@ -39,7 +37,6 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.even << shift, x.odd << shift};
 }
 
-/* Returns a | abs(b). */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.even | magnitude_64(b.even), a.odd | magnitude_64(b.odd)};
@@ -61,7 +58,7 @@ static inline vu high_half(wide x)
     return interleave(x.even >> 32, x.odd);
 }
 
-/* Returns x * 2^-shift, rounded to nearest; large shifts give 0. shift > 0. */
+/* Returns x * 2^-shift, rounded to nearest; shift > 0. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (shift_right(x, shift - 1) + 1) >> 1;
@@ -101,7 +98,7 @@ static inline vi round_shift(vi x, const int shift)
     return (x + half) >> shift;
 }
 
-/* Newton steps of src/include/fixsplat/fixed.h on the low halves of 64-bit numbers, so that no step has to narrow. */
+/* Newton steps on the low halves of 64-bit numbers, so that no step has to narrow. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {
     return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;
@@ -134,7 +131,7 @@ static inline vu rsqrt(vu m)
     return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
-/* Loads the four words at from + stride * at[lane] for each lane. Faster than gather instructions. */
+/* Loads the four words at from + stride * at[lane] for each lane, faster than gather instructions. */
 static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
                                                              const int32_t at[LANES])
 {
@@ -157,7 +154,6 @@ static inline factor factor_of(vi first, vi last)
     return first & 65535;
 }
 
-/* Adds codes * x to the sums, one code per Gaussian. */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += (vi)MM(madd_epi16)((V)load_i8(codes), (V)x);
