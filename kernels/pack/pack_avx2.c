@@ -8,7 +8,6 @@ static inline __m256i load(const void *from)
     return _mm256_loadu_si256(from);
 }
 
-/* Returns the eight partial sums of a dot product. */
 static inline __m256i find_products(const __m256i own[3], const fxs_sh_vector other)
 {
     const __m256i a = _mm256_madd_epi16(own[0], load(other)), b = _mm256_madd_epi16(own[1], load(other + 16));

@@ -12,7 +12,6 @@ static inline int fxs_has_origin(const double origin[3])
     return origin[0] != 0 || origin[1] != 0 || origin[2] != 0;
 }
 
-/* Returns 1 if floats are too coarse at a place. */
 int fxs_is_far(const double place[3]);
 
 /* Sets the origin for positions around a place: on each axis the nearest multiple of 10. The origin is 0 if floats

@@ -13,7 +13,6 @@ typedef struct fxs_head {
     const char *name;     /* first name in a JSON object, after the opening quote, or NULL */
 } fxs_head;
 
-/* Reader of Gaussians for a file format, a callback, or a filter of another reader. */
 typedef struct fxs_reader {
     /* Returns 1 if the file has the reader's format, 0 if not, or an error and a message. Null: no file has the
        format. */

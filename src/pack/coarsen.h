@@ -7,7 +7,7 @@
 
 #include <fixsplat/gaussian.h>
 
-enum { FXS_MERGE_MOST = 512 };         /* largest number of Gaussians in a set to merge */
+enum { FXS_MERGE_MOST = 512 };
 
 /* Smallest alpha that is drawn. */
 #define FXS_FAINTEST (1 / 255.5f)
@@ -29,7 +29,6 @@ static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 /* Copies a Gaussian and computes its covariance, area and opacity. */
 void fxs_coarse_set(fxs_coarse *coarse, const fxs_gaussian *gaussian);
 
-/* Sums of errors over all merges of a set. */
 typedef struct fxs_merge_error {
     double error;                      /* sum of the squared picture errors, colours^2 units^2 */
     double size;                       /* sum of each squared picture error times the area of the merged Gaussian */
@@ -40,10 +39,9 @@ typedef struct fxs_merger fxs_merger;
 #define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
 #define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 
-/* Returns the size of a merger in bytes. A merger is the working memory of one thread, with malloc's alignment. */
+/* Returns the size of a merger in bytes. Each thread needs its own merger, with malloc's alignment. */
 size_t fxs_merger_bytes(void);
 
-/* Begins an empty set of Gaussians to merge. */
 void fxs_merge_begin(fxs_merger *merger, int sh_degree);
 
 /* Adds Gaussians to the set. The Gaussians must stay valid until fxs_merge_end. */
@@ -57,7 +55,6 @@ uint32_t fxs_merge_end(fxs_merger *merger, uint32_t most, fxs_coarse *out, fxs_m
    fxs_merge_end. */
 void fxs_merge_into(const fxs_merger *merger, uint16_t *into);
 
-/* Sets the rotation and the scales of a Gaussian from its covariance. */
 void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6]);
 
 #endif

@@ -2,10 +2,7 @@
    has the mean and covariance of its pair, weighted by opacity times area. The error of a pair is the squared
    difference of the pictures before and after the merge, averaged over the three coordinate planes. For Gaussians
    of peak 1 with covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d /
-   2).
-
-   All float operations are exact by IEEE 754, so results are equal on every processor. The includer defines ISA and
-   gather_rows, which transposes LANES rows. */
+   2). The includer defines ISA and gather_rows, which transposes LANES rows. */
 #include "merger.h"
 
 #include <math.h>
@@ -228,7 +225,6 @@ typedef struct candidates {
     uint32_t count;
 } candidates;
 
-/* Inserts a candidate in order of distance. `again`: the list may already contain the candidate. */
 static inline void take(candidates *c, uint16_t other, float distance, int again)
 {
     uint32_t at = c->count < NEAREST ? c->count : NEAREST - 1;
@@ -327,7 +323,6 @@ static int is_candidate(const fxs_merger *m, uint32_t of, uint32_t which)
     return 0;
 }
 
-/* Pairs every Gaussian with its candidates. Mutual candidates make only one pair. */
 static void find_pairs(fxs_merger *m)
 {
     m->pair_count = 0;
@@ -346,7 +341,6 @@ static void find_pairs(fxs_merger *m)
         sift_down(m->heap, m->heap_count, i);
 }
 
-/* Gaussian a takes over the candidates of a and b, without duplicates. */
 static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 {
     uint16_t both[2 * NEAREST];
@@ -430,7 +424,7 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
     join_candidates(m, a, b);
 }
 
-/* Returns the pair with the smallest error, or the first two remaining Gaussians if the heap is empty. */
+/* If the heap is empty, returns the first two remaining Gaussians. */
 static pair take_best(fxs_merger *m)
 {
     while (m->heap_count > 0) {

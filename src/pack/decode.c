@@ -1,4 +1,4 @@
-/* Decodes packed Gaussians to floats by the formulas of docs/format.md. encode_stages.h is the inverse. */
+/* Decodes packed Gaussians to floats by the formulas of docs/format.md. */
 #include "decode.h"
 
 #include <math.h>

@@ -38,8 +38,8 @@ typedef struct fxs_range {
 
 typedef struct fxs_chunk_ranges {
     fxs_range position[3], scale, colour[3];
-    float sh[3];                     /* largest magnitude of the SH coefficients of each degree, 1 to 3 */
-    float opacity_harm[FXS_OPACITY_LAWS];   /* picture error of the chunk for each law of opacity codes */
+    float sh[3];
+    float opacity_harm[FXS_OPACITY_LAWS];
 } fxs_chunk_ranges;
 
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
@@ -74,8 +74,8 @@ static inline float fxs_largest_coefficient(const float *sh, int count)
 
 void fxs_encode_places(fxs_chunk *chunk, const fxs_range position[3]);
 
-/* Writes a chunk's header. If the source file's numbers lie on a coarse grid and the range allows it, codes use the
-   steps of that grid. */
+/* Writes a chunk's header. If the source file's numbers lie on a coarse grid, codes use the steps of that grid
+   where possible. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);
 
 enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
@@ -98,7 +98,6 @@ typedef struct fxs_row_codes {
     uint32_t colour[3], opacity;
 } fxs_row_codes;
 
-/* Returns the place in the record for the SH codes. */
 unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_row_codes *codes, unsigned char *record);
 
 /* Writes the codes of a Gaussian into a record and adds the coding errors to `loss`. With a palette,

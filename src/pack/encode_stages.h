@@ -2,7 +2,7 @@
 #include "encode.h"
 #include "src/base/tilt.h"
 
-#define DEGREES 57.29577951308232   /* degrees per radian */
+#define DEGREES 57.29577951308232
 
 static inline int32_t cut_within(double x, int32_t low, int32_t high)
 {
@@ -39,7 +39,6 @@ static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS
     errors[0] = codes[0] / 255.0 - opacity;
 }
 
-/* Opacities below 1/255 are not drawn, and only law 0 has codes for them. */
 static inline int32_t encode_opacity(double opacity, uint32_t law, double *error)
 {
     int32_t codes[FXS_OPACITY_LAWS] = {0};
@@ -98,14 +97,13 @@ static inline void note_three(fxs_loss *loss, int which, const double errors[3])
     loss->squares[which] += errors[0] * errors[0] + errors[1] * errors[1] + errors[2] * errors[2];
 }
 
-/* Extends a code from `bits` to `wide` bits by repeating its high bits, as the renderer does. */
 static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
 {
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
 /* Codes position (16 bits per axis) and base colour (9 bits per channel). Profile small uses 11 bits per axis and
-   7, 7, 6 bits for red, green, blue. The decoded value is low + code * step. */
+   7, 7, 6 bits for red, green, blue. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                fxs_row_codes *codes, fxs_loss *loss)
 {
@@ -125,7 +123,7 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     }
     for (int i = 0; i < LANES; i++) {
         const int32_t most = (1 << bits[i]) - 1, widest = (1 << wides[i]) - 1;
-        const double own = step[i] * widest / most;    /* exact if most == widest, because a step has 32 bits */
+        const double own = step[i] * widest / most;
         found[i] = cut_within((x[i] - low[i]) / own + 0.5, 0, most);
     }
     for (int i = 0; i < LANES; i++) {

@@ -20,7 +20,7 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
     const double opacity = fxs_opacity_of_logit(g->opacity);
     return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)fxs_exp((largest + second) / 2),
-                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* an 8-bit opacity of 0 is never drawn */
+                      opacity * 255 < 0.5 ? 0 : (float)opacity};
 }
 
 static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t count)

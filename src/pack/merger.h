@@ -9,19 +9,19 @@
 
 enum {
     MOST = FXS_MERGE_MOST,
-    LANES = 8,                         /* pairs per vector of the error computation */
+    LANES = 8,
     NEAREST = 5,
-    JOINED = 8,                        /* most new pairs of a merged Gaussian */
+    JOINED = 8,
     PLANES = 3,
     SH = 45,
     COMPARED = 12,                     /* SH coefficients that count in errors: 9 of degree 1, 3 zeros as padding */
     CURVES = 2,
-    WINDOW = 8,                        /* neighbours searched on each side of a Gaussian along a Morton curve */
+    WINDOW = 8,
     PAIRS = MOST * NEAREST + MOST * JOINED
 };
 
-/* Fields of a Gaussian. ROOT: square root of the determinant of the covariance, per coordinate plane. LOCAL: mean
-   colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. */
+/* ROOT: square root of the determinant of the covariance, per coordinate plane. LOCAL: mean colour of the
+   neighbourhood. SQUARE: squared length of the compared SH coefficients. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
@@ -56,7 +56,7 @@ struct fxs_merger {
     float fields[MOST][ROW];
     float sh[MOST][SH];
     float compared[MOST][COMPARED];
-    uint32_t sh_count;                 /* number of SH coefficients of the set's degree */
+    uint32_t sh_count;
     uint16_t order[MOST];
     float places[3][WINDOW + MOST + WINDOW];   /* positions along the Morton curve, padded with infinity */
     float distances[MOST][NEAREST];

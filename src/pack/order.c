@@ -3,7 +3,7 @@
    cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle. Cuts by distance
    separate sky, surroundings and outliers.
 
-   The order is the same on every processor: weights are integers, and every float operation is rounded to a float. */
+   The order is the same on every processor, because every float operation is rounded to a float. */
 #include "order.h"
 
 #include <math.h>
@@ -14,19 +14,18 @@
 enum {
     BINS = 32,                       /* bins of a histogram; cuts are tried at bin borders */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch every
-                                        outlier */
-    SAMPLED = 4096,                  /* approximate number of sampled Gaussians per histogram on lower tree levels */
+    WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch outliers */
+    SAMPLED = 4096,
     FREE_LEVELS = 40,                /* runs below this tree level are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
     SAMPLE = 16384,
     JOBS = 128,
-    PIECES = 8,                      /* most chunks cut from one leaf of the tree */
+    PIECES = 8,
     MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut into chunks */
 };
 
 #define AMONG_ITS_LIKE (1u << 31)     /* flag of an index: the Gaussian is ordered separately */
-#define LEAST_WIDTH 1e-30f           /* coordinates with a smaller extent are not cut */
+#define LEAST_WIDTH 1e-30f
 #define NARROW 0.25f                 /* axes narrower than this share of a run's widest axis are not cut */
 #define WEIGHT_ONE 1073741824.0f
 
@@ -39,14 +38,14 @@ typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
     float near_square;
-    float coarse;                    /* cost above which a leaf of the tree is cut into several chunks */
+    float coarse;
     stretch stretches[JOBS], halves[JOBS][2];
-    uint32_t stretch_count, large;   /* runs of more than `large` Gaussians are cut before jobs share them */
+    uint32_t stretch_count, large;
 } order;
 
 /* A bounding box. Upper bounds are negated, so that one branch-free loop of minima widens all sides. */
 typedef struct box {
-    float sides[8];                  /* order: low x, y, z, unused, -high x, y, z, unused */
+    float sides[8];
     uint64_t weight;
     uint32_t count;
 } box;
@@ -284,14 +283,13 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
     }
 }
 
-/* Returns the multiple of FXS_CHUNK nearest to `before` that leaves Gaussians on each side of the cut. */
 static uint32_t whole_chunks(uint32_t before, uint32_t count)
 {
     const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
     return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
 }
 
-/* Tries all cuts of a run across a coordinate. The first and the last bin are never empty. */
+/* The first and the last bin of a histogram are never empty. */
 static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
 {
     const box *bins = h->bins[coordinate];
@@ -577,7 +575,7 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 }
 
 /* Returns the largest cost of an uncut leaf: 256 Gaussians in a box with a diagonal of `reach` times their distance
-   from the middle. Small scenes get a larger limit, because an extra chunk costs relatively more bytes. */
+   from the middle. Small scenes get a larger limit. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

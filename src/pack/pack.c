@@ -1,7 +1,7 @@
 /* Packs a scene file in three passes, so that its Gaussians need not fit in memory. Pass 1 drops Gaussians that
  * cannot be drawn, and orders the rest into chunks of 256. Pass 2 finds the ranges of the attributes per chunk and
- * a sample for the SH palette. Pass 3 writes the codes of each Gaussian, and is repeated for every HELD chunks if
- * the scene has a palette. While a job reads a batch, PARTS jobs work on the preceding batch. */
+ * a sample for the SH palette. Pass 3 writes the codes, and is repeated for every HELD chunks if the scene has a
+ * palette. While a job reads a batch, PARTS jobs work on the preceding batch. */
 #include <fixsplat/pack.h>
 
 #include <float.h>
@@ -51,7 +51,7 @@ typedef struct batch {
 typedef struct findings {
     fxs_pack_dropped dropped;
     uint64_t brought_in;
-    double faint, others;            /* sums of the weights of faint and of other Gaussians */
+    double faint, others;
     fxs_loss loss;
     float low[3], high[3];
     uint64_t source;
@@ -77,27 +77,26 @@ struct packer {
     fxs_message *message;
     const fxs_pack_stages *stages;
     findings *findings;
-    batch *batches;                  /* two batches, of which one is read ahead */
+    batch *batches;
     int ready;
     part_fn *work;
-    double done, share;              /* shares of the import's time: of earlier passes, and of this pass */
+    double done, share;
     fxs_order_entry *entries;
     fxs_seen *seen;
     uint64_t seen_step;
     uint32_t *slots;                 /* place of each Gaussian in the packed scene, or FXS_NO_SLOT */
-    uint64_t slot_count;             /* number of places in the packed scene, with gaps */
+    uint64_t slot_count;
     const part_steps *by_part;       /* null: packs the whole scene */
     uint32_t part, parts;
-    uint32_t first, end;             /* packs chunks first..end - 1 */
+    uint32_t first, end;
     float (*boxes)[6];               /* boxes of all chunks; only for parts */
     fxs_tree *tree;
     fxs_chunk_ranges *ranges;
     fxs_encoder encoder;
-    const fxs_coded *coded;          /* existing codes to copy, or null */
+    const fxs_coded *coded;
     fxs_palette *palette;
-    fxs_sh_item *sample;             /* Gaussians from which the palette is learned */
-    fxs_sh_item *items;              /* Gaussians of chunks first_chunk..end_chunk - 1; null: `sample` holds the
-                                        whole scene */
+    fxs_sh_item *sample;
+    fxs_sh_item *items;              /* null: `sample` holds the whole scene */
     uint32_t held;
     uint32_t first_chunk, end_chunk;
     uint32_t finished;
@@ -239,7 +238,6 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Clamps the position and the scales of a Gaussian, alike in every pass. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -370,8 +368,8 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
-/* Returns the largest diagonal of a chunk's box, divided by the box's distance from the scene's middle. A position
-   step is then at most 1/2048 of the distance, in profile small 1/512. */
+/* Returns the largest diagonal of a chunk's box, divided by its distance from the scene's middle. A position step
+   is then at most 1/2048 of the distance, in profile small 1/512. */
 static float longest_box(enum fxs_profile profile)
 {
     return profile == FXS_PROFILE_SMALL ? 4 : 32;
@@ -748,7 +746,7 @@ static void begin_tree(unsigned char *to, uint32_t nodes)
     memcpy(to, &header, sizeof header);
 }
 
-/* Returns the scene's header, without the palette's step. `tree` is the size of the tree in bytes, or 0. */
+/* `tree` is the size of the tree in bytes, or 0. */
 static fxs_packed_header header_of(const packer *p, size_t tree)
 {
     const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);

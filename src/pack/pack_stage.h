@@ -34,8 +34,7 @@ typedef struct fxs_pack_stages {
                        unsigned char *records, size_t stride, fxs_sh_loss *loss);
 } fxs_pack_stages;
 
-/* Returns the fastest table that uses only the instruction sets of `cpu` (enum fxs_cpu) and that this processor
-   supports. */
+/* Returns the fastest table with only the instruction sets of `cpu` (enum fxs_cpu) that this processor supports. */
 const fxs_pack_stages *fxs_pack_stages_choose(unsigned cpu);
 extern const fxs_pack_stages fxs_pack_stages_c;
 

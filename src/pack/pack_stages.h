@@ -1,7 +1,6 @@
-/* Inner loops of packing for the instruction set ISA. The includer defines find_dots, which computes the dot
-   products of a vector with GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest
-   of 8, 16 or 48 costs, and may change the costs. Equal costs are found in ascending order of index; index 0
-   follows when all costs are taken. */
+/* Inner loops of packing for the instruction set ISA. The includer defines find_dots, the dot products of a vector
+   with GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest costs in ascending
+   order of cost and index, and may change the costs. Index 0 follows when all costs are taken. */
 #include "pack_stage.h"
 
 #include <math.h>
@@ -54,7 +53,6 @@ static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
         x[i] = fxs_exp(x[i]);
 }
 
-/* Partial sum of the beam search: one signed entry from each stage so far. */
 typedef struct candidate {
     fxs_sh_vector left;            /* vector minus the sum of the chosen entries */
     int32_t cost;                  /* |left|^2 - |vector|^2 */
@@ -164,7 +162,7 @@ static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, cons
     return found.place | (dots[found.place] < 0 ? FXS_PALETTE_NEGATIVE : 0);
 }
 
-enum { NUMBERS = 48 };                   /* coefficients of an SH residual: 45, padded to 48 */
+enum { NUMBERS = 48 };
 
 /* Returns floor(x / (2 gain) + 4) clamped to 0..7, for |x| at most 16 gain. A quotient is an integer or at least
    2^-13.2 below the next integer. Floats err by at most 2^-20, so adding 2^-14 rounds every quotient correctly. */
@@ -174,8 +172,7 @@ static inline int32_t eighth_of(float x, float half_inverse)
     return (int32_t)(above < 7 ? above : 7);
 }
 
-/* Returns the sum of squared errors when each number becomes the nearest odd multiple, -7..7, of the gain. The sum
-   is exact in any order, because errors have at most 16 bits. */
+/* Returns the sum of squared errors when each number becomes the nearest odd multiple, -7..7, of the gain. */
 static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
 {
     const float half_inverse = 0.5f / gain;
@@ -240,8 +237,8 @@ static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent,
 }
 
 /* Returns the overlap of two Gaussians relative to Gaussian `to`, Q8, 0 to 1024. For round Gaussians of areas a and
-   b (sigma^2) at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))), times the ratio of opacities. (1
-   - d^2 / (8 (a + b)))^4 approximates the exponential. */
+   b at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))), times the ratio of opacities. (1 - d^2 /
+   (8 (a + b)))^4 approximates the exponential. */
 static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
                                  double square)
 {

@@ -1,7 +1,7 @@
-/* Learns palettes of SH coefficients. A palette has several stages of entries; each stage codes the residual of the
- * preceding stages. A stage is learned by k-means with signed entries: first the middles of groups of GROUP
- * entries, then the entries of each group. Joint rounds then move all entries towards the sums that Gaussians
- * choose. Last, the entries are quantised to 8 bits with a common step. */
+/* Learns palettes of SH coefficients. Each stage of a palette codes the residual of the preceding stages. A stage
+ * is learned by k-means with signed entries: first the middles of groups of GROUP entries, then the entries of each
+ * group. Joint rounds then move all entries towards the sums that Gaussians choose. Last, the entries are quantised
+ * to 8 bits with a common step. */
 #include "palette.h"
 
 #include <float.h>
@@ -16,7 +16,7 @@ enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP, MOST = FXS_PALETTE_MOST,
     NEVER = 1 << 30,               /* larger than any cost of a palette search */
-    SAMPLE = 16384,                /* approximate number of Gaussians in the learning sample */
+    SAMPLE = 16384,
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
     JOBS = 16
 };
@@ -78,7 +78,7 @@ typedef struct learner {
     int32_t *total;
     const fxs_pack_options *options;
     uint32_t rounds, stage;
-    int32_t most;                  /* largest coefficient of the means of the sampled chunks */
+    int32_t most;
 } learner;
 
 static int stopped(learner *l)
@@ -174,8 +174,7 @@ static void begin_entries(learner *l)
     }
 }
 
-/* Groups start as vectors spread evenly over the sample. The chosen entries are subtracted from the sample's
-   vectors. */
+/* Groups start as vectors spread evenly over the sample. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -260,7 +259,7 @@ uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
 }
 
 /* Sets the finest palette unit, 2^-19 to 2^-8, in which MOST units reach 12 times the root mean square of the
-   coefficients or their maximum, whichever is less. */
+   coefficients, or their maximum. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     double squares = 0, numbers = 0, most = 0;
@@ -302,7 +301,6 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
     }
 }
 
-/* Learns two stages from a sample. Returns the remaining squared error, or -1 if stopped. */
 static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step, int centred)
 {
     double sum = 0;
@@ -405,7 +403,7 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
-/* Computes the middles of the groups of entries, because a packed scene does not store middles. */
+/* Computes the middles of groups of entries, which a packed scene does not store. */
 static void find_middles(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t g = 0; g < groups_of(p); g++) {

@@ -36,7 +36,7 @@ typedef struct fxs_palette {
     int32_t step;                      /* quantisation step of the packed entries, 1 to 10 palette units */
     fxs_sh_vector vectors[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];
     int32_t squares[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];
-    fxs_sh_vector groups[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];   /* mean of each 8 consecutive entries */
+    fxs_sh_vector groups[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
     int32_t group_squares[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
 } fxs_palette;
 
@@ -45,16 +45,14 @@ typedef struct fxs_palette {
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
 /* A palette is learned from a sample of about 2^14 Gaussians. The caller passes the items of the sampled chunks
-   only, FXS_CHUNK items per chunk. fxs_palette_sample returns the number of items for a scene of `count` Gaussians,
-   at most 2^22 + FXS_CHUNK. fxs_palette_sample_at returns the index of a chunk's first item in the sample, or
-   FXS_NOT_SAMPLED. */
+   only, FXS_CHUNK items per chunk. fxs_palette_sample returns the number of items for a scene of `count` Gaussians.
+   fxs_palette_sample_at returns the index of a chunk's first item in the sample, or FXS_NOT_SAMPLED. */
 #define FXS_NOT_SAMPLED UINT32_MAX
 uint32_t fxs_palette_sample(uint32_t count);
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
 
 /* Learns the palette of a scene of `count` Gaussians from the sample `items`. The caller sets palette->profile and
-   sh_degree. `entries` is the result of fxs_palette_entries_for. options->run must not be null. Returns 0, or an
-   error and a message: out of memory, or stopped. */
+   sh_degree. options->run must not be null. Returns 0, or an error and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 
@@ -69,7 +67,6 @@ int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
 /* Reads the palette of an open packed scene, which must have a palette. */
 void fxs_palette_of_scene(fxs_palette *palette, const fxs_scene *scene);
 
-/* Returns the quantisation step of the packed palette in Q19. */
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 
 /* Writes the entries of all stages in the format of a packed scene. */

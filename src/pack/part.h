@@ -28,12 +28,12 @@
 
 #define FXS_PART_MAGIC 0x50535846u        /* "FXSP" as little-endian ASCII */
 #define FXS_PART_VERSION 1u
-#define FXS_PARTS_MOST 512                /* limited, because merging opens all parts at once */
+#define FXS_PARTS_MOST 512
 
 typedef struct fxs_part_header {
     uint32_t magic, version;
     uint32_t program;
-    uint32_t number, count;               /* number of the part, 1..count, and number of all parts */
+    uint32_t number, count;
     uint32_t first, chunk_count;
     uint32_t node_count, top_count;
     uint32_t source[2];                   /* hash of all Gaussians of the source file, in file order */
@@ -63,10 +63,9 @@ uint32_t fxs_part_first(uint32_t chunks, uint32_t number, uint32_t count);
 /* Returns `checksum`, a CRC-32 of boxes, continued with the box of one more chunk. */
 uint32_t fxs_part_add_box(const fxs_crc32_table *table, uint32_t checksum, const float box[6]);
 
-/* Packs part `number` of `count` parts, count 1 to FXS_PARTS_MOST. Gaussians get the same codes as from fxs_pack.
-   The whole file is read, but only the part's headers and rows are in memory. The report is for the whole scene,
-   without losses. All checksums of `part` are 0; free it with fxs_packed_scene_free. Returns FXS_ERR_ARGUMENT if
-   the scene has fewer chunks than parts. */
+/* Packs part `number` of `count` parts, count 1 to FXS_PARTS_MOST. The whole file is read, but only the part's
+   headers and rows are in memory. The report is for the whole scene, without losses. All checksums of `part` are 0;
+   free it with fxs_packed_scene_free. Returns FXS_ERR_ARGUMENT if the scene has fewer chunks than parts. */
 int fxs_pack_part(fxs_scene_file *file, const fxs_scene_file_info *info, uint32_t number, uint32_t count,
                   fxs_packed_scene *part, fxs_pack_report *report, const fxs_pack_options *options,
                   fxs_message *message);

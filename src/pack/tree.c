@@ -23,12 +23,12 @@ enum {
 };
 
 #define NONE UINT32_MAX
-#define UNMEASURED 0.2                 /* weight of an unmeasured gain relative to a measured gain */
+#define UNMEASURED 0.2
 #define SEEN 0.55                      /* visible share of a Gaussian's area: 0.5 for a disc, 0.58 for a ball */
 
 typedef struct node {
     uint32_t first, leaves;
-    uint32_t children[2];              /* indices of nodes, or number of nodes + index of a leaf */
+    uint32_t children[2];
     uint32_t parent, number;
     uint32_t part, at;                 /* part that built the node; index of the node's chunk in that part */
     fxs_node_sums sums;
@@ -38,7 +38,7 @@ typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
     double opacity;
-    fxs_range reach[3];                /* range of the centres of all chunks below */
+    fxs_range reach[3];
     float scale;                       /* log2 of the largest sigma of all chunks below */
 } held;
 
@@ -52,7 +52,7 @@ typedef struct worker {
 
 typedef struct group {
     double sum, nodes;
-    uint32_t heap;                     /* root of a leftist heap of the groups below, by gain */
+    uint32_t heap;
     uint32_t left, right, rank;
     uint32_t into;
 } group;
@@ -68,9 +68,9 @@ struct fxs_tree {
     uint32_t *places;                  /* index of each node by its number */
     float (*boxes)[6];                 /* low and high corner of each leaf's box; only while planning */
     float *costs;
-    uint32_t *subtrees, subtree_count; /* roots of the subtrees that jobs build */
+    uint32_t *subtrees, subtree_count;
     uint32_t built;
-    uint32_t large;                    /* nodes with more leaves build their first child first */
+    uint32_t large;
     uint32_t limit;
     held **done;                       /* built nodes that wait for their parents, else null */
     worker *workers;

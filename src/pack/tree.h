@@ -11,8 +11,7 @@
 
 /* Writes a tree's nodes, chunks and rows behind the existing header of the tree. `scene` is open on `data`, the
    whole packed scene. `palette` is the palette that coded the scene, or null. options->run must not be null. Takes
-   6 MB of memory, 2 MB per thread and 120 bytes per chunk. Returns 0, or an error and a message: out of memory,
-   stopped, or compiled with excess float precision. */
+   6 MB of memory, 2 MB per thread and 120 bytes per chunk. Returns 0, or an error and a message. */
 int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
                    fxs_message *message);
 
@@ -21,11 +20,9 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
 
 typedef struct fxs_tree fxs_tree;
 
-/* Computes the range of centres that a chunk's codes can express: low x, y, z, high x, y, z. The header is in
-   native byte order. */
+/* Computes the range of centres that a chunk's codes can express: low x, y, z, high x, y, z. */
 void fxs_chunk_box(const fxs_chunk *chunk, float box[6]);
 
-/* Computes the boxes of chunks from their little-endian headers. */
 void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6]);
 
 /* Plans the shape of the tree over at least 2 leaves from their boxes. Copies the options. Returns 0, or
@@ -40,7 +37,7 @@ void fxs_tree_count_within(const fxs_tree *tree, uint32_t first, uint32_t end, u
 
 /* Properties of a node besides its chunk; little-endian in files. */
 typedef struct fxs_node_sums {
-    double error, size;                /* sums of merge errors, as in fxs_merge_error */
+    double error, size;
     double opacity, own, area;         /* sums of opacities: of the leaves below, of the node's Gaussians, and of
                                           opacity times area */
 } fxs_node_sums;
@@ -57,7 +54,7 @@ enum { FXS_TREE_TOP_HEAD = 64, FXS_TREE_TOP_BYTES = FXS_TREE_TOP_HEAD + FXS_CHUN
 /* A run of leaves, and the memory for the nodes of the run, in ascending order of node number. */
 typedef struct fxs_tree_run {
     const fxs_scene *scene;
-    const fxs_palette *palette;        /* palette that coded the leaves, or null */
+    const fxs_palette *palette;
     uint32_t first, end;               /* the run is leaves first..end - 1 */
     const unsigned char *chunks, *rows;
     unsigned char *node_chunks, *node_rows;
@@ -76,8 +73,8 @@ typedef struct fxs_tree_source {
     /* Reads a leaf's header and rows, in the format of a packed scene. The pointers are valid until the next call. */
     int (*leaf)(void *argument, uint32_t leaf, const unsigned char **header, const unsigned char **rows,
                 fxs_message *message);
-    /* Reads the header and the Gaussians of a topmost node, at most FXS_CHUNK, positions within +-2^28 units. `at`
-       is the node's index in its part. */
+    /* Reads the header and the Gaussians of a topmost node, at most FXS_CHUNK. `at` is the node's index in its
+       part. */
     int (*top)(void *argument, uint32_t part, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians, uint32_t *count,
                fxs_message *message);
     void *argument;
@@ -102,9 +99,9 @@ int fxs_tree_write(const fxs_tree *tree, unsigned char *nodes, fxs_message *mess
 typedef struct fxs_tree_editor fxs_tree_editor;
 
 /* Begins an edit. `scene` is open on `data`, has a validated tree, and outlives the editor. Returns 0, or an error
-   and a message. Free *editor with fxs_tree_edit_end; *editor is null after an error. */
+   and a message. Free *editor with fxs_tree_edit_end. */
 int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, fxs_message *message);
-void fxs_tree_edit_end(fxs_tree_editor *editor);       /* a null editor is accepted */
+void fxs_tree_edit_end(fxs_tree_editor *editor);
 
 /* Rewrites the chunk of a node from `count` Gaussians, at most FXS_CHUNK. Centres are clamped to the boxes of the
    children's chunks, so edit children before their parents. */

@@ -1,4 +1,4 @@
-/* Vector operations of 4 lanes with NEON on AArch64. */
+/* Vector operations of 4 lanes with NEON on AArch64. vectors.h describes the operations. */
 #ifndef FXS_LANES_NEON_H
 #define FXS_LANES_NEON_H
 
@@ -41,7 +41,6 @@ static inline void transpose_4(vi *a, vi *b, vi *c, vi *d)
     *d = (vi)vzip2q_s64(ab_high, cd_high);
 }
 
-/* Loads the four words at from + stride * at[lane] for each lane. */
 static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
 {
     words[0] = load(from + stride * at[0]);
@@ -74,7 +73,6 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)pairs.val[1];
 }
 
-/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     store(to, (vi)vqtbl1q_u8((uint8x16_t)x, (uint8x16_t)load(compress_order[bits(which)])));
@@ -105,7 +103,6 @@ static inline vi most(vi a, vi b)
     return (vi)vmaxq_s32((int32x4_t)a, (int32x4_t)b);
 }
 
-/* Shifts left per lane. A shift of 32 to 127 gives 0. */
 static inline vu shift_left(vu x, vi shift)
 {
     return (vu)vshlq_u32((uint32x4_t)x, (int32x4_t)shift);
@@ -116,13 +113,11 @@ static inline vu shift_right(vu x, vi shift)
     return shift_left(x, -shift);
 }
 
-/* Returns x * 2^-shift, rounded to nearest; shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (vu)vrshlq_u32((uint32x4_t)x, (int32x4_t)-shift);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 #define round_shift(x, shift) ((vi)vrshrq_n_s32((int32x4_t)(x), shift))
 
 static inline vi clz(vu x)
@@ -166,7 +161,6 @@ static inline wide or_magnitude(wide a, wide b)
     return (wide){a.low | (vw)vabsq_s64((int64x2_t)b.low), a.high | (vw)vabsq_s64((int64x2_t)b.high)};
 }
 
-/* Takes bits shift to shift + 31 of each 64-bit number; shift is a constant, 1 to 31. */
 #define narrow(x, shift) \
     ((vu)vshrn_high_n_u64(vshrn_n_u64((uint64x2_t)(x).low, shift), (uint64x2_t)(x).high, shift))
 
@@ -180,7 +174,6 @@ static inline vu high_half(wide x)
     return (vu)vuzp2q_u32((uint32x4_t)x.low, (uint32x4_t)x.high);
 }
 
-/* Returns x * 2^-shift, rounded down, which must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     const int32x4_t left = (int32x4_t)-shift;
@@ -188,7 +181,6 @@ static inline vi narrow_by(wide x, vi shift)
                                (vw)vshlq_s64((int64x2_t)x.high, vmovl_high_s32(left))});
 }
 
-/* Returns x * 2^-shift, rounded to nearest; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     const int32x4_t left = (int32x4_t)-shift;
@@ -202,7 +194,6 @@ static inline vi clz_wide(wide x)
     return clz(high) + (clz(low_half(x)) & equal((vi)high, all(0)));
 }
 
-/* Returns (x << shift) >> 32; shift is 0 to 63. */
 static inline vu top_half(wide x, vi shift)
 {
     return high_half((wide){(vw)vshlq_u64((uint64x2_t)x.low, vmovl_s32(vget_low_s32((int32x4_t)shift))),
@@ -227,7 +218,6 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -284,7 +274,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = vaddvq_s32(products(x[i], y));
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) 3 * (k) / 8, 3 * (k) / 8 + 1
@@ -324,14 +313,12 @@ static inline vh all_h(int x)
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* Rounded product like fxs_mul_q15, except that -32768 squared is 32767. The difference has no effect, because
-   either square is above every limit. */
+/* Rounded product like fxs_mul_q15, except that -32768 squared is 32767. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Returns a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
 #ifdef __ARM_FEATURE_QRDMX
@@ -341,7 +328,6 @@ static inline vh mul_add_cut_h(vh a, vh b, vh c)
 #endif
 }
 
-/* Returns a b + c, which must fit in 16 bits. */
 static inline vh mul_add_h(vh a, vh b, vh c)
 {
     return mul_add_cut_h(a, b, c);
@@ -362,7 +348,6 @@ static inline vh add_level(vh a, vh b)
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Packs a >> 11 and b >> 11 to 16 bits, saturated. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)vqshrn_high_n_s32(vqshrn_n_s32((int32x4_t)a_q24, 11), (int32x4_t)b_q24, 11);

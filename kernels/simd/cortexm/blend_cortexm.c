@@ -1,5 +1,5 @@
-/* Blends the splats of a tile on Cortex-M without vectors, with the arithmetic of src/core/blend.c. On each row,
- * only pixels that the splat can reach are computed. Rows of opaque pixels are skipped. */
+/* Blends the splats of a tile on Cortex-M without vectors. On each row, only pixels that the splat can reach are
+ * computed. Rows of opaque pixels are skipped. */
 #include <fixsplat/pixel.h>
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
@@ -59,8 +59,7 @@ static inline uint32_t first_of(const at_row *r, int left_q11)
     return r->u_q24 > reach_q24 ? FXS_TILE : 0;
 }
 
-/* Returns the number of pixels that became opaque. From the first pixel on, |u| < 8, so the square of u is below
-   2^32. */
+/* Returns the number of pixels that became opaque. From the first pixel on, |u| < 8, so u^2 fits in 32 bits. */
 static inline int blend_row(int16_t *t, const at_row *r)
 {
     const int left_q11 = r->limit_q11 - r->level_q11;

@@ -17,7 +17,7 @@
 /* The upper half of a word with a 16-bit number is undefined. */
 enum word {
     U, UX, UY,                     /* Q24; u at the tile's first pixel, minus 2^10 */
-    LIMIT, RED, GREEN, BLUE,       /* 16-bit numbers */
+    LIMIT, RED, GREEN, BLUE,
     LEVELS,                        /* v^2 + offset of two rows per word, upper row in the lower half */
     WORDS = LEVELS + FXS_TILE / ROWS
 };
@@ -27,7 +27,6 @@ typedef struct group {
     uint16_t reached[PATCHES];     /* two bits per splat that may reach a pixel of the patch */
 } group;
 
-/* Numbers of entries 2 i and 2 i + 1 in lane i. */
 typedef struct pair {
     vu even, odd;
 } pair;
@@ -83,8 +82,7 @@ static inline void store_by_entry(uint32_t to[GROUP], pair x)
     store_pairs(to, (vi)x.even, (vi)x.odd);
 }
 
-/* Returns the next entries of the list; past the end, repeats the first entry. *which gets two bits for each valid
-   entry. */
+/* Past the end of the list, repeats the first entry. *which gets two bits for each valid entry. */
 static inline pair take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
 {
     uint32_t few[GROUP];
@@ -98,7 +96,6 @@ static inline pair take_entries(const uint32_t *entries, uint32_t left, int squa
     return (pair){(vu)at.val[0], (vu)at.val[1]};
 }
 
-/* Loads word i of the splats; `at` is in units of 8 words. */
 static inline pair word_of(const fxs_splat *splats, pair at, int i)
 {
     const uint32_t *word = (const uint32_t *)(const void *)splats + i;
@@ -249,7 +246,7 @@ static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
     return (vh)vpselq_s16((int16x8_t)level, vdupq_n_s16(FXS_LEVEL_MAX_Q11), seen);
 }
 
-/* Blends a group of splats into a patch that at least one splat reaches. Returns 1 while a pixel is not yet opaque. */
+/* Returns 1 while a pixel of the patch is not yet opaque. */
 ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, uint32_t patch, int number,
                               const int16_t *depths_q15)
 {
@@ -281,14 +278,12 @@ ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, 
     return vcmpgeq_n_s16((int16x8_t)p.t, FXS_CLOSED_Q15) != 0;
 }
 
-/* Returns a mask with two bits for each of 16 patches, of which the lower tells if the patch's number is not 0. */
 static inline uint32_t bits_of(const uint16_t numbers[16])
 {
     const uint32_t low = vcmpneq_n_u16(vldrhq_u16(numbers), 0), high = vcmpneq_n_u16(vldrhq_u16(numbers + 8), 0);
     return (low | high << 16) & (FIRSTS | FIRSTS << 16);
 }
 
-/* Returns a mask of the patches from `first` on with a pixel that is not yet opaque. */
 static uint32_t open_patches(const fxs_tile *tile, uint32_t first)
 {
     uint16_t open[16];

@@ -1,4 +1,4 @@
-/* Vector operations of 4 lanes with Helium (MVE) on Cortex-M. */
+/* Vector operations of 4 lanes with Helium (MVE) on Cortex-M. vectors.h describes the operations. */
 #ifndef FXS_LANES_MVE_H
 #define FXS_LANES_MVE_H
 
@@ -33,7 +33,6 @@ static inline vi load_i8(const int8_t *from)
     return (vi)vldrbq_s32(from);
 }
 
-/* Loads the four words at from + stride * at[lane] for each lane. */
 static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
 {
     const uint32x4_t offset = (uint32x4_t)(load(at) * stride);
@@ -65,7 +64,6 @@ static inline unsigned bits(mask which)
     return (which & 0x1111) * 0x1248 >> 12 & 15;
 }
 
-/* Stores the lanes of `which` in order, without gaps. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     static const uint8_t places[16][4] = {{0}, {0}, {0, 0}, {0, 1}, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}, {0},
@@ -99,7 +97,6 @@ static inline vi most(vi a, vi b)
     return (vi)vmaxq_s32((int32x4_t)a, (int32x4_t)b);
 }
 
-/* Shifts left per lane. A shift of 32 to 127 gives 0; a negative shift shifts right. */
 static inline vu shift_left(vu x, vi shift)
 {
     return (vu)vshlq_u32((uint32x4_t)x, (int32x4_t)shift);
@@ -110,13 +107,11 @@ static inline vu shift_right(vu x, vi shift)
     return shift_left(x, -shift);
 }
 
-/* Returns x * 2^-shift, rounded to nearest; shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (vu)vrshlq_u32((uint32x4_t)x, (int32x4_t)-shift);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 #define round_shift(x, shift) ((vi)vrshrq_n_s32((int32x4_t)(x), shift))
 
 static inline vi clz(vu x)
@@ -174,7 +169,6 @@ static inline wide or_magnitude(wide a, wide b)
     return (wide){a.low | magnitude, a.high | carry(high, magnitude, low)};
 }
 
-/* Takes bits shift to shift + 31 of each 64-bit number; shift is a constant, 1 to 31. */
 #define narrow(x, shift) ((vu)vsliq_n_u32((uint32x4_t)((x).low >> (shift)), (uint32x4_t)(x).high, 32 - (shift)))
 
 static inline vu low_half(wide x)
@@ -187,13 +181,11 @@ static inline vu high_half(wide x)
     return x.high;
 }
 
-/* Returns x * 2^-shift, rounded down, which must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     return (vi)shift_right(x.low, shift) | (vi)vshlq_s32((int32x4_t)x.high, (int32x4_t)(32 - shift));
 }
 
-/* Returns x * 2^-shift, rounded to nearest, which must fit in 31 bits; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return round_shift(narrow_by(x, shift - 1), 1);
@@ -205,7 +197,6 @@ static inline vi clz_wide(wide x)
     return choose(equal(high, all(32)), clz(x.low) + 32, high);
 }
 
-/* Returns (x << shift) >> 32; shift is 0 to 63. */
 static inline vu top_half(wide x, vi shift)
 {
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
@@ -230,7 +221,6 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -286,7 +276,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
                                (int16x8_t)y.high);
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
     static const int16_t low_up[8] = {13, 10, 7, 4, 1, 13, 10, 7}, high_up[8] = {4, 1, 13, 10, 7, 4, 1, 0};
@@ -323,7 +312,6 @@ static inline vh mul_h(vh a, vh b)
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Returns a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
     return (vh)vqaddq_s16((int16x8_t)c, (int16x8_t)mul_h(a, b));

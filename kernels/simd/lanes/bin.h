@@ -4,8 +4,8 @@
 #include "lanes.h"
 #include "stages.h"
 
-/* 256 pixels. Up to this half width, the numbers of the second pass fit in 31 bits. Wider splats fit in an fxs_box
-   only at the edge of the picture; the C version handles them. */
+/* 256 pixels. Up to this half width, the numbers of the second pass fit in 31 bits. The C version handles wider
+   splats. */
 #define HALF_WIDTH_LIMIT_Q8 (1 << 16)
 
 typedef struct job {
@@ -15,19 +15,18 @@ typedef struct job {
     fxs_box *boxes;
 } job;
 
-/* Splats collected for the second pass. */
 typedef struct list {
     uint32_t count;
     int32_t index[2 * LANES];
 } list;
 
-/* Word offsets in loads that start at fxs_splat.vy_q24, fxs_bounds.cx_q14 and fxs_bounds.breadth_q8. */
+/* Word offsets in the loads of LOAD_FOURS. */
 enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
 
 #define LOAD_FOURS(words, structs, member, at) \
     load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
 
-/* Computes the tile columns between two x coordinates. Returns the lanes without a pixel. */
+/* Returns the lanes of splats without a pixel between the two x coordinates. */
 static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi left_q8, vi right_q8)
 {
     vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
@@ -49,7 +48,6 @@ static inline vi spread_row(vi tiles)
     return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
 }
 
-/* Stores boxes; lanes in `none` get FXS_NOWHERE. */
 static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi high, vi row, vi column, mask none)
 {
     const vi macro = (row >> 1) * (int32_t)fxs_macros(view->tiles_x) + (column >> 1);
@@ -62,12 +60,12 @@ static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
     const vi limit_q11 = least(offset_q11 + view->cut_q11, all(FXS_FAINT_Q11));
     e->margin_q8 = (e->reach_q8 >> 8) + 32;
     e->r_q12 = radius_q12(limit_q11 - offset_q11);
-    const vi widest = e->shear_q8 * e->r_q12;    /* divided by 4096, rounded towards 0 */
+    const vi widest = e->shear_q8 * e->r_q12;
     e->tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e->r_q12;
 }
 
 /* v = ((y << 14) - cy) vy >> 26 is computed as ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough, because the tile
-   rows of a box are less than 16 pixels off the ellipse. */
+   rows are less than 16 pixels off the ellipse. */
 static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
 {
     vi splat[4], centre[4], shape[4], last;
@@ -99,7 +97,6 @@ static inline vi half_width_q8(const ellipse *e, vi v_q12)
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
 
-/* Computes the tile columns that the ellipse touches on a tile row. Returns the lanes without such columns. */
 static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first, vi *last)
 {
     const vi r = e->r_q12, reach = e->reach_q8;
@@ -119,7 +116,6 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
            greater(-r - 2, bottom_q12);
 }
 
-/* Returns the tiles of a tile row as a mask; bit 0 is the first column of the box. */
 static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
 {
     vi first, last;
@@ -128,7 +124,7 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
     return choose(none, all(0), (vi)tiles);
 }
 
-/* Finds the boxes of `count` splats of a list, at most LANES. The list must hold LANES valid indices. */
+/* The list must hold LANES valid indices, even for a smaller count. */
 static void fill_boxes(const job *j, const list *l, uint32_t count)
 {
     fxs_box boxes[LANES];

@@ -54,17 +54,16 @@ typedef struct kept {
    fills a vector. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* u at the first pixel of each patch */
-    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the pixels outside pattern_q24, minus u of the pixels
-                                                  inside */
+    vu ux_q24[2], uy_q24[2], right_q24[2];
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* u of half of a patch's pixels, minus u at the patch's first pixel */
-    vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, in the order of spread_levels */
+    vu pattern_q24[GROUP];         /* u at half of the pixels of a patch, relative to the first pixel */
+    vh levels_q11[FXS_TILE];       /* v^2 + offset of each row */
     uint32_t reached[PATCHES];     /* per patch: mask of the splats that may reach a pixel */
 } group;
 
 typedef struct outline {
     vu u_q24[2], v_q24[2], vy_q24[2];          /* u and v at the first pixel of a row */
-    vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to the patch's first pixel */
+    vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to the first pixel */
     vh offset_q11, limit_q11;
 } outline;
 

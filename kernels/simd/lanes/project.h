@@ -158,7 +158,6 @@ static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
     return least(FXS_AXIS_BITS_LEAST(profile) + (5 * gap >> 16), all(FXS_AXIS_BITS_MOST(profile)));
 }
 
-/* Returns the lanes with a valid rotation word. */
 static inline mask read_axes(axes *out, vi word, vi bits)
 {
     const vu y_word = shift_left((vu)word, bits), roll_word = shift_left(y_word, bits);
@@ -258,7 +257,6 @@ static inline mantissa mantissa_of_wide(wide x_q60)
     return (mantissa){m, rsqrt(m), 2 - (zeros >> 1)};
 }
 
-/* Returns sqrt(x) 2^exponent r, Q8. */
 static inline vi reach_q8(const mantissa *x, vi exponent, vu r_q12)
 {
     vu root_q8 = scale_down(mulhi(x->m, x->inverse_q30), 22 - x->half - exponent);

@@ -1,5 +1,5 @@
 /* Declares the vector versions of the rendering stages. FXS_BLEND(avx2) expands to the function head of
-   fxs_blend_avx2. All versions of a stage give the results of the C version in src/include/fixsplat/stage.h. */
+   fxs_blend_avx2. All versions of a stage give the same results. */
 #ifndef FXS_STAGES_H
 #define FXS_STAGES_H
 
@@ -29,8 +29,7 @@
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
     const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 
-/* Tables of stage versions: X(function head, head of the stage, name in fxs_kernels, isa). FXS_VECTOR_STAGES lists
-   the functions that every vector instruction set has. */
+/* Tables of stage versions: X(function head, head of the stage, name in fxs_kernels, isa). */
 #define FXS_VECTOR_STAGES(X, isa) \
     X(FXS_PROJECT, FXS_PROJECT, project, isa) X(FXS_SHADE, FXS_SHADE, shade, isa) \
     X(FXS_BIN, FXS_BIN, bin, isa) X(FXS_SPANS, FXS_BIN, spans, isa) X(FXS_NOTE, FXS_BIN, note, isa) \

@@ -1,5 +1,5 @@
 /* Vector operations of 4 lanes with WebAssembly's simd128. Its shifts use one count for all lanes, so shifts per
-   lane multiply by 2^shift. */
+   lane multiply by 2^shift. vectors.h describes the operations. */
 #ifndef FXS_LANES_SIMD128_H
 #define FXS_LANES_SIMD128_H
 
@@ -40,7 +40,6 @@ static inline void transpose_4(vi out[4], const vi rows[4])
     out[3] = (vi)wasm_i64x2_shuffle(ab_high, cd_high, 1, 3);
 }
 
-/* Loads the four words at from + stride * at[lane] for each lane. */
 static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
 {
     const vi rows[4] = {load(from + stride * at[0]), load(from + stride * at[1]), load(from + stride * at[2]),
@@ -71,7 +70,6 @@ static inline unsigned bits(mask which)
     return wasm_i32x4_bitmask((v128_t)which);
 }
 
-/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     store(to, (vi)wasm_i8x16_swizzle((v128_t)x, (v128_t)load(compress_order[bits(which)])));
@@ -166,13 +164,11 @@ static inline vu high_half(wide x)
     return (vu)wasm_i32x4_shuffle((v128_t)x.low, (v128_t)x.high, 1, 3, 5, 7);
 }
 
-/* Takes bits shift to shift + 31 of each 64-bit number; shift is a constant, 1 to 31. */
 static inline vu narrow(wide x, const int shift)
 {
     return low_half((wide){x.low >> shift, x.high >> shift});
 }
 
-/* Shifts left per lane. A shift of 32 to 127 gives 0. */
 static inline vu shift_left(vu x, vi shift)
 {
     return x * power(shift);
@@ -183,13 +179,11 @@ static inline vu shift_right(vu x, vi shift)
     return high_half(mul_wide_u(x, power(32 - shift))) | (x & (vu)equal(shift, all(0)));
 }
 
-/* Returns x * 2^-shift, rounded to nearest; shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return high_half(offset_wide(mul_wide_u(x, power(32 - shift)), INT64_C(1) << 31));
 }
 
-/* Returns x * 2^-shift, rounded down, which must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     const vu sign = (vu)((vi)high_half(x) >> 31), low = low_half(x) ^ sign, high = high_half(x) ^ sign;
@@ -198,7 +192,6 @@ static inline vi narrow_by(wide x, vi shift)
     return (vi)((y | (low & (vu)equal(shift, all(0)))) ^ sign);
 }
 
-/* Returns x * 2^-shift, rounded to nearest, which must fit in 31 bits; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return (narrow_by(x, shift - 1) + 1) >> 1;
@@ -211,14 +204,12 @@ static inline vi clz_wide(wide x)
     return clz((vu)choose(empty, (vi)low_half(x), (vi)high)) + (empty & 32);
 }
 
-/* Returns (x << shift) >> 32; shift is 0 to 63. */
 static inline vu top_half(wide x, vi shift)
 {
     const vu low = low_half(x), up = power(shift);
     return high_half(x) * up | high_half(mul_wide_u(low, up)) | low * power(shift - 32);
 }
 
-/* Returns x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 static inline vi round_shift(vi x, const int shift)
 {
     const int32_t half = 1 << (shift - 1);
@@ -249,7 +240,6 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -297,7 +287,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
     }
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) 3 * (k) / 8, 3 * (k) / 8 + 1
@@ -349,13 +338,11 @@ static inline vh add_level(vh a, vh b)
     return (vh)wasm_u16x8_add_sat((v128_t)a, (v128_t)b);
 }
 
-/* Returns a b + c, which must fit in 16 bits. */
 static inline vh mul_add_h(vh a, vh b, vh c)
 {
     return mul_h(a, b) + c;
 }
 
-/* Returns a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
     return (vh)wasm_i16x8_add_sat((v128_t)mul_h(a, b), (v128_t)c);
@@ -371,7 +358,6 @@ static inline vh most_h(vh a, vh b)
     return (vh)wasm_i16x8_max((v128_t)a, (v128_t)b);
 }
 
-/* Packs a >> 11 and b >> 11 to 16 bits, saturated. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)wasm_i16x8_narrow_i32x4((v128_t)((vi)a_q24 >> 11), (v128_t)((vi)b_q24 >> 11));

@@ -2,7 +2,6 @@
 #ifndef FXS_AVX_H
 #define FXS_AVX_H
 
-/* Shifts left per lane. A shift outside 0..31 gives 0. */
 static inline vu shift_left(vu x, vi shift)
 {
     return (vu)MM(sllv_epi32)((V)x, (V)shift);
@@ -15,7 +14,6 @@ static inline vu shift_right(vu x, vi shift)
 
 #include "wide.h"
 
-/* 8 words, or 16 numbers of 16 bits. */
 typedef __m256i octet;
 
 static inline void store_8(void *to, octet x)
@@ -51,7 +49,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = sums[i];
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)

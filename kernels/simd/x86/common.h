@@ -32,13 +32,11 @@ static inline vh mul_h(vh a, vh b)
     return (vh)MM(mulhrs_epi16)((V)a, (V)b);
 }
 
-/* Returns a b + c, which must fit in 16 bits. */
 static inline vh mul_add_h(vh a, vh b, vh c)
 {
     return mul_h(a, b) + c;
 }
 
-/* Returns a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
     return (vh)MM(adds_epi16)((V)c, (V)mul_h(a, b));
@@ -80,8 +78,7 @@ static inline void mix_words(V twos[4], vh r, vh g, vh b, vh a)
     twos[3] = MM(unpackhi_epi32)(rg_high, ba_high);
 }
 
-/* Packs a >> 11 and b >> 11 to 16 bits, saturated. Vectors beyond 128 bits alternate four numbers of a and four of
-   b. */
+/* Packs a >> 11 and b >> 11 to 16 bits. Vectors beyond 128 bits alternate four numbers of a and four of b. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)MM(packs_epi32)((V)((vi)a_q24 >> 11), (V)((vi)b_q24 >> 11));

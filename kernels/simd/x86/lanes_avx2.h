@@ -1,4 +1,4 @@
-/* Vector operations of 8 lanes with AVX2. */
+/* Vector operations of 8 lanes with AVX2. vectors.h describes the operations. */
 #ifndef FXS_LANES_AVX2_H
 #define FXS_LANES_AVX2_H
 
@@ -54,7 +54,6 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm256_permute4x64_epi64((__m256i)_mm256_shuffle_ps(low, high, 0xdd), 0xd8);
 }
 
-/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     unsigned low = bits(which) & 15, high = bits(which) >> 4;
@@ -192,7 +191,6 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Returns the levels of a splat in a patch, column by column. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int32_t *pairs = (const int32_t *)(levels_q11 + (entry >> 2 & 1)) + (entry >> 3) * 4 + (entry & 3);

@@ -1,4 +1,4 @@
-/* Vector operations of 16 lanes with AVX-512 (F, BW, DQ, VL, CD). */
+/* Vector operations of 16 lanes with AVX-512 (F, BW, DQ, VL, CD). vectors.h describes the operations. */
 #ifndef FXS_LANES_AVX512_H
 #define FXS_LANES_AVX512_H
 
@@ -47,7 +47,6 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm512_permutex2var_epi32(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high);
 }
 
-/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(which, (__m512i)x));
@@ -179,7 +178,6 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Returns the levels of a splat in a patch, column by column. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int64_t *fours = (const int64_t *)(levels_q11 + (entry >> 1 & 3)) + (entry >> 3) * 2 + (entry & 1);

@@ -1,4 +1,4 @@
-/* Vector operations of 4 lanes with SSE4.1. */
+/* Vector operations of 4 lanes with SSE4.1. vectors.h describes the operations. */
 #ifndef FXS_LANES_SSE41_H
 #define FXS_LANES_SSE41_H
 
@@ -52,7 +52,6 @@ static inline unsigned bits(mask which)
     return (unsigned)_mm_movemask_ps((__m128)which);
 }
 
-/* Stores the lanes of `which` without gaps, and always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     const __m128i order = _mm_load_si128((const __m128i *)(const void *)compress_order[bits(which)]);
@@ -108,8 +107,8 @@ static inline vw magnitude_64(vw x)
     return (x ^ sign) - sign;
 }
 
-/* Shifts left per lane by a product with 2^shift, built in the exponent of a float. A shift outside 0..31 gives 0.
-   The conversion of 2^31 overflows, but returns 2^31. */
+/* Shifts left per lane by a product with 2^shift, built in the exponent of a float. The conversion of 2^31
+   overflows, but returns 2^31. */
 static inline vu shift_left(vu x, vi shift)
 {
     const __m128i power = _mm_cvttps_epi32(_mm_castsi128_ps((__m128i)((shift << 23) + (127 << 23))));
@@ -117,7 +116,6 @@ static inline vu shift_left(vu x, vi shift)
     return (vu)_mm_mullo_epi32((__m128i)x, _mm_and_si128(power, (__m128i)in_range));
 }
 
-/* Shifts right per lane. A shift of 32 or more gives 0. */
 static inline vu shift_right(vu x, vi shift)
 {
     const __m128i zero = _mm_setzero_si128(), low = _mm_unpacklo_epi32((__m128i)shift, zero);
@@ -129,7 +127,6 @@ static inline vu shift_right(vu x, vi shift)
 
 #include "wide.h"
 
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     __m128i low, high;
 } octet;
@@ -196,7 +193,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = sums[i];
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)

@@ -42,7 +42,6 @@ static inline wide or_magnitude(wide a, wide b)
     return (wide){a.even | magnitude_64(b.even), a.odd | magnitude_64(b.odd)};
 }
 
-/* Takes bits shift to shift + 31 of each 64-bit number; shift is a constant, 1 to 31. */
 static inline vu narrow(wide x, const int shift)
 {
     return interleave(x.even >> shift, x.odd << (32 - shift));
@@ -58,20 +57,17 @@ static inline vu high_half(wide x)
     return interleave(x.even >> 32, x.odd);
 }
 
-/* Returns x * 2^-shift, rounded to nearest; shift > 0. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (shift_right(x, shift - 1) + 1) >> 1;
 }
 
-/* Returns x * 2^-shift, rounded down, which must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     vw odd = (vw)shift >> 32, even = ((vw)shift << 32) >> 32;
     return (vi)low_half((wide){shift_right_64(x.even, even), shift_right_64(x.odd, odd)});
 }
 
-/* Returns x * 2^-shift, rounded to nearest; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return (narrow_by(x, shift - 1) + 1) >> 1;
@@ -84,14 +80,12 @@ static inline vi clz_wide(wide x)
     return clz((vu)choose(empty, (vi)low_half(x), (vi)high)) + choose(empty, all(32), all(0));
 }
 
-/* Returns (x << shift) >> 32; shift is 0 to 63. */
 static inline vu top_half(wide x, vi shift)
 {
     const vu high = high_half(x), low = low_half(x);
     return shift_left(high, shift) | shift_right(low, 32 - shift) | shift_left(low, shift - 32);
 }
 
-/* Returns x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 static inline vi round_shift(vi x, const int shift)
 {
     const int32_t half = 1 << (shift - 1);
@@ -131,7 +125,7 @@ static inline vu rsqrt(vu m)
     return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
-/* Loads the four words at from + stride * at[lane] for each lane, faster than gather instructions. */
+/* Loads words pairwise, which is faster than gather instructions. */
 static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
                                                              const int32_t at[LANES])
 {
