@@ -38,7 +38,6 @@ static inline float fxs_logit_of_code(int code)
     return code <= 0 ? -FXS_OPAQUE : code >= 255 ? FXS_OPAQUE : (float)fxs_log(code / (255.0 - code));
 }
 
-/* Returns the SH coefficient of degree 0 for a colour of 0 to 1. */
 static inline float fxs_dc_of_colour(double colour)
 {
     return (float)((colour - 0.5) / FXS_SH_0);

@@ -59,7 +59,8 @@ static inline void find_products(lanes product, const group *a, const group *b, 
     }
 }
 
-/* The mass of a pair is the sum of both masses, reduced by OVERLAP times their mutual occlusion. */
+/* The mass of a pair, opacity times area, is the sum of both masses, reduced by OVERLAP times their mutual
+   occlusion. */
 static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -367,7 +368,6 @@ static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
         push(m, key_of(m, m->pair_count));
 }
 
-/* Computes the mean colour of a Gaussian and its candidates, weighted by opacity times area. */
 static void find_surroundings(fxs_merger *m, uint32_t of)
 {
     float sum = LEAST, colours[3] = {0};
@@ -424,7 +424,7 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
     join_candidates(m, a, b);
 }
 
-/* If the heap is empty, returns the first two remaining Gaussians. */
+/* If the heap of pairs is empty, returns the first two remaining Gaussians. */
 static pair take_best(fxs_merger *m)
 {
     while (m->heap_count > 0) {

@@ -10,7 +10,8 @@
 
 #define LN_2 0.69314718055994531
 
-/* Opacity of code c. Law 0: c / 255. Other laws: 0 for c = 0, else 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2. */
+/* Decodes opacity code c by a quantisation law. Law 0: c / 255. Other laws: 0 for c = 0, else 1/255 + (4^(1 - law)
+   - 1/255) ((c - 1) / 254)^2. */
 static double opacity_of(uint32_t code, uint32_t law)
 {
     static const double tops[FXS_OPACITY_LAWS] = {4, 1, 0.25, 0.0625};

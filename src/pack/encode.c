@@ -79,7 +79,6 @@ static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r,
     chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), FXS_COLOUR_MOST, 20);
 }
 
-/* Returns the quantisation step, Q19, for SH coefficients of magnitude up to `most`. */
 static uint32_t sh_step(float most, const fxs_grid *grid)
 {
     double own = ldexp(grid->step, 19);

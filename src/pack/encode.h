@@ -94,7 +94,7 @@ enum { FXS_RECORD_BYTES = 63 };      /* size of the largest record of a Gaussian
 
 typedef struct fxs_row_codes {
     uint32_t position[3], scale[3];
-    uint32_t rotation;                   /* rotation word; profile small keeps its upper 23 bits */
+    uint32_t rotation;                   /* packed rotation; profile small keeps its upper 23 bits */
     uint32_t colour[3], opacity;
 } fxs_row_codes;
 

@@ -15,13 +15,12 @@ static inline double larger_of(double x, double y)
     return x > y ? x : y;
 }
 
-/* Per law of opacity codes: reach = 4^(1 - law) - 1/255, and scale = 254 / sqrt(reach). Law 0 has even steps and
-   needs no scale. */
+/* Four laws quantise opacity. Law 0 has even steps. For the other laws, reach = 4^(1 - law) - 1/255 and scale = 254
+   / sqrt(reach). */
 static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 255.0, 0.25 - 1 / 255.0,
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
 
-/* Finds the nearest code and its error for each law of opacity codes. The opacity is at least 1/255. */
 static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS], double errors[FXS_OPACITY_LAWS])
 {
     const double root = sqrt(opacity - 1 / 255.0);
@@ -53,8 +52,8 @@ static inline int32_t encode_opacity(double opacity, uint32_t law, double *error
     return codes[law];
 }
 
-/* Adds the harm of coding an opacity by each law. Harm is squared error / opacity, because fainter Gaussians
-   overlap in greater numbers. */
+/* Adds the harm of coding an opacity by each quantisation law. Harm is squared error / opacity, because fainter
+   Gaussians overlap in greater numbers. */
 static inline void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 {
     int32_t codes[FXS_OPACITY_LAWS];
@@ -196,8 +195,8 @@ static inline double roll_of(double cosine, double sine)
     return roll;
 }
 
-/* Returns the code of `bits` bits nearest to x, -1 <= x <= 1. `below` is the fraction of a step that the following
-   bits of the word add. */
+/* Returns the code of `bits` bits nearest to x, -1 <= x <= 1. `below` is the fraction of a code step that lower
+   bits of the rotation word add. */
 static inline int32_t code_around(double x, int32_t bits, double below)
 {
     const int32_t half = 1 << (bits - 1);
@@ -253,7 +252,7 @@ static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
 static inline void order_axes(float scale[3], double axis[3][3])
 {
     for (int i = 0; i < 3; i++) {
-        const int k = i == 2 ? 0 : i;             /* compares axes 0 and 1, then 1 and 2, then 0 and 1 */
+        const int k = i == 2 ? 0 : i;
         if (!(scale[k] < scale[k + 1]))
             continue;
         const float length = scale[k];
@@ -267,7 +266,7 @@ static inline void order_axes(float scale[3], double axis[3][3])
     }
 }
 
-/* Returns the cosine of half the angle to the decoded axes. Opposite directions of an axis count as equal. */
+/* Opposite directions of an axis count as equal. */
 static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
 {
     const fxs_tilt a = fxs_tilt_of_word(word, bits);

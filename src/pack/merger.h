@@ -27,9 +27,10 @@ enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLA
 
 #define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* largest merged opacity, unless an input is more opaque */
 #define OVERLAP 0.3f                   /* share of the mutual occlusion of a pair that is subtracted from the merged
-                                          mass */
+                                          mass, opacity times area */
 #define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; each colour channel has weight 1 */
-#define THINNEST 1e-3f                 /* share of a covariance's trace that errors add to its variances */
+#define THINNEST 1e-3f                 /* share of a covariance's trace that is added to its variances in error
+                                          computations */
 #define LEAST 1e-30f
 #define PI 3.14159265f
 
@@ -43,7 +44,7 @@ typedef struct group {
     lanes f[ROW];
 } group;
 
-/* Candidate pair for a merge. The pair is stale if a_age or b_age differs from the age of its Gaussian. */
+/* Candidate pair for a merge, stale once either Gaussian was merged again. The ages count merges. */
 typedef struct pair {
     float error;
     uint16_t a, b;
@@ -58,7 +59,7 @@ struct fxs_merger {
     float compared[MOST][COMPARED];
     uint32_t sh_count;
     uint16_t order[MOST];
-    float places[3][WINDOW + MOST + WINDOW];   /* positions along the Morton curve, padded with infinity */
+    float places[3][WINDOW + MOST + WINDOW];
     float distances[MOST][NEAREST];
     uint16_t into[MOST];               /* index of the absorbing Gaussian, or the Gaussian's own index */
     uint16_t age[MOST];

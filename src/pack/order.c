@@ -1,7 +1,6 @@
 /* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x,
    y, z, or the distance from the scene's middle, where the sum of the costs of the two new boxes is smallest. The
-   cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle. Cuts by distance
-   separate sky, surroundings and outliers.
+   cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle.
 
    The order is the same on every processor, because every float operation is rounded to a float. */
 #include "order.h"
@@ -16,12 +15,12 @@ enum {
     AXES = 3, DISTANCE = AXES, COORDINATES,
     WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch outliers */
     SAMPLED = 4096,
-    FREE_LEVELS = 40,                /* runs below this tree level are halved, to bound the depth */
+    FREE_LEVELS = 40,                /* runs of Gaussians below this tree level are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
     SAMPLE = 16384,
     JOBS = 128,
     PIECES = 8,
-    MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut into chunks */
+    MANY = 1024 * FXS_CHUNK
 };
 
 #define AMONG_ITS_LIKE (1u << 31)     /* flag of an index: the Gaussian is ordered separately */
@@ -116,8 +115,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* The pivot lies slightly beyond the k-th key, on the side with more keys, so that one pass removes most of that
-   side. */
+/* The pivot for quickselect lies slightly beyond the k-th key, on the side with more keys, so that one pass removes
+   most of that side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -289,7 +288,6 @@ static uint32_t whole_chunks(uint32_t before, uint32_t count)
     return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
 }
 
-/* The first and the last bin of a histogram are never empty. */
 static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
 {
     const box *bins = h->bins[coordinate];
@@ -559,7 +557,6 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
     return kept;
 }
 
-/* Moves entries that are ordered separately to the end. Returns the number of chunks of the other entries. */
 static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t others = 0;
@@ -575,7 +572,7 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 }
 
 /* Returns the largest cost of an uncut leaf: 256 Gaussians in a box with a diagonal of `reach` times their distance
-   from the middle. Small scenes get a larger limit. */
+   from the middle. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

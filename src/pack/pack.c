@@ -29,7 +29,7 @@
 #define HELD (1u << 16)              /* most chunks in memory that wait for SH codes */
 #define FINISHED 512
 #define PARTS 16                     /* jobs per batch; fixed, so that sums do not depend on the number of threads */
-#define AHEAD 8                      /* prefetch distance, Gaussians */
+#define AHEAD 8
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 scene units */
 #define FAINT_LOGIT (-2.708f)        /* logit of opacity 1/16 */
 #define FOG 0.1                      /* least share of faint Gaussians' weight in a foggy scene */
@@ -60,7 +60,7 @@ typedef struct findings {
 
 typedef struct packer packer;
 
-/* Steps for packing one part of a scene. Function pointers keep these steps out of programs without parts. */
+/* Function pointers keep these steps out of programs that pack no parts. */
 typedef struct part_steps {
     int (*plan)(packer *p);
     int (*allocate)(packer *p, fxs_packed_scene *part);
@@ -96,7 +96,7 @@ struct packer {
     const fxs_coded *coded;
     fxs_palette *palette;
     fxs_sh_item *sample;
-    fxs_sh_item *items;              /* null: `sample` holds the whole scene */
+    fxs_sh_item *items;
     uint32_t held;
     uint32_t first_chunk, end_chunk;
     uint32_t finished;
@@ -368,8 +368,8 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
-/* Returns the largest diagonal of a chunk's box, divided by its distance from the scene's middle. A position step
-   is then at most 1/2048 of the distance, in profile small 1/512. */
+/* Limits a chunk's box relative to its distance from the scene's middle. A position step is then at most 1/2048 of
+   the distance, in profile small 1/512. */
 static float longest_box(enum fxs_profile profile)
 {
     return profile == FXS_PROFILE_SMALL ? 4 : 32;
@@ -746,7 +746,6 @@ static void begin_tree(unsigned char *to, uint32_t nodes)
     memcpy(to, &header, sizeof header);
 }
 
-/* `tree` is the size of the tree in bytes, or 0. */
 static fxs_packed_header header_of(const packer *p, size_t tree)
 {
     const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);

@@ -23,11 +23,11 @@ enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP,
     BEAM = 2,                      /* partial sums kept after each stage of the beam search */
-    TRIED = 3,                     /* groups of a palette that are searched entry by entry */
+    TRIED = 3,
     WINDOW = 48                    /* most earlier Gaussians that diffuse their errors to a Gaussian */
 };
 
-/* |x| <= 700 keeps the powers of two normal numbers. */
+/* |x| <= 700, so that powers of two are not subnormal. */
 static inline void find_exponentials(double x[8])
 {
     for (int i = 0; i < 8; i++) {
@@ -55,7 +55,7 @@ static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
 
 typedef struct candidate {
     fxs_sh_vector left;            /* vector minus the sum of the chosen entries */
-    int32_t cost;                  /* |left|^2 - |vector|^2 */
+    int32_t cost;                  /* |residual|^2 - |vector|^2 */
     uint8_t indices[STAGES];
 } candidate;
 
@@ -212,7 +212,7 @@ static inline float find_gain(const float numbers[NUMBERS], int count, int unit_
     return best;
 }
 
-/* Writes the gain and the 3-bit codes of an SH residual. `rest` becomes the error of these codes. */
+/* `rest` becomes the error of the 3-bit codes. */
 static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
     float numbers[NUMBERS] = {0};
@@ -245,7 +245,7 @@ static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, cons
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* rounding guard: 4/3 times 3 must give 4 */
+    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* makes 4/3 times 3 round to 4 */
 }
 
 static inline double area_of(const fxs_sh_item *item)

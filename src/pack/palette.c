@@ -59,7 +59,7 @@ static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
         to[d] = hold(sign * from[d]);
 }
 
-/* Unused entries and groups get NEVER, so that no search takes them. */
+/* Unused entries and groups get the cost NEVER, so that no search takes them. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
@@ -158,7 +158,6 @@ static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, voi
     return 0;
 }
 
-/* Initialises the entries of each group with evenly spaced vectors from those assigned to the group. */
 static void begin_entries(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -174,7 +173,7 @@ static void begin_entries(learner *l)
     }
 }
 
-/* Groups start as vectors spread evenly over the sample. */
+/* Groups of entries start as vectors spread evenly over the sample. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -429,7 +428,6 @@ static int has_means(const fxs_scene *scene)
     return 0;
 }
 
-/* Reads a palette in the finest unit in which no entry exceeds MOST. */
 void fxs_palette_of_scene(fxs_palette *p, const fxs_scene *scene)
 {
     const int8_t *from = scene->palette;

@@ -30,7 +30,7 @@ typedef int16_t fxs_sh_vector[FXS_PALETTE_STRIDE];
 typedef struct fxs_palette {
     enum fxs_profile profile;
     int sh_degree;
-    uint32_t stages, entries;          /* number of stages, and of entries per stage */
+    uint32_t stages, entries;
     int unit_exponent;                 /* a palette unit is 2^-unit_exponent */
     int centred;                       /* 1: entries code differences from the chunks' means; 0: all means are 0 */
     int32_t step;                      /* quantisation step of the packed entries, 1 to 10 palette units */
@@ -52,7 +52,8 @@ uint32_t fxs_palette_sample(uint32_t count);
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
 
 /* Learns the palette of a scene of `count` Gaussians from the sample `items`. The caller sets palette->profile and
-   sh_degree. options->run must not be null. Returns 0, or an error and a message: out of memory, or stopped. */
+   sh_degree. `entries` is the result of fxs_palette_entries_for. options->run must not be null. Returns 0, or an
+   error and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 

@@ -29,7 +29,6 @@ static inline int32_t absolute(int32_t x)
     return x < 0 ? -x : x;
 }
 
-/* Converts the SH coefficients of an item to palette units. A step too large for the range is clamped. */
 static inline void vector_of(fxs_sh_vector vector, const fxs_sh_item *item, int unit_exponent)
 {
     const double wanted_q12 = fxs_scaled(item->step, unit_exponent + 12);

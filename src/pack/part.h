@@ -65,7 +65,8 @@ uint32_t fxs_part_add_box(const fxs_crc32_table *table, uint32_t checksum, const
 
 /* Packs part `number` of `count` parts, count 1 to FXS_PARTS_MOST. The whole file is read, but only the part's
    headers and rows are in memory. The report is for the whole scene, without losses. All checksums of `part` are 0;
-   free it with fxs_packed_scene_free. Returns FXS_ERR_ARGUMENT if the scene has fewer chunks than parts. */
+   free it with fxs_packed_scene_free. Errors are those of fxs_pack, or FXS_ERR_ARGUMENT if the scene has fewer
+   chunks than parts. */
 int fxs_pack_part(fxs_scene_file *file, const fxs_scene_file_info *info, uint32_t number, uint32_t count,
                   fxs_packed_scene *part, fxs_pack_report *report, const fxs_pack_options *options,
                   fxs_message *message);

@@ -18,7 +18,7 @@
 #include "order.h"
 
 enum {
-    FREE_LEVELS = 40,                  /* runs below this tree level are halved, to bound the depth */
+    FREE_LEVELS = 40,                  /* runs of leaves below this tree level are halved, to bound the depth */
     PARTS = 32                         /* the largest job has max(4, leaves / PARTS) leaves */
 };
 
@@ -60,7 +60,7 @@ typedef struct group {
 typedef struct fxs_tree tree;
 struct fxs_tree {
     fxs_tree_run run;
-    const fxs_tree_source *source;     /* reads parts; null: all leaves are in the run */
+    const fxs_tree_source *source;     /* callbacks that read part files; null: all leaves are in the run */
     fxs_pack_options options;
     fxs_encoder encoder;
     uint32_t count;
@@ -355,7 +355,7 @@ static int first_side(const tree *t, const node *n)
     return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
-/* Building the child with more leaves first bounds the number of slots by log2(leaves). */
+/* Building the child with more leaves first bounds the number of memory slots by log2(leaves). */
 static void build(tree *t, worker *w, uint32_t child, uint32_t at)
 {
     if (child >= t->count) {
@@ -515,9 +515,8 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
     return top;
 }
 
-/* Groups nodes that share a gain. Opening a node replaces it by its children, which can remove less error than
-   opening the children. A node therefore absorbs the group below with the largest mean gain, while that gain
-   exceeds its own. */
+/* The gain of a node is the error that replacing the node by its children removes. A node absorbs the group of
+   descendants with the largest mean gain, while that gain exceeds the node's own. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
@@ -828,7 +827,7 @@ void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
     merge_children(&e->tree, &e->worker, number, &e->held[0], &e->held[1]);
 }
 
-/* Clears the swell of a node, because fitted Gaussians already have the opacity of the leaves. */
+/* Clears the opacity correction of a node, because fitted Gaussians already have the opacity of the leaves. */
 static void clear_swell(const fxs_tree_editor *e, uint32_t number)
 {
     fxs_node n = node_at(e->nodes, number);
@@ -855,7 +854,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Adds UNMEASURED times the present gains to the measured errors, so that a node outside all views keeps a gain. */
+/* Mixes the stored gains into the measured errors, so that nodes outside all views keep a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;

@@ -51,7 +51,7 @@ static inline void fxs_node_sums_turn(fxs_node_sums *sums)
    Gaussians follow at FXS_TREE_TOP_HEAD as fxs_coarse, merged but not yet coded. */
 enum { FXS_TREE_TOP_HEAD = 64, FXS_TREE_TOP_BYTES = FXS_TREE_TOP_HEAD + FXS_CHUNK * sizeof(fxs_coarse) };
 
-/* A run of leaves, and the memory for the nodes of the run, in ascending order of node number. */
+/* A run of leaves, and the memory for its nodes in ascending order of node number. */
 typedef struct fxs_tree_run {
     const fxs_scene *scene;
     const fxs_palette *palette;
@@ -73,8 +73,8 @@ typedef struct fxs_tree_source {
     /* Reads a leaf's header and rows, in the format of a packed scene. The pointers are valid until the next call. */
     int (*leaf)(void *argument, uint32_t leaf, const unsigned char **header, const unsigned char **rows,
                 fxs_message *message);
-    /* Reads the header and the Gaussians of a topmost node, at most FXS_CHUNK. `at` is the node's index in its
-       part. */
+    /* Reads the header and the Gaussians of a topmost node, at most FXS_CHUNK, positions within +-2^28 units. `at`
+       is the node's index in its part. */
     int (*top)(void *argument, uint32_t part, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians, uint32_t *count,
                fxs_message *message);
     void *argument;
@@ -87,7 +87,7 @@ int fxs_tree_build_above(fxs_tree *tree, const fxs_tree_run *run, const fxs_tree
                          const fxs_pack_options *options, fxs_message *message);
 
 /* Returns the part of a node, or FXS_TREE_ABOVE if the node belongs to no part. *at is the node's index in that
-   part, or among the nodes above the parts. */
+   part, or among the nodes above. */
 #define FXS_TREE_ABOVE UINT32_MAX
 uint32_t fxs_tree_find(const fxs_tree *tree, uint32_t number, uint32_t *at);
 
@@ -99,7 +99,7 @@ int fxs_tree_write(const fxs_tree *tree, unsigned char *nodes, fxs_message *mess
 typedef struct fxs_tree_editor fxs_tree_editor;
 
 /* Begins an edit. `scene` is open on `data`, has a validated tree, and outlives the editor. Returns 0, or an error
-   and a message. Free *editor with fxs_tree_edit_end. */
+   and a message. Free *editor with fxs_tree_edit_end, which accepts null. */
 int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, fxs_message *message);
 void fxs_tree_edit_end(fxs_tree_editor *editor);
 

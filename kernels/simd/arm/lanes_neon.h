@@ -313,7 +313,7 @@ static inline vh all_h(int x)
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* Rounded product like fxs_mul_q15, except that -32768 squared is 32767. */
+/* Rounded Q15 product; -32768 squared is 32767. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);

@@ -27,11 +27,11 @@ static inline int alpha_of(int level_q11, int half)
     return fxs_min(p, FXS_ALPHA_MAX_Q15);
 }
 
-#define FOUR_Q24 (4u << 24)        /* larger |v| are beyond every limit */
+#define FOUR_Q24 (4u << 24)
 
 typedef struct at_row {
     int32_t u_q24, ux_q24;         /* u at the first pixel, and its step per pixel */
-    uint32_t per_u;                /* 2^32 / ux, rounded down */
+    uint32_t per_u;
     int level_q11, limit_q11;
     int red_q13, green_q13, blue_q13;
 } at_row;

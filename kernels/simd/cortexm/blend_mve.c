@@ -33,11 +33,11 @@ typedef struct pair {
 
 /* u and v are 2^10 less than in fxs_splat, because packing rounds. */
 typedef struct outline {
-    pair middle_q24, four_q24, two_q24;        /* u in the middle of a patch, 4 ux, 2 uy */
+    pair middle_q24, four_q24, two_q24;
     pair v_q24, vy_q24;                        /* v on the tile's first row, and its step per row */
     vh half_q13;                   /* half the range of u within a patch */
     vh offset_q11, limit_q11;      /* a limit of -1 disables the splat */
-    vh least_q11[FXS_TILE / ROWS]; /* smallest level of two rows, minus the limit */
+    vh least_q11[FXS_TILE / ROWS];
 } outline;
 
 static inline vh add_cut(vh a, vh b)
@@ -82,7 +82,7 @@ static inline void store_by_entry(uint32_t to[GROUP], pair x)
     store_pairs(to, (vi)x.even, (vi)x.odd);
 }
 
-/* Past the end of the list, repeats the first entry. *which gets two bits for each valid entry. */
+/* Past the end of the list, repeats the first entry. */
 static inline pair take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
 {
     uint32_t few[GROUP];
@@ -199,9 +199,9 @@ ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred
 {
     vh alpha;
     uint32_t k, green, blue;
-    __asm__(MOVE("0xef74") "vqrdmulh.s16 %q[alpha], %q[level], %[k]\n\t"   /* alpha = -4236 level */
+    __asm__(MOVE("0xef74") "vqrdmulh.s16 %q[alpha], %q[level], %[k]\n\t"
             MOVE("16016") "vadd.i16 %q[alpha], %q[alpha], %[k]\n\t"
-            MOVE("0x8026") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"  /* alpha = alpha level - 32730 */
+            MOVE("0x8026") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"
             MOVE("32767") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
@@ -246,7 +246,6 @@ static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
     return (vh)vpselq_s16((int16x8_t)level, vdupq_n_s16(FXS_LEVEL_MAX_Q11), seen);
 }
 
-/* Returns 1 while a pixel of the patch is not yet opaque. */
 ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, uint32_t patch, int number,
                               const int16_t *depths_q15)
 {

@@ -202,7 +202,7 @@ static inline vu top_half(wide x, vi shift)
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
 }
 
-/* Newton's method. a b >> 30 is the high half of 2 a times 2 b, because a and b are below 2^31. */
+/* Newton's method for 1 / m. a b >> 30 is the high half of 2 a times 2 b, because a and b are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));
@@ -306,7 +306,7 @@ static inline vh all_h(int x)
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* Rounded product like fxs_mul_q15, except that -32768 squared is 32767, which is above every limit. */
+/* Rounded Q15 product; -32768 squared is 32767, which is above every limit. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);

@@ -20,7 +20,6 @@ typedef struct list {
     int32_t index[2 * LANES];
 } list;
 
-/* Word offsets in the loads of LOAD_FOURS. */
 enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
 
 #define LOAD_FOURS(words, structs, member, at) \
@@ -106,7 +105,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
     vi x_bottom_q8 = e->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
     vi left_q8 = most(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     vi right_q8 = most(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* uses the full reach if the ellipse's leftmost or rightmost point is on the tile row */
+    /* uses the full half width if the ellipse's leftmost or rightmost point is on the tile row */
     vi low = top * reach, high = bottom * reach;
     left_q8 = choose(greater(low, -e->tangent) | greater(-e->tangent, high), left_q8, reach);
     right_q8 = choose(greater(low, e->tangent) | greater(e->tangent, high), right_q8, reach);
@@ -133,7 +132,7 @@ static void fill_boxes(const job *j, const list *l, uint32_t count)
     for (int k = 0; any(greater(e.more_rows, all(k - 1))); k++) {
         const vi row = (e.first_row & 1) + k, at = (row >> 1) * 12 + (row & 1) * 2;
         const vu tiles = (vu)choose(greater(e.more_rows, all(k - 1)), spread_row(tiles_of_row(&e, j->view)), all(0));
-        low |= (vi)shift_left(tiles, at);          /* higher bits of `low` repeat bits of `high` */
+        low |= (vi)shift_left(tiles, at);
         high |= (vi)shift_left(tiles, at - FXS_BOX_LOW_BITS);
         e.v_q24 += FXS_TILE * e.vy_q24;
     }
@@ -168,12 +167,11 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
                 greater(all(FXS_BOX_TILES), last - column) & ~none;
     mask whole = fits & equal(first_tile_row, last_tile_row) & greater(all(FXS_NARROW), last - first) &
                  greater(first_row, all(0)) & greater(all(j->view->height - 1), last_row);
-    /* taller boxes are stored later */
     const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
     const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
     store_boxes(j->boxes + i, j->view, on_rows, all(0), first_tile_row, column, none);
     mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
-    /* one list per number of tile rows; list 0: splats near the edge of a tile row */
+    /* one list of splats per height in tile rows; list 0: splats near the edge of a tile row */
     mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));
     vi list_number = choose(at_edge, all(0), last_tile_row - first_tile_row);
     for (int k = 0; k < FXS_BOX_TILES; k++) {
@@ -189,7 +187,6 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
     }
 }
 
-/* The last vector of splats may overlap the preceding vector. */
 FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};

@@ -8,7 +8,7 @@
 #define GROUP (2 * LANES)
 #define ROWS (LANES / 4)
 #define PATCHES (FXS_TILE_PIXELS / GROUP)
-#define AHEAD 64                   /* prefetch distance in list entries */
+#define AHEAD 64
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 #if LANES == 4                     /* wider instruction sets define these functions themselves */
@@ -56,13 +56,13 @@ typedef struct group {
     vu u_q24[PATCHES][2];          /* u at the first pixel of each patch */
     vu ux_q24[2], uy_q24[2], right_q24[2];
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* u at half of the pixels of a patch, relative to the first pixel */
+    vu pattern_q24[GROUP];
     vh levels_q11[FXS_TILE];       /* v^2 + offset of each row */
     uint32_t reached[PATCHES];     /* per patch: mask of the splats that may reach a pixel */
 } group;
 
 typedef struct outline {
-    vu u_q24[2], v_q24[2], vy_q24[2];          /* u and v at the first pixel of a row */
+    vu u_q24[2], v_q24[2], vy_q24[2];
     vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to the first pixel */
     vh offset_q11, limit_q11;
 } outline;
@@ -87,7 +87,7 @@ static inline vu twice(vi x)
     return (vu)(x & 65535) * 0x10001;
 }
 
-/* Past the end of the list, repeats the first entry. Returns a bit for each valid entry. */
+/* Past the end of the list, repeats the first entry. */
 static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
@@ -241,7 +241,7 @@ ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {
-    pixels p = *at;                /* local copy, to stay in registers */
+    pixels p = *at;
     mask_h open = open_of(p.transmittance_q15);
     kept own;
     if (k)

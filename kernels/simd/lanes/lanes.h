@@ -3,7 +3,7 @@
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 
-/* Returns the number of lanes in a mask. 4 lanes use a table, because not every processor counts bits. */
+/* 4 lanes use a table, because not every processor has an instruction that counts bits. */
 static inline uint32_t lanes_of(mask which)
 {
     return LANES > 4 ? (uint32_t)__builtin_popcount(bits(which))
@@ -32,7 +32,7 @@ static inline vu root(vu x)
     return shift_right(mulhi(m, rsqrt(m)), 14 + (shift >> 1));
 }
 
-/* Returns the drawing radius of a splat, sqrt(r2), Q12, rounded up. Only faint splats need the root. */
+/* Returns sqrt(r2), Q12, rounded up. Only faint splats need the root. */
 static inline vi radius_q12(vi r2_q11)
 {
     if (!any(greater(all(FXS_CUT_Q11), r2_q11)))

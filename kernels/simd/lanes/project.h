@@ -99,7 +99,7 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros_of_z) >> 5 & 0x3ffffff));
 }
 
-/* Finds the centres of LANES Gaussians. Returns 0 if the C version must project the chunk. */
+/* Returns 0 if the C version must project the chunk. */
 static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
@@ -185,7 +185,6 @@ static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
     return round_shift(a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2], 15);
 }
 
-/* Returns an axis length on the screen: 2^-below * size, Q15. */
 static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
 {
     vu ratio_q15 = (vu)exp2_q15((below_q16 & 65535) >> 1);
@@ -284,7 +283,6 @@ static inline vi octaves_below_q16(vu x_q30)
     return most((30 << 16) - log2_of_32_q16(x_q30), all(0));
 }
 
-/* A share of 0 counts as the smallest share, because both are too faint to draw. */
 static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
 {
     const vu opacity_q30 = falling_q30((vi)(((vu)offset_q11 * 94548 + 2048) >> 12));
@@ -294,7 +292,6 @@ static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
     return least((vi)narrow(offset_wide(offset_q32, 1 << 20), 21), all(FXS_FAINT_Q11 + 1));
 }
 
-/* Word offsets in fxs_splat and in fxs_bounds. */
 enum { U0, V0, UX, UY, VY, OFFSET, COLOUR, CLIP, CX = 0, CY, BREADTH, SHEAR, HALF_WIDTH, RADIUS, WORDS = 8 };
 
 static inline void whiten(vi splat[WORDS], vi bounds[WORDS], const covariance *s, const mantissa *c)
@@ -402,8 +399,7 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
 
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
-/* Returns the number of visible Gaussians, an FXS_ERR_* code, or LEFT_TO_C. Not inlined, to free the stack before
-   the C version runs. */
+/* Not inlined, to free the stack before the C version runs. */
 static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
                                                        outputs out)
 {

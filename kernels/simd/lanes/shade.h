@@ -3,9 +3,9 @@
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
-#define SOME (LANES > 4 ? 4u : 1u) /* groups that compute their directions together, so that operations overlap */
+#define SOME (LANES > 4 ? 4u : 1u) /* groups of Gaussians that compute their directions together, so that operations
+                                      overlap */
 
-/* Constant of the SH basis in Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
 static inline wide offset_q32(const fxs_view *view, const fxs_chunk *chunk, int axis, vi position)

@@ -56,11 +56,11 @@ static inline void store_h(int16_t *to, vh x)
  *   load_fours         loads the four words at from + stride * at[lane] for each lane
  *   store_compressed   stores the lanes of a mask without gaps; may write a whole vector
  *   store_pairs        stores a[0], b[0], a[1], b[1], ...
- *   shift_left         shifts per lane; a shift of 32 or more gives 0
- *   scale_down         x * 2^-shift, rounded to nearest; shift > 0
+ *   shift_left         shifts per lane; a shift of 32 to 127 gives 0
+ *   scale_down         x * 2^-shift, rounded to nearest; shift is 1 to 127
  *   round_shift        x * 2^-shift, rounded to nearest, halves up; shift is a constant
  *   narrow             bits shift to shift + 31 of 64-bit numbers; shift is a constant, 1 to 31
- *   narrow_by          x * 2^-shift of 64-bit numbers, rounded down; must fit in 32 bits
+ *   narrow_by          x * 2^-shift of 64-bit numbers, rounded down; must fit in 32 bits; shift is 0 to 63
  *   scale_down_wide    x * 2^-shift of 64-bit numbers, rounded to nearest; must fit in 31 bits
  *   top_half           (x << shift) >> 32 of 64-bit numbers
  *   octet              8 words or 16 numbers of 16 bits

@@ -221,7 +221,7 @@ static inline vu mul_high(vu a, vu b)
     return high_half(mul_wide_u(a, b));
 }
 
-/* Newton's method. a b >> 30 is the high half of 2 a times 2 b, because a and b are below 2^31. */
+/* Newton's method for 1 / m. a b >> 30 is the high half of 2 a times 2 b, because a and b are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));
@@ -326,13 +326,13 @@ static inline vh all_h(int x)
     return (vh)wasm_i16x8_splat((int16_t)x);
 }
 
-/* Rounded product like fxs_mul_q15. -32768 squared is 32767, or -32768 with the relaxed instruction. */
+/* Rounded Q15 product; -32768 squared is 32767, or -32768 with the relaxed instruction. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)wasm_i16x8_q15mulr_sat((v128_t)a, (v128_t)b);
 }
 
-/* Adds unsigned levels, saturated at 65535. The C version saturates at 32767; both are above every limit. */
+/* Levels are -2 ln(alpha). Sums saturate at 65535, in the C version at 32767; both are above every limit. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)wasm_u16x8_add_sat((v128_t)a, (v128_t)b);

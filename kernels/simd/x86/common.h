@@ -26,7 +26,7 @@ static inline vh all_h(int x)
     return (vh)MM(set1_epi16)((int16_t)x);
 }
 
-/* Rounded product like fxs_mul_q15, except that -32768 squared is -32768. */
+/* Rounded Q15 product; -32768 squared is -32768. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)MM(mulhrs_epi16)((V)a, (V)b);
@@ -52,7 +52,7 @@ static inline vh most_h(vh a, vh b)
     return (vh)MM(max_epi16)((V)a, (V)b);
 }
 
-/* Adds unsigned levels, saturated at 65535. The C version saturates at 32767; both are above every limit. */
+/* Levels are -2 ln(alpha). Sums saturate at 65535, in the C version at 32767; both are above every limit. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)MM(adds_epu16)((V)a, (V)b);
@@ -67,7 +67,6 @@ static inline void mix_bytes(V fours[2], vh r, vh g, vh b, vh a)
     fours[1] = MM(unpackhi_epi16)(rg, ba);
 }
 
-/* Interleaves four channels to pixels of 16 bits per channel, two pixels per 128 bits. */
 static inline void mix_words(V twos[4], vh r, vh g, vh b, vh a)
 {
     const V rg_low = MM(unpacklo_epi16)((V)r, (V)g), rg_high = MM(unpackhi_epi16)((V)r, (V)g);

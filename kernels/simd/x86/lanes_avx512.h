@@ -82,7 +82,6 @@ static inline vi clz(vu x)
     return (vi)_mm512_lzcnt_epi32((__m512i)x);
 }
 
-/* Returns the even lanes of a and the odd lanes of b. */
 static inline vu interleave(vw a, vw b)
 {
     return (vu)_mm512_mask_mov_epi32((__m512i)a, 0xaaaa, (__m512i)b);
@@ -104,7 +103,7 @@ static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     const __m512i two = first < 8 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11)
                                   : _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-    __m512i fours[2][4];           /* four words of one lane in each 128 bits */
+    __m512i fours[2][4];
     for (int i = 0; i < 2; i++) {
         const __m512i *four = (const __m512i *)(const void *)rows + 4 * i;
         const __m512i a = _mm512_unpacklo_epi32(four[0], four[1]), b = _mm512_unpacklo_epi32(four[2], four[3]);

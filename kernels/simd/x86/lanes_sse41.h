@@ -82,7 +82,6 @@ static inline vi clz(vu x)
     return least(most((vi)(158 - exponent), all(0)), all(32));
 }
 
-/* Returns the even lanes of a and the odd lanes of b. */
 static inline vu interleave(vw a, vw b)
 {
     return (vu)_mm_blend_epi16((__m128i)a, (__m128i)b, 0xcc);
