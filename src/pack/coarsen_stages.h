@@ -424,7 +424,6 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
     join_candidates(m, a, b);
 }
 
-/* If the heap of pairs is empty, returns the first two remaining Gaussians. */
 static pair take_best(fxs_merger *m)
 {
     while (m->heap_count > 0) {

@@ -6,7 +6,7 @@
 
 #include <fixsplat/gaussian.h>
 
-#define FXS_SEEN_MOST 16384          /* most Gaussians in a sample of the scene */
+#define FXS_SEEN_MOST 16384
 
 typedef struct fxs_seen {
     float position[3];

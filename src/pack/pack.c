@@ -60,7 +60,7 @@ typedef struct findings {
 
 typedef struct packer packer;
 
-/* Function pointers keep these steps out of programs that pack no parts. */
+/* Steps for packing a part of a scene. Pointers keep the steps out of programs that pack no parts. */
 typedef struct part_steps {
     int (*plan)(packer *p);
     int (*allocate)(packer *p, fxs_packed_scene *part);
@@ -93,10 +93,10 @@ struct packer {
     fxs_tree *tree;
     fxs_chunk_ranges *ranges;
     fxs_encoder encoder;
-    const fxs_coded *coded;
-    fxs_palette *palette;
+    const fxs_coded *coded;          /* existing codes to copy, or null */
+    fxs_palette *palette;            /* null: no palette is learned */
     fxs_sh_item *sample;
-    fxs_sh_item *items;
+    fxs_sh_item *items;              /* Gaussians that wait for palette codes; null: all are in `sample` */
     uint32_t held;
     uint32_t first_chunk, end_chunk;
     uint32_t finished;
@@ -238,6 +238,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
+/* Clamps position and scales, which every pass must do alike. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);

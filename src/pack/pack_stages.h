@@ -54,7 +54,7 @@ static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
 }
 
 typedef struct candidate {
-    fxs_sh_vector left;            /* vector minus the sum of the chosen entries */
+    fxs_sh_vector left;            /* vector minus the sum of the chosen palette entries */
     int32_t cost;                  /* |residual|^2 - |vector|^2 */
     uint8_t indices[STAGES];
 } candidate;

@@ -71,10 +71,10 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* sample, minus the chosen entries of the finished stages */
+    fxs_sh_vector *vectors;        /* sample vectors, minus the chosen palette entries of the finished stages */
     uint32_t count;
     uint8_t (*indices)[STAGES];
-    int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, at most 2^14 vectors */
+    int32_t (*sums)[WIDTH];        /* per palette entry: sum of its assigned vectors, at most 2^14 */
     int32_t *total;
     const fxs_pack_options *options;
     uint32_t rounds, stage;

@@ -70,7 +70,6 @@ void fxs_palette_of_scene(fxs_palette *palette, const fxs_scene *scene);
 
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 
-/* Writes the entries of all stages in the format of a packed scene. */
 void fxs_palette_write(const fxs_palette *palette, int8_t *to);
 
 typedef struct fxs_sh_loss {

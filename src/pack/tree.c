@@ -104,7 +104,6 @@ static void widen(float box[6], const float by[6])
     }
 }
 
-/* Returns squared diagonal * number of leaves. */
 static float cost_of(const float box[6], uint32_t leaves)
 {
     const float x = box[3] - box[0], y = box[4] - box[1], z = box[5] - box[2];

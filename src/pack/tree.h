@@ -58,7 +58,7 @@ typedef struct fxs_tree_run {
     uint32_t first, end;               /* the run is leaves first..end - 1 */
     const unsigned char *chunks, *rows;
     unsigned char *node_chunks, *node_rows;
-    unsigned char *sums, *tops;        /* fxs_node_sums of all nodes, and topmost nodes; null: not written */
+    unsigned char *sums, *tops;        /* fxs_node_sums of all nodes, and the topmost nodes; null: not written */
 } fxs_tree_run;
 
 /* Builds the nodes of a run. Arguments and errors are those of fxs_tree_build. */

@@ -31,7 +31,7 @@ typedef struct pair {
     vu even, odd;
 } pair;
 
-/* u and v are 2^10 less than in fxs_splat, because packing rounds. */
+/* The coordinates u and v are 2^10 less than in fxs_splat, because packing to 16 bits rounds. */
 typedef struct outline {
     pair middle_q24, four_q24, two_q24;
     pair v_q24, vy_q24;                        /* v on the tile's first row, and its step per row */

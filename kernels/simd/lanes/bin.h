@@ -63,8 +63,8 @@ static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
     e->tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e->r_q12;
 }
 
-/* v = ((y << 14) - cy) vy >> 26 is computed as ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough, because the tile
-   rows are less than 16 pixels off the ellipse. */
+/* At pixel row y, v = ((y << 14) - cy) vy >> 26 is computed as ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough,
+   because the tile rows are less than 16 pixels off the ellipse. */
 static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
 {
     vi splat[4], centre[4], shape[4], last;
@@ -123,7 +123,7 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
     return choose(none, all(0), (vi)tiles);
 }
 
-/* The list must hold LANES valid indices, even for a smaller count. */
+/* The list must hold LANES valid indices, even for fewer splats. */
 static void fill_boxes(const job *j, const list *l, uint32_t count)
 {
     fxs_box boxes[LANES];
@@ -206,7 +206,6 @@ FXS_BIN(ISA)
         }
 }
 
-/* Each lane computes one tile row of the splat. */
 FXS_SPANS(ISA)
 {
     if (view->cutoff == FXS_CUTOFF_SQUARE || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {

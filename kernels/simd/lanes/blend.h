@@ -11,7 +11,7 @@
 #define AHEAD 64
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-#if LANES == 4                     /* wider instruction sets define these functions themselves */
+#if LANES == 4                     /* wider instruction sets have their own versions */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     (void)y;
@@ -53,7 +53,7 @@ typedef struct kept {
    vector j, the order of the packing instructions. 16-bit values are stored twice per word, so that one broadcast
    fills a vector. */
 typedef struct group {
-    vu u_q24[PATCHES][2];          /* u at the first pixel of each patch */
+    vu u_q24[PATCHES][2];          /* coordinate u at the first pixel of each patch */
     vu ux_q24[2], uy_q24[2], right_q24[2];
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
     vu pattern_q24[GROUP];
@@ -63,7 +63,8 @@ typedef struct group {
 
 typedef struct outline {
     vu u_q24[2], v_q24[2], vy_q24[2];
-    vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to the first pixel */
+    vu u_low_q24[2], u_high_q24[2];            /* range of the coordinate u within a patch, relative to the first
+                                                  pixel */
     vh offset_q11, limit_q11;
 } outline;
 
@@ -145,7 +146,7 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* v is extreme in the first and last row of a patch. */
+/* The coordinate v is extreme in the first and last row of a patch. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
     vh v_q13[ROWS];

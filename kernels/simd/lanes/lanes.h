@@ -3,7 +3,7 @@
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 
-/* 4 lanes use a table, because not every processor has an instruction that counts bits. */
+/* 4 lanes use a table, because not every processor counts bits. */
 static inline uint32_t lanes_of(mask which)
 {
     return LANES > 4 ? (uint32_t)__builtin_popcount(bits(which))

@@ -117,7 +117,6 @@ static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t
         spare[ends[(keys[i] - least) >> shift]++] = keys[i];
 }
 
-/* Sorts buckets of more than FEW keys recursively. */
 FXS_SORT(avx512)
 {
     uint32_t ends[1 << MOST_BITS], start = 0, end;
