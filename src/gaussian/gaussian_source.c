@@ -1,4 +1,4 @@
-/* Reader for Gaussians from a callback of the program, with the checks of a file reader. */
+/* Reader for Gaussians from a callback, with the checks of a file reader. */
 #include <math.h>
 #include <string.h>
 

@@ -19,7 +19,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
                    fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                    fxs_message *message);
 
-/* Packs a scene like fxs_pack_coded, but with at most `held` chunks, at least 1, in memory that wait for palette
+/* Packs a scene like fxs_pack_coded, but holds at most `held` chunks, at least 1, in memory until they get palette
    codes. The file is read again for every `held` chunks. */
 int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
                   fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,

@@ -23,7 +23,7 @@ typedef struct fxs_order_entry {
    FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
-/* Sorts the indexes of at most FXS_CHUNK entries along a Morton curve. Leaves the positions in place. */
+/* Sorts the indexes of at most FXS_CHUNK entries along a Morton curve, but not the positions. */
 void fxs_order_chunk(fxs_order_entry *entries, uint32_t count);
 
 /* Maps a float to an integer of the same order, and back. -0 sorts before 0; NaN is not allowed. */

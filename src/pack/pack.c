@@ -591,8 +591,8 @@ static void fetch(const packer *p, uint32_t slot)
         PREFETCH(&p->ranges[chunk - p->first]);
 }
 
-/* Stores the codes of each Gaussian together. Writing to rows here would touch a cache line per byte, because
-   neighbours in the file lie in different chunks. */
+/* Stores the codes of each Gaussian together. Storing codes by attribute here would touch a cache line per byte,
+   because neighbours in the file lie in different chunks. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;

@@ -1,4 +1,4 @@
-/* Table of the inner loops of packing. Each instruction set in kernels/pack has its own table, with equal results. */
+/* Table of the inner loops of packing. All instruction sets give equal results. */
 #ifndef FXS_PACK_STAGE_H
 #define FXS_PACK_STAGE_H
 

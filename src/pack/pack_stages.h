@@ -245,7 +245,8 @@ static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, cons
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* makes 4/3 times 3 round to 4 */
+    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* a margin, so that 4/3 times 3 gives 4 in any
+                                                                        precision */
 }
 
 static inline double area_of(const fxs_sh_item *item)
@@ -338,7 +339,7 @@ static inline void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsi
 static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                              int8_t mean[48], unsigned char *records, size_t stride, fxs_sh_loss *loss)
 {
-    coder c;                         /* left uninitialised, because the structure is large */
+    coder c;
     fxs_sh_vector middle;
     c.palette = p;
     c.items = items;

@@ -257,8 +257,8 @@ uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
     return number * step - first < FXS_CHUNK && number * step < count ? number * FXS_CHUNK : FXS_NOT_SAMPLED;
 }
 
-/* Sets the finest palette unit, 2^-19 to 2^-8, in which MOST units reach 12 times the root mean square of the
-   coefficients, or their maximum. */
+/* Sets the finest palette unit, 2^-19 to 2^-8, in which MOST units reach the smaller of 12 times the root mean
+   square and the maximum of the coefficients. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     double squares = 0, numbers = 0, most = 0;

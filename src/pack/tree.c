@@ -19,7 +19,7 @@
 
 enum {
     FREE_LEVELS = 40,                  /* runs of leaves below this tree level are halved, to bound the depth */
-    PARTS = 32                         /* the largest job has max(4, leaves / PARTS) leaves */
+    PARTS = 32                         /* the largest parallel job has max(4, leaves / PARTS) leaves of the tree */
 };
 
 #define NONE UINT32_MAX
@@ -28,7 +28,7 @@ enum {
 
 typedef struct node {
     uint32_t first, leaves;
-    uint32_t children[2];
+    uint32_t children[2];              /* indices of nodes, or number of nodes + index of a leaf */
     uint32_t parent, number;
     uint32_t part, at;                 /* part that built the node; index of the node's chunk in that part */
     fxs_node_sums sums;
@@ -396,6 +396,7 @@ static int build_subtrees(tree *t)
     return note_built(t, t->run.end - t->run.first + 1);
 }
 
+/* Returns the Gaussians of a child. The caller frees them. */
 static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
 {
     const node *n = child < t->count ? &t->nodes[child] : NULL;

@@ -1,5 +1,5 @@
-/* Blends the splats of a tile on Cortex-M without vectors. On each row, only pixels that the splat can reach are
- * computed. Rows of opaque pixels are skipped. */
+/* Blends the splats of a tile on Cortex-M without vectors. Only pixels that a splat can reach are computed, and
+ * rows of opaque pixels are skipped. */
 #include <fixsplat/pixel.h>
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
@@ -30,7 +30,7 @@ static inline int alpha_of(int level_q11, int half)
 #define FOUR_Q24 (4u << 24)
 
 typedef struct at_row {
-    int32_t u_q24, ux_q24;         /* u at the first pixel, and its step per pixel */
+    int32_t u_q24, ux_q24;         /* coordinate u at the first pixel, and its step per pixel */
     uint32_t per_u;
     int level_q11, limit_q11;
     int red_q13, green_q13, blue_q13;

@@ -16,7 +16,7 @@
 
 /* The upper half of a word with a 16-bit number is undefined. */
 enum word {
-    U, UX, UY,                     /* Q24; u at the tile's first pixel, minus 2^10 */
+    U, UX, UY,                     /* Q24; coordinate u at the tile's first pixel, minus 2^10 */
     LIMIT, RED, GREEN, BLUE,
     LEVELS,                        /* v^2 + offset of two rows per word, upper row in the lower half */
     WORDS = LEVELS + FXS_TILE / ROWS
@@ -34,8 +34,8 @@ typedef struct pair {
 /* The coordinates u and v are 2^10 less than in fxs_splat, because packing to 16 bits rounds. */
 typedef struct outline {
     pair middle_q24, four_q24, two_q24;
-    pair v_q24, vy_q24;                        /* v on the tile's first row, and its step per row */
-    vh half_q13;                   /* half the range of u within a patch */
+    pair v_q24, vy_q24;                        /* coordinate v on the tile's first row, and its step per row */
+    vh half_q13;                   /* half the range of the coordinate u within a patch */
     vh offset_q11, limit_q11;      /* a limit of -1 disables the splat */
     vh least_q11[FXS_TILE / ROWS];
 } outline;

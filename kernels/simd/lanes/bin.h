@@ -35,7 +35,7 @@ static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi
 }
 
 typedef struct ellipse {
-    vi v_q24, vy_q24;              /* v on the first pixel row of a tile row; step of v per pixel row */
+    vi v_q24, vy_q24;              /* coordinate v on the first pixel row of a tile row, and its step per pixel row */
     vi cx_q8, breadth_q8, shear_q8, reach_q8, margin_q8, r_q12, tangent;
     vi first_column;
     vi first_row, more_rows;

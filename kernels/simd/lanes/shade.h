@@ -1,5 +1,5 @@
-/* Computes the colours of PARTS vectors of Gaussians together. Neighbours in a chunk of 256 Gaussians are shaded
- * together, visible or not. The colours of visible Gaussians are copied to their splats. */
+/* Computes the colours of PARTS vectors of neighbouring Gaussians together, visible or not. The colours of visible
+ * Gaussians are copied to their splats. */
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
@@ -70,9 +70,9 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
 }
 
 typedef struct neighbours {
-    uint32_t start, end;           /* range in the chunk's list of visible Gaussians */
+    uint32_t start, end;           /* indices in the chunk's list of visible Gaussians */
     uint32_t first, wanted;        /* index of the first neighbour; mask of visible neighbours */
-    vi d_q15[PARTS][3];            /* directions from the camera; unused if SOME is 1 */
+    vi d_q15[PARTS][3];
 } neighbours;
 
 static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,

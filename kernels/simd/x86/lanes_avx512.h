@@ -163,7 +163,6 @@ static inline vu pattern_of(uint32_t x, uint32_t y)
            y * (vu)_mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
-/* Interleaves four rows, so that the levels of a splat are adjacent. */
 static inline void order_levels(vh levels_q11[FXS_TILE])
 {
     for (int row = 0; row < FXS_TILE; row += 4) {

@@ -5,7 +5,7 @@
 #include "kernels/simd/lanes/stages.h"
 #include "src/core/memory.h"
 
-#define KEYS 8u                    /* 64-bit keys per vector */
+#define KEYS 8u
 #define FEW (8 * KEYS)
 #define MOST_BITS 11               /* most bits of a digit */
 

@@ -125,7 +125,7 @@ static inline vu rsqrt(vu m)
     return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
-/* Loads words pairwise, which is faster than gather instructions. */
+/* Loads rows of four words and transposes them, which is faster than gather instructions. */
 static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
                                                              const int32_t at[LANES])
 {
