@@ -16,7 +16,7 @@ typedef struct fxs_coarse {
     fxs_gaussian gaussian;
     float covariance[6];               /* covariance matrix: xx, yy, zz, xy, xz, yz */
     float area;                        /* sqrt(a^2 b^2 + a^2 c^2 + b^2 c^2) of the axes' sigmas a, b, c */
-    float opacity;                     /* opacity, 0 to 1 */
+    float opacity;
 } fxs_coarse;
 
 /* Returns the opacity that counts in merging. Alpha below FXS_FAINTEST is not drawn, which lowers the integral of a

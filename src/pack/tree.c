@@ -30,7 +30,7 @@ typedef struct node {
     uint32_t first, leaves;
     uint32_t children[2];              /* indices of nodes, or number of nodes + index of a leaf */
     uint32_t parent, number;
-    uint32_t part, at;                 /* part that built the node; index of the node's chunk in that part */
+    uint32_t part, at;                 /* part file with the node; index of the node's chunk in that file */
     fxs_node_sums sums;
 } node;
 
@@ -39,7 +39,7 @@ typedef struct held {
     uint32_t count;
     double opacity;
     fxs_range reach[3];
-    float scale;                       /* log2 of the largest sigma of all chunks below */
+    float scale;                       /* log2 of the largest sigma of all chunks below the node */
 } held;
 
 typedef struct worker {
@@ -854,7 +854,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Mixes the stored gains into the measured errors, so that nodes outside all views keep a gain. */
+/* Mixes the stored gains of nodes into the measured errors, so that nodes outside all views keep a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;

@@ -239,7 +239,7 @@ static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q
     }
 }
 
-/* Raises the level above every limit in pixels that take no entry from `number` on. */
+/* Makes a splat transparent in pixels that take no entry from `number` on. */
 static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
 {
     const mve_pred16_t seen = vcmpgtq_n_s16((int16x8_t)load_h(trace->end + at), (int16_t)number);

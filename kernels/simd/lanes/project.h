@@ -15,7 +15,7 @@ typedef struct survivors {
 } survivors;
 
 typedef struct centre {
-    vi camera[3];                  /* orthographic camera: x and y are clamped */
+    vi camera[3];
     vi zeros_of_z, zeros, inverse_q30, slope_q23[2], position_q14[2];
 } centre;
 

@@ -51,12 +51,12 @@ static inline void store_h(int16_t *to, vh x)
     store(to, (vi)x);
 }
 
-/* Operations that the header of each instruction set defines, in vectors of LANES numbers:
+/* Operations that the headers of the instruction sets define:
  *
  *   load_fours         loads the four words at from + stride * at[lane] for each lane
  *   store_compressed   stores the lanes of a mask without gaps; may write a whole vector
  *   store_pairs        stores a[0], b[0], a[1], b[1], ...
- *   shift_left         shifts per lane; a shift of 32 to 127 gives 0
+ *   shift_left, shift_right   shift per lane; a shift of 32 to 127 gives 0
  *   scale_down         x * 2^-shift, rounded to nearest; shift is 1 to 127
  *   round_shift        x * 2^-shift, rounded to nearest, halves up; shift is a constant
  *   narrow             bits shift to shift + 31 of 64-bit numbers; shift is a constant, 1 to 31
