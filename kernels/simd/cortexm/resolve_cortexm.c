@@ -5,7 +5,7 @@
 #include <fixsplat/pixel.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Returns (most c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
+/* Returns (most * c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
 static inline int of_255(int c, int most)
 {
     const int n = most * c + 127;

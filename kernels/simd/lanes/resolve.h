@@ -18,7 +18,7 @@ static inline void resolve_rgba8(unsigned char *to, const fxs_tile *tile, int i,
                  colour_8bit(tile->sum_q13[2] + i, t, background_q13[2]), alpha);
 }
 
-/* Returns (most c + 127) / 255 with c clamped to 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
+/* Returns (most * c + 127) / 255 with c clamped to 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
 static inline vh of_255(vh colour, int most)
 {
     const vh n = least_h(colour, all_h(255)) * all_h(most) + all_h(127);
