@@ -1,8 +1,7 @@
-/* The stage coarsen of packing (src/pack/coarsen_stages.h) in AVX2. */
+/* Merging of Gaussians (src/pack/coarsen_stages.h) with AVX2. */
 #include <immintrin.h>
 #include "src/pack/merger.h"
 
-/* Transposes eight fields of eight rows. */
 static inline void transpose(lanes *to, const float *const rows[LANES], int first)
 {
     __m256 pairs[8], fours[8];

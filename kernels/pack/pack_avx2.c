@@ -1,4 +1,4 @@
-/* The stages of packing (src/pack/pack_stages.h) in AVX2. */
+/* Inner loops of packing (src/pack/pack_stages.h) with AVX2. */
 #include <immintrin.h>
 #define ISA avx2
 #include "src/pack/palette_vector.h"
@@ -8,14 +8,12 @@ static inline __m256i load(const void *from)
     return _mm256_loadu_si256(from);
 }
 
-/* Partial dot products: four sums from the low halves, four from the high halves. */
 static inline __m256i find_products(const __m256i own[3], const fxs_sh_vector other)
 {
     const __m256i a = _mm256_madd_epi16(own[0], load(other)), b = _mm256_madd_epi16(own[1], load(other + 16));
     return _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_madd_epi16(own[2], load(other + 32)));
 }
 
-/* For four vectors: sums over the low halves, then over the high halves. */
 static inline __m256i find_four(const __m256i own[3], const fxs_sh_vector *others)
 {
     const __m256i two = _mm256_hadd_epi32(find_products(own, others[0]), find_products(own, others[1]));
@@ -30,7 +28,7 @@ static inline void find_dots(int32_t dots[FXS_PALETTE_GROUP], const fxs_sh_vecto
     _mm256_storeu_si256((void *)dots, _mm256_add_epi32(low, _mm256_permute2x128_si256(first, second, 0x31)));
 }
 
-/* Costs stay in registers: a vector load right after a scalar store would stall (no store forwarding). */
+/* Costs stay in registers, because a vector load right after a scalar store would stall. */
 static inline void find_leasts(const int32_t *costs, uint32_t count, fxs_pack_place *found, uint32_t wanted)
 {
     __m256i all[6], numbers = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);

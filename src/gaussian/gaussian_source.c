@@ -1,4 +1,4 @@
-/* A reader for Gaussians from the program's callback. They are checked as strictly as those of a file. */
+/* Reader for Gaussians from a callback, with the checks of a file reader. */
 #include <math.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 typedef struct gaussians_reader {
     fxs_gaussian_source from;
     const char *name;
-    uint64_t next;                       /* index of the next Gaussian to read */
+    uint64_t next;
 } gaussians_reader;
 
 static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info,

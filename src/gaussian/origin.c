@@ -1,12 +1,13 @@
-/* Chooses origins: on each axis the median of a sample, rounded to GRID; 0 where floats are precise enough without. */
+/* Chooses the origin of a scene: on each axis the median of a sample of positions, rounded to GRID, or 0 where
+   floats are precise enough. */
 #include "origin_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define FAR 4096.0                  /* from here on, floats are at least 2^-11 units apart */
-#define GRID 10.0                   /* origins are multiples, so that they are short in text */
+#define FAR 4096.0                  /* floats from 4096 on are at least 2^-11 apart */
+#define GRID 10.0                   /* origins are multiples of 10 units, for short text */
 
 int fxs_is_far(const double place[3])
 {

@@ -1,10 +1,10 @@
-/* The origin of a stream. For scenes far from 0, positions relative to an origin keep their precision as floats. */
+/* Origin of a stream of Gaussians. Far from 0, positions relative to an origin keep their precision as floats. */
 #ifndef FXS_ORIGIN_INTERNAL_H
 #define FXS_ORIGIN_INTERNAL_H
 
-enum { FXS_ORIGIN_SAMPLE = 33 };    /* most places from which an origin is chosen */
+enum { FXS_ORIGIN_SAMPLE = 33 };    /* most positions from which an origin is chosen */
 
-/* Limit of an origin per axis. With positions that fxs_pack accepts, places stay within 2^28 units. */
+/* Largest origin on each axis. Origin plus packed position stays within 2^28 units. */
 #define FXS_ORIGIN_FARTHEST 0x1p26
 
 static inline int fxs_has_origin(const double origin[3])
@@ -12,17 +12,16 @@ static inline int fxs_has_origin(const double origin[3])
     return origin[0] != 0 || origin[1] != 0 || origin[2] != 0;
 }
 
-/* 1 if floats are too coarse at a place. */
 int fxs_is_far(const double place[3]);
 
-/* Sets the origin for positions around a place: per axis the nearest multiple of 10, or 0 if floats are fine enough
-   or the place is too far to pack. */
+/* Sets the origin for positions around a place: on each axis the nearest multiple of 10. The origin is 0 if floats
+   are fine enough or the place is too far to pack. */
 void fxs_origin_near(double origin[3], const double place[3]);
 
-/* As fxs_origin_near, for the median of at most FXS_ORIGIN_SAMPLE places. Ignores coordinates that are not finite. */
+/* Sets the origin for the median of at most FXS_ORIGIN_SAMPLE places. Ignores coordinates that are not finite. */
 void fxs_origin_of(double origin[3], double (*places)[3], int count);
 
-/* The spacing of floats at a place relative to the origin; 0 if near enough. */
+/* Returns the spacing of floats at a place relative to the origin, or 0 if the spacing is fine enough. */
 double fxs_spacing_at(const double place[3], const double origin[3]);
 
 #endif

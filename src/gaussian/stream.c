@@ -1,4 +1,4 @@
-/* Streams of Gaussians: call the functions of a reader (struct fxs_reader), and make infinite opacity logits finite. */
+/* Streams of Gaussians: calls the functions of a reader, and makes infinite opacity logits finite. */
 #include "stream_internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Affine maps of Gaussians. Covariances are mapped through their factors (axes times scales, made orthogonal by
- * one-sided Jacobi), SH by the rotation part of the polar decomposition. */
+/* Affine maps of Gaussians. A covariance is mapped through its factor, axes times scales, which one-sided Jacobi
+ * makes orthogonal. SH coefficients are rotated by the rotation of the polar decomposition. */
 #include "transform_internal.h"
 
 #include <string.h>
@@ -9,9 +9,7 @@
 
 typedef double matrix[3][3];
 
-/* ---- Rotation of spherical harmonics --------------------------------------------------------------------------- */
-
-/* The SH basis of degrees 1 to 3 in direction d. Signs as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting. */
+/* Computes the SH basis of degrees 1 to 3 in direction d. Signs as in Kerbl et al. 2023 and KHR_gaussian_splatting. */
 static void sh_basis(double b[15], const double d[3])
 {
     const double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -32,13 +30,13 @@ static void sh_basis(double b[15], const double d[3])
     b[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* sh[j][k] = integral over the sphere of Y_j(d) Y_k(R^T d). 4 Gauss-Legendre nodes in z times 8 azimuths are exact
-   up to degree 7; the integrand has at most 6. */
+/* Computes sh[j][k], the integral over the sphere of Y_j(d) Y_k(R^T d). 4 Gauss-Legendre nodes in z times 8
+   azimuths are exact up to degree 7. */
 static void rotate_sh(double sh[15][15], matrix r)
 {
     static const double node[2] = {0.3399810435848563, 0.8611363115940526};
     static const double weight[2] = {0.6521451548625461, 0.3478548451374538};
-    /* cos of 0, pi/4, ... 7 pi/4, as doubles */
+    /* cosines of 0, pi/4, ... 7 pi/4 */
     static const double cosine[8] = {1, 0x1.6a09e667f3bcdp-1, 0x1.1a62633145c07p-54, -0x1.6a09e667f3bccp-1,
                                      -1, -0x1.6a09e667f3bcep-1, -0x1.a79394c9e8a0ap-53, 0x1.6a09e667f3bcbp-1};
     static const double sine[8] = {0, 0x1.6a09e667f3bccp-1, 1, 0x1.6a09e667f3bcdp-1,
@@ -72,15 +70,13 @@ static void apply_sh(const fxs_transform *t, float sh[45], int degree)
             }
 }
 
-/* ---- Matrices -------------------------------------------------------------------------------------------------- */
-
 static double determinant(matrix m)
 {
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* R of m = R S, S symmetric: X <- (X + X^-T) / 2 (Higham 1986). */
+/* Computes R of the polar decomposition m = R S, S symmetric, by X <- (X + X^-T) / 2 (Higham 1986). */
 static void polar_rotation(matrix x, matrix m)
 {
     memcpy(x, m, sizeof(matrix));
@@ -96,7 +92,6 @@ static void polar_rotation(matrix x, matrix m)
     }
 }
 
-/* The quaternion of a rotation, from its largest component. */
 static void quaternion_of(float q[4], matrix m)
 {
     double trace = m[0][0] + m[1][1] + m[2][2], most = trace;
@@ -126,7 +121,6 @@ static double dot(matrix m, int i, int j)
     return m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
 }
 
-/* Rotates columns i and j in their plane until orthogonal. Returns 0 if they already are. */
 static int orthogonalise(matrix m, int i, int j)
 {
     double a = dot(m, i, i), b = dot(m, j, j), c = dot(m, i, j);
@@ -141,8 +135,6 @@ static int orthogonalise(matrix m, int i, int j)
     }
     return 1;
 }
-
-/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
 int fxs_transform_init(fxs_transform *transform, double rows[3][4])
 {
@@ -162,8 +154,6 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4])
     return 0;
 }
 
-/* Makes the columns of m orthogonal by rotations from the right (one-sided Jacobi). The columns are then axes times
-   scales. */
 void fxs_set_axes(fxs_gaussian *g, matrix m)
 {
     for (int sweep = 0; sweep < 16; sweep++)
@@ -179,7 +169,7 @@ void fxs_set_axes(fxs_gaussian *g, matrix m)
     quaternion_of(g->rotation, m);
 }
 
-/* L with L L^T = c */
+/* Computes L with L L^T = c (Cholesky). */
 void fxs_set_covariance(fxs_gaussian *g, const double c[6], double more)
 {
     const double least = 1e-12 * (c[0] + c[1] + c[2]) + more;
@@ -194,7 +184,6 @@ void fxs_set_covariance(fxs_gaussian *g, const double c[6], double more)
     fxs_set_axes(g, l);
 }
 
-/* With M the linear part of the map and R S the Gaussian's axes times scales, the new axes are those of M R S. */
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
 {
     matrix r, m;

@@ -1,5 +1,4 @@
-/* Merges a set of Gaussians: fills a merger, runs the fastest version of the stage coarsen, and converts the results
- * back to Gaussians. The stage itself is in coarsen_stages.h; this file also instantiates it for C. */
+/* Reduces a set of Gaussians to a smaller number by merging neighbours. coarsen_stages.h holds the algorithm. */
 #include "coarsen.h"
 
 #include <math.h>
@@ -27,9 +26,6 @@ size_t fxs_merger_bytes(void)
     return sizeof(fxs_merger);
 }
 
-/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
-
-/* Sets the covariance R S S R^T, the area and the opacity. */
 void fxs_coarse_set(fxs_coarse *c, const fxs_gaussian *g)
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
@@ -56,7 +52,6 @@ void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6])
     fxs_set_covariance(gaussian, c, 1e-37);
 }
 
-/* Writes Gaussian i of the set. Unmerged Gaussians stay unchanged. */
 static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 {
     *out = *m->from[i];
@@ -75,8 +70,6 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
     fxs_coarse_axes(&out->gaussian, out->covariance);
     out->gaussian.opacity = fxs_logit_of_opacity(out->opacity);
 }
-
-/* ---- The set ----------------------------------------------------------------------------------------------------- */
 
 void fxs_merge_begin(fxs_merger *m, int sh_degree)
 {

@@ -1,4 +1,5 @@
-/* Merges neighbouring Gaussians of a small set, greedily by smallest error, down to a given number. */
+/* Merges neighbouring Gaussians of a small set down to a given number. The pair with the smallest error is merged
+   first. */
 #ifndef FXS_COARSEN_H
 #define FXS_COARSEN_H
 
@@ -6,59 +7,54 @@
 
 #include <fixsplat/scene.h>
 
-enum { FXS_MERGE_MOST = 512 };         /* capacity of a set, Gaussians */
+enum { FXS_MERGE_MOST = 512 };
 
 /* Smallest alpha that is drawn. */
 #define FXS_FAINTEST (1 / 255.5f)
 
-/* A Gaussian with quantities that merging needs. */
 typedef struct fxs_coarse {
     fxs_gaussian gaussian;
-    float covariance[6];               /* xx, yy, zz, xy, xz, yz */
-    float area;                        /* root of the sum of its squared areas along three axes, sigmas^2 */
-    float opacity;                     /* 0 to 1 */
+    float covariance[6];               /* covariance matrix: xx, yy, zz, xy, xz, yz */
+    float area;                        /* sqrt(a^2 b^2 + a^2 c^2 + b^2 c^2) of the axes' sigmas a, b, c */
+    float opacity;
 } fxs_coarse;
 
-/* Effective opacity: a Gaussian is drawn out to alpha = FXS_FAINTEST. The integral of its alpha up to this limit equals
-   that of an unbounded Gaussian of opacity - FXS_FAINTEST. */
+/* Returns the opacity that counts in merging. Alpha below FXS_FAINTEST is not drawn, which lowers the integral of a
+   Gaussian like a lower opacity. */
 static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 {
     return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;
 }
 
-/* Fills in `coarse` from a Gaussian. */
+/* Copies a Gaussian and computes its covariance, area and opacity. */
 void fxs_coarse_set(fxs_coarse *coarse, const fxs_gaussian *gaussian);
 
-/* Sums over all merges of a set. */
 typedef struct fxs_merge_error {
-    double error;                      /* sum of the squared errors, colours^2 units^2 */
-    double size;                       /* sum of squared error * squared size of the merged Gaussian, units^2 */
+    double error;                      /* sum of the squared picture errors, colours^2 units^2 */
+    double size;                       /* sum of each squared picture error times the area of the merged Gaussian */
 } fxs_merge_error;
 
 typedef struct fxs_merger fxs_merger;
 
-/* Declares the stage coarsen of pack_stage.h for an instruction set. */
 #define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
 #define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 
-/* Bytes of a merger: working memory for one thread, aligned as malloc aligns. */
+/* Returns the size of a merger in bytes. Each thread needs its own merger, with malloc's alignment. */
 size_t fxs_merger_bytes(void);
 
-/* Begins a set. */
 void fxs_merge_begin(fxs_merger *merger, int sh_degree);
 
-/* Adds Gaussians to the set. They must stay valid until fxs_merge_end. */
+/* Adds Gaussians to the set. The Gaussians must stay valid until fxs_merge_end. */
 void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t count);
 
-/* Merges the set down to at most `most` Gaussians. Writes them to `out`, which must not overlap the Gaussians that
-   were added, and returns their number. */
+/* Merges the set down to at most `most` Gaussians, writes them to `out` and returns their number. `out` must not
+   overlap the added Gaussians. */
 uint32_t fxs_merge_end(fxs_merger *merger, uint32_t most, fxs_coarse *out, fxs_merge_error *error);
 
-/* After fxs_merge_end: writes, for each added Gaussian in order, the index in `out` of the Gaussian it was merged
-   into. */
+/* Writes, for each added Gaussian in order, the index in `out` of the Gaussian that absorbed it. Call after
+   fxs_merge_end. */
 void fxs_merge_into(const fxs_merger *merger, uint16_t *into);
 
-/* Sets rotation and scales from a covariance. */
 void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6]);
 
 #endif

@@ -1,21 +1,12 @@
-/* A merge replaces two Gaussians by one with the same mean and covariance, weighted by opacity times area. Each step
-   merges the pair with the smallest error; the merged Gaussian can be merged again. The error of a pair is the squared
-   difference between the pictures before and after the merge, with colours multiplied by opacity, integrated over a
-   projection plane and averaged over the three coordinate planes. It has a closed form: for Gaussians of peak 1 with
-   covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2). Colours are
-   relative to the mean of the neighbours, because the background of a Gaussian usually has a similar colour.
-
-   Floats are used only in operations that IEEE 754 defines exactly, and no sum depends on the vector width, so the
-   result is the same on every processor. Loops over LANES are written for vectorisation.
-
-   This file implements the stage coarsen of pack_stage.h for instruction set ISA. The includer defines gather_rows,
-   which transposes LANES rows. */
+/* Reduces a set of Gaussians by greedy merging: the pair with the smallest error is merged first. A merged Gaussian
+   has the mean and covariance of its pair, weighted by opacity times area. The error of a pair is the squared
+   difference of the pictures before and after the merge, averaged over the three coordinate planes. For Gaussians
+   of peak 1 with covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d /
+   2). The includer defines ISA and gather_rows, which transposes LANES rows. */
 #include "merger.h"
 
 #include <math.h>
 #include <string.h>
-
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 static inline float larger(float x, float y)
 {
@@ -27,8 +18,7 @@ static inline float smaller(float x, float y)
     return x < y ? x : y;
 }
 
-/* e^-x for x >= 0, as 1 / (e^(x / 8))^8 with the series up to (x / 8)^5. Absolute error 1e-6; relative error 1 % up
-   to x = 8. */
+/* Returns e^-x for x >= 0 as 1 / (e^(x / 8))^8 with the series up to (x / 8)^5. Absolute error: 1e-6. */
 static inline float falling(float x)
 {
     const float y = x * 0.125f;
@@ -42,9 +32,6 @@ static inline float minor(float u, float v, float uv)
     return larger(u * v - uv * uv, 1e-6f * u * v);
 }
 
-/* ---- Merging two ------------------------------------------------------------------------------------------------- */
-
-/* Square roots of the determinants of the Gaussians' covariances in each plane. */
 static inline void find_roots(group *of, int count)
 {
     for (int p = 0; p < PLANES; p++)
@@ -55,7 +42,7 @@ static inline void find_roots(group *of, int count)
         }
 }
 
-/* <Ga, Gb> / pi in plane p */
+/* Computes the inner product <Ga, Gb> / pi of Gaussians in coordinate plane p. */
 static inline void find_products(lanes product, const group *a, const group *b, int p, int count)
 {
     const float *au = a->f[first_square[p]], *av = a->f[second_square[p]], *auv = a->f[mixed[p]];
@@ -72,8 +59,8 @@ static inline void find_products(lanes product, const group *a, const group *b, 
     }
 }
 
-/* Mass of a pair: the sum of the two masses, minus OVERLAP times the part that they hide of each other. products: <Ga,
-   Gb> / pi in each plane. */
+/* The mass of a pair, opacity times area, is the sum of both masses, reduced by OVERLAP times their mutual
+   occlusion. */
 static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -85,8 +72,7 @@ static inline void find_masses(lanes mass, const group *a, const group *b, lanes
     }
 }
 
-/* Merges a and b; `share` becomes the share of a. If the merged opacity would exceed its cap by a factor r, it is
-   capped and the variances grow by sqrt(r). */
+/* Merges each pair a, b. A merged opacity above its cap by a factor r is capped, and the variances grow by sqrt(r). */
 static inline void join(group *out, lanes share, const group *a, const group *b, lanes products[PLANES], int count)
 {
     lanes mass;
@@ -122,10 +108,8 @@ static inline void join(group *out, lanes share, const group *a, const group *b,
     find_roots(out, count);
 }
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
-
-/* Weight of a pair's error. Errors are measured against merged Gaussians, not the originals, so they must grow with
-   each merge. Otherwise some Gaussians would absorb all their neighbours. */
+/* Returns the weight of a pair's error, which grows with each merge. Otherwise some Gaussians would absorb all
+   their neighbours. */
 static float grown(const pair *p)
 {
     return (float)(1 + p->a_age + p->b_age);
@@ -179,8 +163,6 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
         pairs[i].error = sums[i] * grown(&pairs[i]);
 }
 
-/* ---- Candidates -------------------------------------------------------------------------------------------------- */
-
 static uint32_t spread_bits(uint32_t x)
 {
     x = (x | x << 16) & 0x30000ff;
@@ -189,7 +171,6 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x9249249;
 }
 
-/* Stable radix sort by keys of 30 bits, 10 bits per pass. */
 static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32_t count)
 {
     uint16_t other[MOST], *from = order, *to = other;
@@ -210,8 +191,8 @@ static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32
     memcpy(order, other, count * sizeof *order);
 }
 
-/* Orders the Gaussians along a Morton curve of 10 bits an axis. The curve fills a cube twice as wide as the Gaussians'
-   extent. The cube begins `shift` times its width, 0 to 1/2, before the extent. */
+/* Orders the Gaussians along a Morton curve in a cube twice as wide as their extent. The cube begins `shift` times
+   its width before the extent. */
 static void find_order(fxs_merger *m, float shift)
 {
     float low[3], width = LEAST;
@@ -239,14 +220,12 @@ static void find_order(fxs_merger *m, float shift)
             m->places[k][i] = m->places[k][WINDOW + m->count + i] = INFINITY;
 }
 
-/* The candidates of a Gaussian, nearest first. */
 typedef struct candidates {
     float distances[NEAREST];
     uint16_t which[NEAREST];
     uint32_t count;
 } candidates;
 
-/* Inserts a candidate if it is nearer than the farthest in the list. `again`: it may be in the list already. */
 static inline void take(candidates *c, uint16_t other, float distance, int again)
 {
     uint32_t at = c->count < NEAREST ? c->count : NEAREST - 1;
@@ -264,7 +243,6 @@ static inline void take(candidates *c, uint16_t other, float distance, int again
     c->which[at] = other;
 }
 
-/* Squared distances from the Gaussian at place `from` of the curve to the WINDOW Gaussians from place `first` on. */
 static inline void find_distances(float distances[WINDOW], const fxs_merger *m, uint32_t first, uint32_t from)
 {
     for (uint32_t k = 0; k < WINDOW; k++) {
@@ -274,7 +252,6 @@ static inline void find_distances(float distances[WINDOW], const fxs_merger *m, 
     }
 }
 
-/* For each Gaussian, adds candidates from the curve: first its neighbours before it, then those after it. */
 static void look_along(fxs_merger *m, int again)
 {
     for (uint32_t i = 0; i < m->count; i++) {
@@ -296,8 +273,7 @@ static void look_along(fxs_merger *m, int again)
     }
 }
 
-/* Finds the candidates of each Gaussian by distance. Neighbours that are far apart on one curve are close on the
-   second, which is shifted. */
+/* Searches along two Morton curves, because near Gaussians can be far apart on a single curve. */
 static void find_nearest(fxs_merger *m)
 {
     memset(m->nearest_count, 0, sizeof m->nearest_count);
@@ -306,8 +282,6 @@ static void find_nearest(fxs_merger *m)
         look_along(m, curve > 0);
     }
 }
-
-/* ---- Pairs ------------------------------------------------------------------------------------------------------- */
 
 static uint64_t key_of(const fxs_merger *m, uint32_t number)
 {
@@ -350,7 +324,6 @@ static int is_candidate(const fxs_merger *m, uint32_t of, uint32_t which)
     return 0;
 }
 
-/* Pairs every Gaussian with its candidates, mutual candidates once, and builds the heap. */
 static void find_pairs(fxs_merger *m)
 {
     m->pair_count = 0;
@@ -369,8 +342,6 @@ static void find_pairs(fxs_merger *m)
         sift_down(m->heap, m->heap_count, i);
 }
 
-/* Joins the candidates of a and b without duplicates, and pushes the pair of a and each. The first NEAREST become a's
-   candidates. */
 static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 {
     uint16_t both[2 * NEAREST];
@@ -397,7 +368,6 @@ static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
         push(m, key_of(m, m->pair_count));
 }
 
-/* LOCAL: mean colour of a Gaussian and its candidates, weighted by opacity times area. */
 static void find_surroundings(fxs_merger *m, uint32_t of)
 {
     float sum = LEAST, colours[3] = {0};
@@ -454,7 +424,6 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
     join_candidates(m, a, b);
 }
 
-/* Returns the pair with the smallest error; if the heap is empty, the first two Gaussians left. */
 static pair take_best(fxs_merger *m)
 {
     while (m->heap_count > 0) {

@@ -1,4 +1,4 @@
-/* Decodes packed Gaussians to floats: the inverse of encode_stages.h, by the formulas of docs/format.md. */
+/* Decodes packed Gaussians to floats by the formulas of docs/format.md. */
 #include "decode.h"
 
 #include <math.h>
@@ -10,7 +10,8 @@
 
 #define LN_2 0.69314718055994531
 
-/* Law 0: c / 255. Other laws: 0 for c = 0, else 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2. */
+/* Decodes opacity code c by a quantisation law. Law 0: c / 255. Other laws: 0 for c = 0, else 1/255 + (4^(1 - law)
+   - 1/255) ((c - 1) / 254)^2. */
 static double opacity_of(uint32_t code, uint32_t law)
 {
     static const double tops[FXS_OPACITY_LAWS] = {4, 1, 0.25, 0.0625};
@@ -18,8 +19,8 @@ static double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* Quaternion w, x, y, z, a product of three: the rotation of +z to the first axis, the roll about z, and the
-   rotation of x, y, z to z, x, y. */
+/* Computes a quaternion w, x, y, z as a product of three rotations: +z to the first axis, the roll about z, and the
+   permutation of x, y, z to z, x, y. */
 static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_codes *codes, float rotation[4])
 {
     int32_t fall_q16[3];
@@ -37,7 +38,7 @@ static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_
     rotation[3] = (float)((q[3] - q[0] - q[1] + q[2]) / 2);
 }
 
-/* Profile default: a coefficient of degree d is code * sh_step[d - 1]. */
+/* Profile default: a spherical-harmonics coefficient of degree d is code * sh_step[d - 1]. */
 static void take_bands(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, float sh[45])
 {
     for (int k = 0; k < 3 * FXS_SH_COUNT(s->sh_degree); k++)
@@ -45,8 +46,8 @@ static void take_bands(const fxs_scene *s, const fxs_chunk *chunk, const unsigne
                         (chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2] * 0x1p-19));
 }
 
-/* Profiles compact and small: the chunk's mean plus an entry of each palette. Compact adds the residual (2 code + 1)
-   gain, gain = (8 + (g mod 8)) 2^(floor(g / 8) - 32). */
+/* Profiles compact and small: an SH coefficient is the chunk's mean plus an entry of each palette. Compact adds (2
+   code + 1) gain, where gain = (8 + (g mod 8)) 2^(floor(g / 8) - 32) for gain code g. */
 static void take_palette(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g,
                          float sh[45])
 {

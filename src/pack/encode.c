@@ -1,6 +1,5 @@
-/* Chunk headers and records. A header gets the smallest fixed-point steps that cover the ranges of its Gaussians.
- * The codes of a Gaussian come from the stage encode (encode_stages.h), and fxs_encode_rows transposes the records
- * into rows. */
+/* Writes chunk headers and rows. A chunk is 256 Gaussians of a packed scene. Its header gets the smallest
+ * fixed-point steps that cover the ranges of the Gaussians. */
 #include "encode.h"
 
 #include <math.h>
@@ -8,8 +7,8 @@
 
 #include "pack_stage.h"
 
-#define SCALE_LIMIT 20.0f           /* the largest |ln(sigma)| */
-#define THINNEST 9.0f               /* largest ln(largest axis / thinnest axis) */
+#define SCALE_LIMIT 20.0f           /* largest |ln(sigma)| of an axis */
+#define THINNEST 9.0f               /* largest ln(longest axis / shortest axis) of a Gaussian */
 
 int fxs_floor_within(double x, int low, int high)
 {
@@ -18,15 +17,12 @@ int fxs_floor_within(double x, int low, int high)
     return cut - (cut > held);
 }
 
-/* ---- Limits of a packed scene ---------------------------------------------------------------------------------- */
-
 float fxs_held_scale(float scale)
 {
     return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
 }
 
-/* Without these limits, one needle would widen a chunk's range of scales, and with it the scale steps of the whole
-   chunk. */
+/* Limits the scales, because one needle would coarsen the scale steps of its whole chunk. */
 void fxs_hold_scales(fxs_gaussian *g)
 {
     const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
@@ -48,15 +44,13 @@ int fxs_bring_in(fxs_gaussian *g, double limit)
     return 1;
 }
 
-/* ---- Ranges of each chunk -------------------------------------------------------------------------------------- */
-
 void fxs_ranges_clear(fxs_chunk_ranges *ranges)
 {
     const fxs_range none = {INFINITY, -INFINITY};
     *ranges = (fxs_chunk_ranges){{none, none, none}, none, {none, none, none}, {0, 0, 0}, {0, 0, 0, 0}};
 }
 
-/* x clamped to low..high and rounded towards 0; NaN: low. If the file changes between passes, x can be any number. */
+/* Clamps x to low..high and rounds it towards 0. NaN gives low. */
 static int64_t cut_to(double x, double low, double high)
 {
     return (int64_t)(x > low ? x < high ? x : high : low);
@@ -67,7 +61,7 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *g, double opa
     fxs_pack_stages_choose(~0u)->take_ranges(ranges, g, opacity, sh_degree);
 }
 
-/* The smallest step, in units of 2^-q, with which codes 0..codes cover a range `reach` wide. */
+/* Returns the smallest step, in units of 2^-q, with which codes 0..codes cover a range of width `reach`. */
 static uint32_t step_for(double reach, int codes, int q)
 {
     return (uint32_t)cut_to(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
@@ -85,7 +79,6 @@ static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r,
     chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), FXS_COLOUR_MOST, 20);
 }
 
-/* The SH step for coefficients up to `most`: Q19, at most 32767. */
 static uint32_t sh_step(float most, const fxs_grid *grid)
 {
     double own = ldexp(grid->step, 19);
@@ -123,8 +116,6 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_sc
     }
 }
 
-/* ---- Codes ----------------------------------------------------------------------------------------------------- */
-
 void fxs_code_coefficients(const float *restrict x, int count, double step, int32_t *restrict codes)
 {
     const double inverse = step > 0 ? 1 / step : 0;
@@ -136,8 +127,6 @@ double fxs_gain(int code)
 {
     return fxs_scaled(8 + (code & 7), (code >> 3) - 32);
 }
-
-/* ---- Records --------------------------------------------------------------------------------------------------- */
 
 static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
 {
@@ -168,7 +157,6 @@ void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian
     fxs_pack_stages_choose(~0u)->encode(e, chunk, g, opacity, record, loss);
 }
 
-/* Copies bytes first..first + width - 1 of each record, side by side. */
 static unsigned char *put_row(unsigned char *to, const unsigned char *records, uint32_t bytes, uint32_t first,
                               uint32_t width)
 {

@@ -1,4 +1,5 @@
-/* Quantises Gaussians to the codes of a chunk (packed.h). All quantisation in packing happens here. */
+/* Quantises Gaussians to the codes of a packed scene. A chunk is 256 Gaussians with a common header of ranges and
+   steps. A record is the codes of one Gaussian. */
 #ifndef FXS_ENCODE_H
 #define FXS_ENCODE_H
 
@@ -11,56 +12,54 @@
 
 #define FXS_LOG2_E 1.4426950408889634
 
-/* floor(x) clamped to low..high; NaN: low. */
+/* Returns floor(x) clamped to low..high, or low for NaN. */
 int fxs_floor_within(double x, int low, int high);
 
-/* The colour of SH degree 0, clamped to +-60. */
+/* Returns the colour of SH degree 0, clamped to +-60. */
 static inline double fxs_base_colour(const fxs_gaussian *g, int channel)
 {
     const double colour = fxs_colour_of_dc(g->dc[channel]);
     return colour < -60 ? -60 : colour > 60 ? 60 : colour;
 }
 
-/* ln(sigma) clamped to +-20; NaN: -20. */
+/* Returns ln(sigma) clamped to +-20, or -20 for NaN. */
 float fxs_held_scale(float scale);
 
-/* Raises every axis to at least e^-9 of the largest, and clamps ln(sigma) to +-20. */
+/* Raises each axis to at least e^-9 of the longest axis, and clamps ln(sigma) to +-20. */
 void fxs_hold_scales(fxs_gaussian *gaussian);
 
-/* If a coordinate of the centre exceeds +-limit, moves the centre towards the origin to that limit and shrinks the
-   axes in proportion. Seen from the origin, the Gaussian looks the same. Returns 1 if it moved. */
+/* Moves a centre outside +-limit towards the origin and shrinks the axes in proportion. Seen from the origin, the
+   Gaussian looks the same. Returns 1 if the Gaussian moved. */
 int fxs_bring_in(fxs_gaussian *gaussian, double limit);
 
 typedef struct fxs_range {
     float low, high;
 } fxs_range;
 
-/* Ranges of the attributes of a chunk's Gaussians; input of fxs_encode_header. */
 typedef struct fxs_chunk_ranges {
     fxs_range position[3], scale, colour[3];
-    float sh[3];                     /* largest coefficient of each degree */
-    float opacity_harm[FXS_OPACITY_LAWS];   /* for each law: error of the picture if it codes the chunk */
+    float sh[3];
+    float opacity_harm[FXS_OPACITY_LAWS];
 } fxs_chunk_ranges;
 
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
-/* round(x / step) within +-127, halves up; 0 for step 0. inverse is 1 / step. x and step are floats of 24 bits, so a
-   quotient whose fraction is not exactly 1/2 is at least 2^-26 away from it. x * inverse has an error of at most 2^-45,
-   so adding 2^-30 rounds every quotient correctly. */
+/* Returns round(x / step) clamped to +-127, halves up, or 0 for step 0. `inverse` is 1 / step. x and step are
+   floats, so x / step is a rounding border or at least 2^-26 away. Adding 2^-30 therefore hides the error of x *
+   inverse. */
 static inline int32_t fxs_coefficient_code(double x, double step, double inverse)
 {
     const double most = 127 * step, above = x > -most ? x : -most, held = above < most ? above : most;
     return (int32_t)(held * inverse + (128.5 + 0x1p-30)) - 128;
 }
 
-/* fxs_coefficient_code for `count` coefficients. */
 void fxs_code_coefficients(const float *x, int count, double step, int32_t *codes);
 
-/* The largest magnitude of `count` coefficients, count 0 or at least 8. NaN counts as 0. */
+/* Returns the largest magnitude of `count` SH coefficients. `count` is 0 or at least 8. NaN counts as 0. */
 static inline float fxs_largest_coefficient(const float *sh, int count)
 {
-    enum { SEVERAL = 8 };            /* parallel maxima, so that comparisons overlap in the pipeline */
+    enum { SEVERAL = 8 };            /* independent maxima, so that comparisons overlap in the pipeline */
     float most[SEVERAL] = {0};
     for (int i = 0; i < count; i += SEVERAL) {
         const float *x = count - i < SEVERAL ? sh + count - SEVERAL : sh + i;
@@ -73,49 +72,43 @@ static inline float fxs_largest_coefficient(const float *sh, int count)
     return most[0];
 }
 
-/* Writes the position fields of a chunk's header. */
 void fxs_encode_places(fxs_chunk *chunk, const fxs_range position[3]);
 
-/* Writes a chunk's header. If the file's numbers lie on a coarse grid (info->colour, info->sh) and the range allows
-   it, codes use the steps of that grid. */
+/* Writes a chunk's header. If the source file's numbers lie on a coarse grid, codes use the steps of that grid
+   where possible. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);
 
 enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
 
-/* Errors between original and decoded numbers: log2 of a scale, colour of SH degree 0, angle of a rotation in
-   degrees. */
+/* Errors of the decoded attributes. Scales are in log2, rotations in degrees, colours of SH degree 0. */
 typedef struct fxs_loss {
     double largest[FXS_LOSSES], squares[FXS_LOSSES];
 } fxs_loss;
 
-/* Coding parameters of a scene. */
 typedef struct fxs_encoder {
     enum fxs_profile profile;
     int sh_degree;
 } fxs_encoder;
 
-enum { FXS_RECORD_BYTES = 63 };      /* largest record: the codes of a Gaussian */
+enum { FXS_RECORD_BYTES = 63 };      /* size of the largest record of a Gaussian in bytes */
 
-/* The codes of a Gaussian, before packing into rows. */
 typedef struct fxs_row_codes {
     uint32_t position[3], scale[3];
-    uint32_t rotation;                   /* the rotation word; profile small keeps its upper 23 bits */
+    uint32_t rotation;                   /* packed rotation; profile small keeps its upper 23 bits */
     uint32_t colour[3], opacity;
 } fxs_row_codes;
 
-/* Writes codes into a record, in the order of a chunk's rows. Returns the position in the record where the SH codes
-   begin. */
 unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_row_codes *codes, unsigned char *record);
 
-/* Writes the codes of a Gaussian into a record, in the order of its chunk's rows, and adds the errors to `loss`. In
-   profiles with a palette, fxs_palette_code_chunk writes the SH codes. */
+/* Writes the codes of a Gaussian into a record and adds the coding errors to `loss`. With a palette,
+   fxs_palette_code_chunk writes the SH codes. */
 void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian, double opacity,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
 
-/* Gain of a code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
+/* Returns the gain of a gain code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
 double fxs_gain(int code);
 
-/* Transposes the records of a chunk, stored one after the other, into its rows. */
+/* Transposes the 256 records of a chunk into rows of one attribute each. */
 void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);
 
 #endif

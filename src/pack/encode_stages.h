@@ -1,10 +1,9 @@
-/* The stages take_ranges and encode of pack_stage.h: small loops that become vectors. */
+/* Quantises the attributes of a Gaussian to codes. The loops are small, so that the compiler vectorises them. */
 #include "encode.h"
 #include "src/base/tilt.h"
 
-#define DEGREES 57.29577951308232   /* in a radian */
+#define DEGREES 57.29577951308232
 
-/* x in low..high, rounded down, for low >= 0; NaN is low. */
 static inline int32_t cut_within(double x, int32_t low, int32_t high)
 {
     const double held = x > low ? x < high ? x : high : low;
@@ -16,16 +15,12 @@ static inline double larger_of(double x, double y)
     return x > y ? x : y;
 }
 
-/* ---- Opacities ------------------------------------------------------------------------------------------------- */
-
-/* for each law: 4^(1 - law) - 1/255, and 254 divided by the square root of this; law 0, with even steps, uses no
-   scale */
+/* Four laws quantise opacity. Law 0 has even steps. For the other laws, reach = 4^(1 - law) - 1/255 and scale = 254
+   / sqrt(reach). */
 static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 255.0, 0.25 - 1 / 255.0,
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
 
-/* The nearest code of each law for an opacity of at least 1/255, and its error. Law 0: code / 255; else 1/255 +
-   (4^(1 - law) - 1/255) ((code - 1) / 254)^2. */
 static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS], double errors[FXS_OPACITY_LAWS])
 {
     const double root = sqrt(opacity - 1 / 255.0);
@@ -43,7 +38,6 @@ static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS
     errors[0] = codes[0] / 255.0 - opacity;
 }
 
-/* Opacities below 1/255 are not drawn; only law 0 has codes for them. */
 static inline int32_t encode_opacity(double opacity, uint32_t law, double *error)
 {
     int32_t codes[FXS_OPACITY_LAWS] = {0};
@@ -58,8 +52,8 @@ static inline int32_t encode_opacity(double opacity, uint32_t law, double *error
     return codes[law];
 }
 
-/* Adds the harm of coding this opacity by each law: squared error / opacity, because fainter Gaussians overlap in
-   greater numbers. */
+/* Adds the harm of coding an opacity by each quantisation law. Harm is squared error / opacity, because fainter
+   Gaussians overlap in greater numbers. */
 static inline void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 {
     int32_t codes[FXS_OPACITY_LAWS];
@@ -70,8 +64,6 @@ static inline void weigh_opacity(fxs_chunk_ranges *r, double opacity)
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
         r->opacity_harm[law] += (float)(errors[law] * errors[law] / opacity);
 }
-
-/* ---- Ranges ---------------------------------------------------------------------------------------------------- */
 
 static inline void widen(fxs_range *r, float x)
 {
@@ -95,8 +87,6 @@ static void NAMED(fxs_pack_take_ranges_, ISA)(fxs_chunk_ranges *r, const fxs_gau
     }
 }
 
-/* ---- Codes ----------------------------------------------------------------------------------------------------- */
-
 static inline void note_three(fxs_loss *loss, int which, const double errors[3])
 {
     if (!FXS_MEASURES_LOSS)
@@ -106,15 +96,13 @@ static inline void note_three(fxs_loss *loss, int which, const double errors[3])
     loss->squares[which] += errors[0] * errors[0] + errors[1] * errors[1] + errors[2] * errors[2];
 }
 
-/* Extends a code from `bits` to `wide` bits by repeating its high bits, as the renderer does. */
 static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
 {
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* Codes position (16 bits per axis) and base colour (9 bits per channel). Profile small: 11 bits per axis; 7, 7 and 6
-   bits for red, green and blue. Picks the code for which low + code * step, with the code extended to full width, is
-   nearest. */
+/* Codes position (16 bits per axis) and base colour (9 bits per channel). Profile small uses 11 bits per axis and
+   7, 7, 6 bits for red, green, blue. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                fxs_row_codes *codes, fxs_loss *loss)
 {
@@ -134,7 +122,7 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     }
     for (int i = 0; i < LANES; i++) {
         const int32_t most = (1 << bits[i]) - 1, widest = (1 << wides[i]) - 1;
-        const double own = step[i] * widest / most;    /* exact where both are the same: a step has 32 bits */
+        const double own = step[i] * widest / most;
         found[i] = cut_within((x[i] - low[i]) / own + 0.5, 0, most);
     }
     for (int i = 0; i < LANES; i++) {
@@ -149,14 +137,13 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     note_three(loss, FXS_LOSS_DC, errors + 3);
 }
 
-/* Extends a scale code of axis i from `bits` to 10 bits; for axis 2, to 9 bits and a 0 behind them. */
 static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
 {
     return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
 }
 
-/* Nearest codes for log2(sigma) = high - code^2 * step: 10, 10 and 9 bits for the three axes; in profile small 7, 7 and
-   6. */
+/* Finds the nearest codes for log2(sigma) = high - code^2 * step. The three axes have 10, 10, 9 bits, in profile
+   small 7, 7, 6 bits. */
 static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, const float scale[3], uint32_t codes[3],
                                  fxs_loss *loss)
 {
@@ -182,8 +169,7 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
     note_three(loss, FXS_LOSS_SCALE, errors);
 }
 
-/* Records the angle 2 acos(|dot|) in degrees. acos(x)^2 is at most 2.5 (1 - x), and about 2 (1 - x) near x = 1, so acos
-   is called only if the angle may be the largest up to now. */
+/* acos(x)^2 is at most 2.5 (1 - x), so acos is called only for a possible new maximum. */
 static inline void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
@@ -195,7 +181,7 @@ static inline void note_angle(fxs_loss *loss, double dot)
         *largest = larger_of(*largest, 2 * acos(dot) * DEGREES);
 }
 
-/* The roll, -1 to 1, for which the second axis is parallel to cosine side[0] + sine side[1]. */
+/* Returns the roll, -1 to 1, that makes the second axis parallel to cosine side[0] + sine side[1]. */
 static inline double roll_of(double cosine, double sine)
 {
     const double sign = cosine < 0 ? -1 : 1, length = sqrt(cosine * cosine + sine * sine);
@@ -204,13 +190,13 @@ static inline double roll_of(double cosine, double sine)
     for (int i = 0; i < 3; i++) {
         double said_c, said_s;
         fxs_tilt_roll(roll, &said_c, &said_s);
-        roll += (s * said_c - c * said_s) * 0.6366197723675814;   /* 2 / pi */
+        roll += (s * said_c - c * said_s) * 0.6366197723675814;   /* = 2 / pi */
     }
     return roll;
 }
 
-/* The code, two's complement of `bits` bits, nearest to x in -1..1. `below`: the part of a step that the following bits
-   of the word add. */
+/* Returns the code of `bits` bits nearest to x, -1 <= x <= 1. `below` is the fraction of a code step that lower
+   bits of the rotation word add. */
 static inline int32_t code_around(double x, int32_t bits, double below)
 {
     const int32_t half = 1 << (bits - 1);
@@ -218,7 +204,6 @@ static inline int32_t code_around(double x, int32_t bits, double below)
     return code - half;
 }
 
-/* The value of a code's bits as a fraction of a step of the number before it in the word. */
 static inline double part_of(int32_t code, int32_t bits, double below)
 {
     const int32_t number = 1 << bits;
@@ -231,8 +216,8 @@ static inline int is_too_long(uint32_t word, int32_t bits)
     return x_q15 * x_q15 + y_q15 * y_q15 > 1 << 30;
 }
 
-/* The rotation word of three axes. `all`: number of bits in the word. The roll is relative to the first axis as coded,
-   so a second round starts from the result of the first. */
+/* The roll is relative to the coded first axis, so a second round starts from the decoded result of the first
+   round. */
 static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
 {
     const double sign = axis[0][2] < 0 ? -1 : 1, length = sqrt(1 + fabs(axis[0][2]));
@@ -264,11 +249,10 @@ static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
     return word;
 }
 
-/* Sorts the axes by length, longest first. */
 static inline void order_axes(float scale[3], double axis[3][3])
 {
     for (int i = 0; i < 3; i++) {
-        const int k = i == 2 ? 0 : i;             /* swaps 0-1, 1-2, 0-1 */
+        const int k = i == 2 ? 0 : i;
         if (!(scale[k] < scale[k + 1]))
             continue;
         const float length = scale[k];
@@ -282,8 +266,7 @@ static inline void order_axes(float scale[3], double axis[3][3])
     }
 }
 
-/* cos of half the angle between `axis` and the axes that the word decodes to; opposite directions of an axis are
-   equal. */
+/* Opposite directions of an axis count as equal. */
 static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
 {
     const fxs_tilt a = fxs_tilt_of_word(word, bits);
@@ -296,7 +279,7 @@ static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t
     return sqrt(1 + trace) / 2;
 }
 
-/* Codes the rotation. `scale`: codes of the axes' lengths, which determine the bits of X and of Y. */
+/* The scale codes determine the number of bits per field of the rotation word. */
 static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *chunk, double axis[3][3],
                                        const uint32_t scale[3], fxs_loss *loss)
 {
@@ -311,8 +294,6 @@ static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *ch
     return word;
 }
 
-/* ---- SH -------------------------------------------------------------------------------------------------------- */
-
 enum { BANDS = 48 };
 
 static inline void fill_by_degree(double numbers[BANDS], const double of[3])
@@ -325,7 +306,6 @@ static inline void fill_by_degree(double numbers[BANDS], const double of[3])
         numbers[i] = of[2];
 }
 
-/* Records the absolute errors of 48 coefficients in `loss`. Changes the array. */
 static inline void note_bands(fxs_loss *loss, double errors[BANDS])
 {
     double most[BANDS / 2];
@@ -346,7 +326,6 @@ static inline void note_bands(fxs_loss *loss, double errors[BANDS])
     loss->squares[FXS_LOSS_SH] += errors[0] + errors[1] + errors[2];
 }
 
-/* Codes SH for profile default: 48 numbers, 0 above the degree. */
 static inline void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                 unsigned char *record, fxs_loss *loss)
 {

@@ -1,7 +1,7 @@
-/* Weights a sample of Gaussians by opacity and size, and takes quantiles of the weight along each axis. On each axis,
- * the box lies between the quantiles EDGE and 1 - EDGE, and the core between CORE and 1 - CORE. If the box is not much
- * larger than the core, the scene is an object with an outline, and the box gets a margin. Otherwise the scene is
- * surroundings, and the box covers at least the middle 90 % of the centres. */
+/* Finds the box of the visible part of a scene from a sample of its Gaussians, weighted by opacity and size. On
+ * each axis, the box spans the weight quantiles EDGE to 1 - EDGE, and the core spans CORE to 1 - CORE. If the box
+ * is not much larger than the core, the scene is a single object, and the box gets a margin. Otherwise the box
+ * covers at least the middle 90 % of the centres. */
 #include "framing.h"
 
 #include <math.h>
@@ -9,10 +9,10 @@
 #include "order.h"
 #include "src/gaussian/attributes.h"
 
-#define EDGE 0.002                   /* share of the weight cut off at each end of an axis */
-#define CORE 0.05                    /* the same share for the core */
-#define SPREAD 1.5                   /* largest ratio of the radii of box and core in a scene with an outline */
-#define FAR_OUT 8                    /* outliers are farther from the middle than this * the median distance */
+#define EDGE 0.002                   /* share of the weight outside the box at each end of an axis */
+#define CORE 0.05
+#define SPREAD 1.5                   /* largest ratio of box radius to core radius for a single object */
+#define FAR_OUT 8                    /* outliers are farther from the middle than FAR_OUT times the median distance */
 
 fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
@@ -20,11 +20,9 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
     const double opacity = fxs_opacity_of_logit(g->opacity);
     return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)fxs_exp((largest + second) / 2),
-                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 8-bit opacity 0 is never drawn */
+                      opacity * 255 < 0.5 ? 0 : (float)opacity};
 }
 
-/* Radix sort by x, 8 bits per pass. Stable: places of equal x stay in the order of their indexes. `spare`: space for
-   `count` places. */
 static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t count)
 {
     for (int shift = 0; shift < 32; shift += 8) {
@@ -41,7 +39,7 @@ static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t 
 
 static fxs_seen_place place(float x, uint32_t index)
 {
-    return (fxs_seen_place){x + 0.0f, index};     /* -0 becomes 0 */
+    return (fxs_seen_place){x + 0.0f, index};     /* turns -0 into 0 */
 }
 
 static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count, int axis)
@@ -51,7 +49,7 @@ static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_s
     sort_places(places, spare, count);
 }
 
-/* The x at which the sum of weights, in ascending order of x, reaches `share` of the whole. `share` is above 0. */
+/* Returns the x at which the running sum of the weights reaches `share` of their total. */
 static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
 {
     double total = 0, sum = 0;
@@ -64,7 +62,7 @@ static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint3
     return (double)places[i].x;
 }
 
-/* The box that leaves out a share `edge` of the weight at each end of each axis. Returns half its diagonal. */
+/* Finds the box that excludes a share `edge` of the weight at each end of each axis. Returns half its diagonal. */
 static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double edge, double low[3],
                      double high[3])
 {
@@ -77,7 +75,6 @@ static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_
     return sqrt(square);
 }
 
-/* Sorts `places` by distance from the middle. Returns the weighted median of the distances. */
 static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count,
                               const double middle[3])
 {
@@ -93,8 +90,8 @@ static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, con
     return quantile(places, seen, count, 0.5);
 }
 
-/* Multiplies weights by size (root of the area), because the plain parts of an object have few, large Gaussians. The
-   size is capped, so that one large floater does not outweigh a thousand small Gaussians. Outliers get weight 0. */
+/* Multiplies the weights by size, because flat parts of an object have few, large Gaussians. The cap keeps a large
+   floater from outweighing a thousand small Gaussians. */
 static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -103,7 +100,7 @@ static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t coun
     }
 }
 
-/* For a scene of surroundings: divides weights by (1 + r^2)^2, r = distance / median distance. */
+/* Divides the weights by (1 + r^2)^2, where r = distance / median distance. */
 static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {

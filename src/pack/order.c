@@ -1,10 +1,8 @@
-/* Builds a k-d tree from the top down. Each run of Gaussians is cut across x, y, z, or the distance from the middle of
-   the scene, at the place where the sum of the costs of the two new boxes is smallest. The cost of a box is the sum of
-   squared position errors, in pixels, for a viewer around the middle. Cuts by distance separate Gaussians that lie far
-   out on all sides: sky, surroundings, outliers.
+/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x,
+   y, z, or the distance from the scene's middle, where the sum of the costs of the two new boxes is smallest. The
+   cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle.
 
-   The order is the same on every processor: weights are integers, and every float operation is rounded to a float by
-   itself, which gives the same result on processors that compute with more bits. */
+   The order is the same on every processor, because every float operation is rounded to a float. */
 #include "order.h"
 
 #include <math.h>
@@ -14,22 +12,22 @@
 #include <fixsplat/internal/packed.h>
 
 enum {
-    BINS = 32,                       /* bins of a histogram; cuts are tried at their borders */
+    BINS = 32,                       /* bins of a histogram; cuts are tried at bin borders */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* levels with histograms over all Gaussians, to catch every outlier */
-    SAMPLED = 4096,                  /* lower levels count about this many Gaussians of a longer run */
-    FREE_LEVELS = 40,                /* below this level runs are halved, to bound the depth */
+    WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch outliers */
+    SAMPLED = 4096,
+    FREE_LEVELS = 40,                /* runs of Gaussians below this tree level are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
-    SAMPLE = 16384,                  /* most Gaussians for finding the middle */
-    JOBS = 128,                      /* most runs processed at once */
-    PIECES = 8,                      /* most chunks cut from one leaf */
-    MANY = 1024 * FXS_CHUNK          /* in scenes with fewer Gaussians, fewer leaves are cut: see coarse_cost */
+    SAMPLE = 16384,
+    JOBS = 128,
+    PIECES = 8,
+    MANY = 1024 * FXS_CHUNK
 };
 
-#define AMONG_ITS_LIKE (1u << 31)     /* flag in an index: the Gaussian is to be ordered separately */
-#define LEAST_WIDTH 1e-30f           /* narrower runs are not cut by a histogram */
-#define NARROW 0.25f                 /* axes narrower than this share of a run's widest are not cut */
-#define WEIGHT_ONE 1073741824.0f     /* 2^30 */
+#define AMONG_ITS_LIKE (1u << 31)     /* flag of an index: the Gaussian is ordered separately */
+#define LEAST_WIDTH 1e-30f
+#define NARROW 0.25f                 /* axes narrower than this share of a run's widest axis are not cut */
+#define WEIGHT_ONE 1073741824.0f
 
 typedef struct stretch {
     uint32_t first, count;
@@ -39,26 +37,23 @@ typedef struct stretch {
 typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
-    float near_square;               /* squared median distance from the middle */
-    float coarse;                    /* cost above which a leaf is cut into pieces */
+    float near_square;
+    float coarse;
     stretch stretches[JOBS], halves[JOBS][2];
-    uint32_t stretch_count, large;   /* runs longer than `large` are cut before jobs share them */
+    uint32_t stretch_count, large;
 } order;
 
 /* A bounding box. Upper bounds are negated, so that one branch-free loop of minima widens all sides. */
 typedef struct box {
-    float sides[8];                  /* low x, y, z, unused, -high x, y, z, unused */
+    float sides[8];
     uint64_t weight;
     uint32_t count;
 } box;
 
-/* A cut of a run: `first` Gaussians lie before it. */
 typedef struct cut {
     int coordinate;
     uint32_t first;
 } cut;
-
-/* ---- Coordinates ------------------------------------------------------------------------------------------------- */
 
 static float sum_of(float x, float y)
 {
@@ -86,7 +81,7 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* The distance on a logarithmic scale, except near the middle: taken from the bits of the float. */
+/* Maps a squared distance to a scale by the bits of the float. The scale is logarithmic except near the middle. */
 static float octaves(const order *o, float square)
 {
     return (float)(int32_t)(fxs_ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
@@ -97,15 +92,11 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
     return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
 }
 
-/* Sort key of an entry by a coordinate; no two entries have the same. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
     return (uint64_t)fxs_ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
 }
 
-/* ---- Selection --------------------------------------------------------------------------------------------------- */
-
-/* One pass of Shell sort: insertion sort of keys `gap` apart. */
 static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
 {
     for (uint32_t i = gap; i < count; i++) {
@@ -125,8 +116,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* A pivot from a sample of the keys. It lies slightly beyond the k-th key, on the side with more keys, so that one pass
-   removes most of that side. */
+/* The pivot for quickselect lies slightly beyond the k-th key, on the side with more keys, so that one pass removes
+   most of that side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -142,7 +133,6 @@ static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t cou
     return keys[rank];
 }
 
-/* Moves entries below the pivot to the front. Returns their number. */
 static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coordinate, uint64_t pivot)
 {
     uint32_t below = 0;
@@ -155,12 +145,12 @@ static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coo
     return below;
 }
 
-/* Quickselect: moves the k Gaussians with the lowest keys to the front, 0 < k < r.count. After 16 rounds, pivots
-   bisect the range of keys (2^64 at first), which bounds the number of rounds. */
+/* Moves the k Gaussians with the lowest keys to the front by quickselect. After 16 rounds, pivots bisect the range
+   of keys, to bound the number of rounds. */
 static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 {
     fxs_order_entry *e = o->entries + r.first;
-    uint32_t from = 0, to = r.count;             /* the k-th key lies in from..to */
+    uint32_t from = 0, to = r.count;
     uint64_t low = 0, high = UINT64_MAX;
     for (int round = 0; from < k && k < to; round++) {
         const uint64_t pivot = round < 16 ? pivot_for(o, e + from, to - from, k - from, coordinate)
@@ -176,8 +166,6 @@ static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
     }
 }
 
-/* ---- Costs ------------------------------------------------------------------------------------------------------- */
-
 static void clear(box *b)
 {
     for (int i = 0; i < 8; i++)
@@ -186,7 +174,6 @@ static void clear(box *b)
     b->count = 0;
 }
 
-/* The box of one position. */
 static void sides_of(float sides[8], const fxs_order_entry *e)
 {
     memcpy(sides, e, 4 * sizeof *sides);
@@ -197,7 +184,7 @@ static void sides_of(float sides[8], const fxs_order_entry *e)
 static void widen(box *b, const float sides[8])
 {
 #if defined(__GNUC__)
-#pragma GCC unroll 1                 /* else the compiler unrolls the loop instead of vectorising it */
+#pragma GCC unroll 1                 /* without the pragma, GCC unrolls the loop instead of vectorising it */
 #endif
     for (int i = 0; i < 8; i++)
         b->sides[i] = sides[i] < b->sides[i] ? sides[i] : b->sides[i];
@@ -220,8 +207,8 @@ static float cost_of(const box *b)
     return product(length_square(side_of(b, 0), side_of(b, 1), side_of(b, 2)), (float)b->weight);
 }
 
-/* Weight of a Gaussian by its distance from the middle: 2^30 for the nearer half of the Gaussians; beyond, proportional
-   to 1 / distance^2. */
+/* Returns the weight of a Gaussian: 2^30 up to the median distance from the middle, farther out proportional to 1 /
+   distance^2. */
 static uint64_t weight_of(const order *o, float distance)
 {
     const float share = distance > o->near_square ? o->near_square / distance : 1;
@@ -229,8 +216,8 @@ static uint64_t weight_of(const order *o, float distance)
 }
 
 typedef struct histogram {
-    uint32_t step;                   /* every step-th Gaussian is counted */
-    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across this coordinate */
+    uint32_t step;
+    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across the coordinate */
     box bins[COORDINATES][BINS];
 } histogram;
 
@@ -296,14 +283,12 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
     }
 }
 
-/* The multiple of FXS_CHUNK nearest to `before` that leaves Gaussians on each side of the cut. */
 static uint32_t whole_chunks(uint32_t before, uint32_t count)
 {
     const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
     return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
 }
 
-/* Tries all cuts across a coordinate. The first and the last bin are never empty. */
 static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
 {
     const box *bins = h->bins[coordinate];
@@ -344,8 +329,6 @@ static cut find_cut(const order *o, stretch r)
     return best;
 }
 
-/* ---- Tree -------------------------------------------------------------------------------------------------------- */
-
 static void cut_stretch(const order *o, stretch r, stretch to[2])
 {
     const cut c = find_cut(o, r);
@@ -361,7 +344,6 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x1249;
 }
 
-/* Morton code of 5 bits an axis. */
 static uint32_t morton(const box *b, float scale, const float position[3])
 {
     uint32_t code = 0;
@@ -370,7 +352,6 @@ static uint32_t morton(const box *b, float scale, const float position[3])
     return code;
 }
 
-/* Sorts the keys of a leaf: a counting sort by the high 8 bits of the Morton codes, then an insertion sort. */
 static void sort_codes(uint64_t *keys, uint32_t count)
 {
     enum { SHIFT = 32 + 15 - 8 };
@@ -414,7 +395,6 @@ static box box_of(const order *o, const fxs_order_entry *e)
     return b;
 }
 
-/* Finds the cheapest cut of a leaf across a coordinate, at any Gaussian. */
 static void try_pieces(const order *o, stretch r, int coordinate, cut *best, float *least)
 {
     const fxs_order_entry *e = o->entries + r.first;
@@ -462,8 +442,7 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* A leaf that holds a few Gaussians far beyond the others would have position steps of many pixels. So cuts the leaf's
-   most expensive piece until the cost of every piece is below o->coarse. */
+/* Cuts a leaf into pieces, because a few distant Gaussians would widen the chunk's position steps to many pixels. */
 static void order_leaf(const order *o, stretch r)
 {
     stretch pieces[PIECES] = {r};
@@ -516,7 +495,6 @@ static void cut_job(void *argument, uint32_t i)
         cut_stretch(o, o->stretches[i], o->halves[i]);
 }
 
-/* Cuts every large run once, in parallel. Returns 1 if it cut any. */
 static int cut_stretches(order *o, const fxs_pack_options *options)
 {
     const uint32_t before = o->stretch_count;
@@ -528,8 +506,6 @@ static int cut_stretches(order *o, const fxs_pack_options *options)
                 o->stretches[o->stretch_count++] = o->halves[i][side];
     return o->stretch_count > before;
 }
-
-/* ---- Middle ------------------------------------------------------------------------------------------------------ */
 
 float fxs_value_of_rank(const float *values, size_t count, size_t rank)
 {
@@ -548,7 +524,6 @@ float fxs_value_of_rank(const float *values, size_t count, size_t rank)
     return fxs_ordered_float(bits);
 }
 
-/* Median of a coordinate over an evenly spaced sample of the Gaussians. */
 static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
 {
     const uint32_t step = (count - 1) / SAMPLE + 1;
@@ -566,8 +541,6 @@ static void find_middle(order *o, uint32_t count, float *sample)
     o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
 }
 
-/* Sets the indexes of the entries and moves dropped entries to the end. Returns the number of entries that are not
-   dropped. */
 static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
@@ -584,7 +557,6 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
     return kept;
 }
 
-/* Moves entries that are ordered separately to the end. Returns the number of chunks for the others. */
 static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t others = 0;
@@ -599,9 +571,8 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
     return fxs_chunks_of(others);
 }
 
-/* The largest cost of an uncut leaf: that of 256 Gaussians in a box with a diagonal of `reach` times their distance
-   from the middle. Infinite for reach 0. It is larger in small scenes, where an extra chunk costs relatively more
-   bytes. */
+/* Returns the largest cost of an uncut leaf: 256 Gaussians in a box with a diagonal of `reach` times their distance
+   from the middle. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

@@ -1,4 +1,5 @@
-/* Orders the Gaussians of a scene into chunks of 256 whose boxes look small from the middle of the scene. */
+/* Orders the Gaussians of a scene into chunks of 256 with small bounding boxes, as seen from the middle of the
+   scene. */
 #ifndef FXS_ORDER_H
 #define FXS_ORDER_H
 
@@ -7,26 +8,25 @@
 #include <fixsplat/pack.h>
 
 #define FXS_NO_SLOT UINT32_MAX
-#define FXS_BEGINS_CHUNK (1u << 31)   /* flag in an index; a scene has at most 2^30 Gaussians */
+#define FXS_BEGINS_CHUNK (1u << 31)   /* flag of an index; a scene has at most 2^30 Gaussians */
 
 typedef struct fxs_order_entry {
     float position[3];                          /* x is NaN for a dropped Gaussian */
-    uint32_t index;                             /* output: index in the file. Input: 1 = order separately, else 0 */
+    uint32_t index;                             /* input: 1 to order the Gaussian separately, else 0; output: index
+                                                   in the file */
 } fxs_order_entry;
 
-/* Sorts entries, which are given in file order, and sets their indexes. Resulting order: normal entries, then entries
-   with index 1, then dropped entries. Entries with index 1 fill up the last chunk of the normal entries. Each FXS_CHUNK
-   entries are a leaf of a k-d tree, and each subtree is a run of leaves; only the last leaf is shorter. If `reach` is
-   not 0, a leaf with a box longer than about `reach` times the distance of its Gaussians from the middle of the scene
-   is cut into several chunks. FXS_BEGINS_CHUNK marks the first entry of each of these chunks except the first.
-   Allocates 100 KB. options->run must not be null. Returns 0 or FXS_ERR_MEMORY. */
+/* Sorts entries, given in file order, and sets their indexes. Normal entries come first, then entries with input
+   index 1, then dropped entries. Each FXS_CHUNK entries are a leaf of a k-d tree. If `reach` is not 0, a leaf with
+   a box longer than about `reach` times its distance from the scene's middle is cut into several chunks.
+   FXS_BEGINS_CHUNK marks the first entry of each additional chunk. options->run must not be null. Returns 0 or
+   FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
-/* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their bounding cube, then by
-   index, so that neighbours in the list are close in space. Positions are not moved. */
+/* Sorts the indexes of at most FXS_CHUNK entries along a Morton curve, but not the positions. */
 void fxs_order_chunk(fxs_order_entry *entries, uint32_t count);
 
-/* Maps floats to integers of the same order (not NaN; -0 before 0), and back. */
+/* Maps a float to an integer of the same order, and back. -0 sorts before 0; NaN is not allowed. */
 static inline uint32_t fxs_ordered_bits(float x)
 {
     uint32_t bits;
@@ -42,7 +42,7 @@ static inline float fxs_ordered_float(uint32_t bits)
     return x;
 }
 
-/* The value that would be at place `rank` if the values were sorted; rank < count. */
+/* Returns the value at place `rank` of the sorted values; rank < count. */
 float fxs_value_of_rank(const float *values, size_t count, size_t rank);
 
 #endif

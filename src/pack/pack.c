@@ -1,9 +1,7 @@
-/* Packs a scene file in passes over the file, so that its Gaussians need not fit in memory:
- * 1. read_positions: drops Gaussians that cannot be drawn, keeps centres. Then find_slots orders them into chunks.
- * 2. find_headers: ranges of the attributes per chunk, and the sample from which an SH palette is learned.
- * 3. write_codes: codes of each Gaussian; repeated for every HELD chunks where SH have a palette.
- * After the last pass, the tree of levels of detail is built from the codes. While one job reads a batch, PARTS jobs
- * work on the batch before. */
+/* Packs a scene file in three passes, so that its Gaussians need not fit in memory. Pass 1 drops Gaussians that
+ * cannot be drawn, and orders the rest into chunks of 256. Pass 2 finds the ranges of the attributes per chunk and
+ * a sample for the SH palette. Pass 3 writes the codes, and is repeated for every HELD chunks if the scene has a
+ * palette. While a job reads a batch, PARTS jobs work on the preceding batch. */
 #include <fixsplat/pack.h>
 
 #include <float.h>
@@ -29,14 +27,14 @@
 #include "part.h"
 #include "tree.h"
 
-#define BATCH 4096                   /* Gaussians per read */
-#define HELD (1u << 16)              /* most chunks waiting for SH codes at once */
-#define FINISHED 512                 /* chunks finished between two progress reports */
+#define BATCH 4096
+#define HELD (1u << 16)              /* most chunks in memory that wait for SH codes */
+#define FINISHED 512
 #define PARTS 16                     /* jobs per batch; fixed, so that sums do not depend on the number of threads */
-#define AHEAD 8                      /* prefetch distance, Gaussians */
-#define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
-#define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
-#define FOG 0.1                      /* share of faint weight in fog; in captured scenes without fog at most 0.03 */
+#define AHEAD 8
+#define POSITION_LIMIT 134000000.0   /* just under 2^27 scene units */
+#define FAINT_LOGIT (-2.708f)        /* logit of opacity 1/16 */
+#define FOG 0.1                      /* least share of faint Gaussians' weight in a foggy scene */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address)
@@ -48,25 +46,23 @@
 
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
-    uint64_t first;                  /* index in the file */
-    long count;                      /* 0: end of file; negative: an error with a message */
+    uint64_t first;
+    long count;                      /* number of Gaussians; 0: end of file; negative: error */
 } batch;
 
-/* Sums of one job over all batches. */
 typedef struct findings {
     fxs_pack_dropped dropped;
     uint64_t brought_in;
-    double faint, others;            /* sums of the weights of faint and of other Gaussians */
+    double faint, others;
     fxs_loss loss;
     float low[3], high[3];
-    uint64_t source;                 /* sum of hash_of over all Gaussians */
+    uint64_t source;
     int changed;                     /* 1: a centre differs from an earlier pass */
 } findings;
 
 typedef struct packer packer;
 
-/* Steps that differ when one part of a scene is packed. Called by pointer, so that programs without parts do not link
-   them. */
+/* Steps for packing a part of a scene. Pointers keep the steps out of programs that pack no parts. */
 typedef struct part_steps {
     int (*plan)(packer *p);
     int (*allocate)(packer *p, fxs_packed_scene *part);
@@ -82,32 +78,32 @@ struct packer {
     fxs_pack_options options;
     fxs_message *message;
     const fxs_pack_stages *stages;
-    findings *findings;              /* one per job: PARTS */
-    batch *batches;                  /* two: one is filled while jobs work on the other */
-    int ready;                       /* index of the batch that jobs work on */
+    findings *findings;
+    batch *batches;
+    int ready;
     part_fn *work;
-    double done, share;              /* shares of the import: finished before this pass; of this pass */
+    double done, share;
     fxs_order_entry *entries;
-    fxs_seen *seen;                  /* every seen_step-th Gaussian of the file */
+    fxs_seen *seen;
     uint64_t seen_step;
-    uint32_t *slots;                 /* slot of each Gaussian of the file, or FXS_NO_SLOT */
-    uint64_t slot_count;             /* index of the last used slot + 1 */
+    uint32_t *slots;                 /* place of each Gaussian in the packed scene, or FXS_NO_SLOT */
+    uint64_t slot_count;
     const part_steps *by_part;       /* null: packs the whole scene */
     uint32_t part, parts;
-    uint32_t first, end;             /* chunks to pack */
-    float (*boxes)[6];               /* only for parts: boxes of all chunks, and the tree */
+    uint32_t first, end;
+    float (*boxes)[6];               /* boxes of all chunks; only for parts */
     fxs_tree *tree;
-    fxs_chunk_ranges *ranges;        /* of chunks first..end - 1 */
+    fxs_chunk_ranges *ranges;
     fxs_encoder encoder;
-    const fxs_coded *coded;          /* null, or existing codes to copy */
+    const fxs_coded *coded;          /* existing codes to copy, or null */
     fxs_palette *palette;            /* null: no palette is learned */
-    fxs_sh_item *sample;             /* from the chunks that the palette is learned from */
-    fxs_sh_item *items;              /* of chunks first_chunk..end_chunk - 1; null: `sample` has all */
-    uint32_t held;                   /* capacity of items, chunks */
+    fxs_sh_item *sample;
+    fxs_sh_item *items;              /* Gaussians that wait for palette codes; null: all are in `sample` */
+    uint32_t held;
     uint32_t first_chunk, end_chunk;
-    uint32_t finished;               /* finish_part begins at this chunk */
-    fxs_packed_header *header;       /* packed header; becomes little-endian last */
-    fxs_chunk *chunks;               /* chunks first..end - 1, like `rows` */
+    uint32_t finished;
+    fxs_packed_header *header;
+    fxs_chunk *chunks;
     unsigned char *palette_bytes, *rows;
     size_t bytes;
 };
@@ -116,8 +112,6 @@ static int fail_memory(const packer *p, uint64_t count)
 {
     return fxs_fail_as(FXS_ERR_MEMORY, p->message, "out of memory for %llu Gaussians", (unsigned long long)count);
 }
-
-/* ---- Passes over the file -------------------------------------------------------------------------------------- */
 
 static void read_batch(packer *p, batch *b, uint64_t first)
 {
@@ -138,21 +132,17 @@ static void read_or_work(void *argument, uint32_t job)
         p->work(p, b, job - 1);
 }
 
-/* Share of the import that building the tree takes. Without a palette, the tree takes longer than all steps before
-   it. */
 static double tree_share(const packer *p)
 {
     return p->options.tree ? 0.5 : 0;
 }
 
-/* Begins a step that takes this share of the import. */
 static void begin(packer *p, double share)
 {
     p->done += p->share;
     p->share = share;
 }
 
-/* `done`: 0 to 1 of the current step. */
 static int report_progress(void *argument, double done)
 {
     const packer *p = argument;
@@ -164,8 +154,7 @@ static int fail_stopped(const packer *p)
     return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
 }
 
-/* Share of the import that a pass takes. Without a palette, the three passes take equal shares of the time before the
-   tree. With a palette, SH coding takes half of that time. */
+/* With a palette, SH coding takes half of the import's time before the tree. */
 static double pass_share(const packer *p)
 {
     return (1 - tree_share(p)) * (fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree) ? 0.25 : 1.0 / 3);
@@ -195,7 +184,7 @@ static long first_of(const batch *b, uint32_t part)
     return b->count * (long)part / PARTS;
 }
 
-/* Does not stop at the first infinite value, because almost all values are finite. */
+/* Has no early out, because almost all values are finite. */
 static int all_finite(const float *values, int count)
 {
     int finite = 1;
@@ -204,13 +193,12 @@ static int all_finite(const float *values, int count)
     return finite;
 }
 
-/* NaN and infinity become the smallest scale, so that an invalid sigma does not outweigh all others. */
+/* Maps NaN and infinity to the smallest scale, so that an invalid sigma does not outweigh all others. */
 static float known_scale(float scale)
 {
     return fxs_held_scale(scale < INFINITY ? scale : -INFINITY);
 }
 
-/* ln of the product of the two largest sigmas. */
 static double log_area(const fxs_gaussian *g)
 {
     const float a = known_scale(g->scale[0]), b = known_scale(g->scale[1]), c = known_scale(g->scale[2]);
@@ -252,7 +240,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Clamps the position and the scales. Every pass must call this. */
+/* Clamps position and scales, which every pass must do alike. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -341,9 +329,6 @@ static int read_positions(packer *p)
     return 0;
 }
 
-/* ---- Order ----------------------------------------------------------------------------------------------------- */
-
-/* Bounds of the middle 90 % of the centres, from an evenly spaced sample. */
 static int find_inner_bounds(packer *p)
 {
     enum { MIDDLE = 65536 };
@@ -363,7 +348,6 @@ static int find_inner_bounds(packer *p)
     return 0;
 }
 
-/* Replaces the box of the middle 90 % of the centres by the box of the visible part. */
 static int find_seen_bounds(packer *p)
 {
     const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
@@ -377,8 +361,7 @@ static int find_seen_bounds(packer *p)
     return 0;
 }
 
-/* If faint Gaussians (fog) have at least FOG of the weight, they get chunks of their own, with finer steps of
-   opacity. In other scenes, chunks of close neighbours have smaller errors. */
+/* Gives faint Gaussians chunks with finer steps of opacity if they have at least FOG of the weight. */
 static void part_fog(packer *p)
 {
     double faint = 0;
@@ -388,8 +371,8 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
-/* Largest diagonal of a chunk's box, divided by the box's distance from the middle of the scene. It limits a position
-   step to 1/2048 of the distance (half a pixel of a wide picture); in profile small, 1/512. */
+/* Limits a chunk's box relative to its distance from the scene's middle. A position step is then at most 1/2048 of
+   the distance, in profile small 1/512. */
 static float longest_box(enum fxs_profile profile)
 {
     return profile == FXS_PROFILE_SMALL ? 4 : 32;
@@ -426,7 +409,6 @@ static int find_slots(packer *p)
     return 0;
 }
 
-/* Finds the boxes of all chunks as the chunks' headers will state them. */
 static int find_boxes(packer *p)
 {
     fxs_range *ranges = fxs_allocate(p->options.allocator, 3 * (size_t)p->end, sizeof *ranges);
@@ -464,8 +446,6 @@ static int plan_part(packer *p)
     return 0;
 }
 
-/* ---- Chunks ---------------------------------------------------------------------------------------------------- */
-
 static int fail_changed(const packer *p)
 {
     return fxs_fail(p->message, "the file changed while it was read");
@@ -484,7 +464,6 @@ static int is_packed(const packer *p, uint32_t chunk)
     return chunk >= p->first && chunk < p->end;
 }
 
-/* Whether the second pass needs the Gaussian of a slot. */
 static int is_read(const packer *p, uint32_t slot)
 {
     return is_packed(p, slot / FXS_CHUNK) ||
@@ -499,7 +478,6 @@ static void take_sample(packer *p, uint32_t slot, const fxs_gaussian *g, double 
         fxs_sh_item_set(&p->sample[at + slot % FXS_CHUNK], g, opacity, p->encoder.sh_degree);
 }
 
-/* 1 / (1 + e^x) of each x. In batches, because exponentials of different x overlap in the pipeline. */
 static void find_opacities(const packer *p, double *x, uint32_t count)
 {
     p->stages->exponentials(x, count);
@@ -507,7 +485,7 @@ static void find_opacities(const packer *p, double *x, uint32_t count)
         x[i] = 1 / (1 + x[i]);
 }
 
-/* A job takes the chunks with chunk % PARTS == part, so jobs share no ranges. */
+/* Takes the chunks with chunk % PARTS == part, so that jobs share no ranges. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     const uint32_t *slots = p->slots + b->first;
@@ -576,8 +554,6 @@ static int allocate_palette(packer *p)
     return 0;
 }
 
-/* Learns the palette. If the sample is the whole scene, its items are also the ones that are coded. Otherwise items are
-   read again, `held` chunks at a time. */
 static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
@@ -604,7 +580,6 @@ static unsigned char *row_of(const packer *p, uint32_t slot)
     return p->rows + (size_t)(slot - p->first * FXS_CHUNK) * (p->header->chunk_bytes / FXS_CHUNK);
 }
 
-/* Prefetches the data that encode_part needs for a slot. */
 static void fetch(const packer *p, uint32_t slot)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, chunk = slot / FXS_CHUNK;
@@ -618,12 +593,13 @@ static void fetch(const packer *p, uint32_t slot)
         PREFETCH(&p->ranges[chunk - p->first]);
 }
 
-/* The codes of a Gaussian are first stored together, as a record; finish_part turns records into rows. Writing to rows
-   here would touch a cache line per byte, because neighbours in the file lie in different chunks. */
+/* Stores the codes of each Gaussian together. Storing codes by attribute here would touch a cache line per byte,
+   because neighbours in the file lie in different chunks. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
-    fxs_loss loss = p->findings[part].loss;               /* a copy, because jobs share the cache lines of `findings` */
+    fxs_loss loss = p->findings[part].loss;               /* local copy, because jobs share cache lines of
+                                                             `findings` */
     double opacities[BATCH / PARTS + 1];
     int changed = 0;
     const long first = first_of(b, part), end = first_of(b, part + 1);
@@ -665,7 +641,6 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
     loss->squares[FXS_LOSS_SH] = sh.squares;
 }
 
-/* Turns the records of the next FINISHED chunks into rows. */
 static void finish_part(void *argument, uint32_t part)
 {
     const packer *p = argument;
@@ -713,7 +688,6 @@ static void sum_losses(packer *p)
                                       sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
 }
 
-/* Codes the Gaussians of chunks first..end - 1. `share`: share of the import that this takes. */
 static int write_chunks(packer *p, uint32_t first, uint32_t end, double share)
 {
     p->first_chunk = first;
@@ -750,8 +724,6 @@ static void turn_headers(packer *p)
     fxs_packed_header_turn(p->header);
 }
 
-/* ---- Import ---------------------------------------------------------------------------------------------------- */
-
 static void write_bounds(fxs_packed_header *header, const fxs_pack_report *report)
 {
     for (int i = 0; i < 3; i++) {
@@ -777,7 +749,6 @@ static void begin_tree(unsigned char *to, uint32_t nodes)
     memcpy(to, &header, sizeof header);
 }
 
-/* The scene's header, without the step of the palette. `tree`: bytes of the tree, or 0. */
 static fxs_packed_header header_of(const packer *p, size_t tree)
 {
     const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);
@@ -796,7 +767,7 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
     return h;
 }
 
-/* Allocates the packed scene. Always fails if `bytes` is SIZE_MAX. */
+/* Always fails if `bytes` is SIZE_MAX. */
 static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
 {
     scene->bytes = bytes;
@@ -829,9 +800,6 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     return h.palette_entries ? allocate_palette(p) : 0;
 }
 
-/* ---- Parts ------------------------------------------------------------------------------------------------------- */
-
-/* Identifies the scene that was read: writes a hash of its Gaussians and of their grids. */
 static void write_source(const packer *p, uint32_t source[2])
 {
     const fxs_grid grids[2] = {p->info->colour, p->info->sh};
@@ -908,9 +876,6 @@ static int finish_part_of_scene(packer *p, unsigned char *bytes)
     return p->tree ? build_part_of_tree(p, bytes, &l, &h) : 0;
 }
 
-/* ---- The whole scene
-   --------------------------------------------------------------------------------------------------- */
-
 static int build_tree(packer *p, const fxs_scene *scene, void *data)
 {
     fxs_pack_options options = p->options;
@@ -954,7 +919,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if (p->by_part)
         return p->by_part->finish(p, scene->data);
     turn_headers(p);
-    fxs_scene whole;                 /* checked, because the last pass may have read other numbers */
+    fxs_scene whole;                 /* validated, because the file may have changed before the last pass */
     if (fxs_scene_open(&whole, scene->data, scene->bytes))
         return fail_changed(p);
     return FXS_BUILDS_TREES && whole.nodes ? build_tree(p, &whole, scene->data) : 0;
@@ -973,7 +938,6 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     return fxs_pack_held(file, info, coded, HELD, scene, report, options, message);
 }
 
-/* Adds the origin of the stream to the scene's positions, which are relative to it up to this step. */
 static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *info, fxs_pack_report *report)
 {
     fxs_packed_move(scene->data, info->origin);
@@ -985,7 +949,6 @@ static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *i
     }
 }
 
-/* `how` has those fields of the packer that are not arguments. */
 static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                    fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message)
 {

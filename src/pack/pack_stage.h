@@ -1,4 +1,4 @@
-/* Table of the inner loops of packing. kernels/pack has versions for instruction sets; all give the same results. */
+/* Table of the inner loops of packing. All instruction sets give equal results. */
 #ifndef FXS_PACK_STAGE_H
 #define FXS_PACK_STAGE_H
 
@@ -16,26 +16,25 @@ typedef struct fxs_pack_stages {
     const char *name;
     /* Replaces each x by fxs_exp(x). */
     void (*exponentials)(double *x, uint32_t count);
-    /* Like fxs_ranges_take and fxs_encode. */
+    /* Same contracts as fxs_ranges_take and fxs_encode in encode.h. */
     void (*take_ranges)(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
     void (*encode)(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian, double opacity,
                    unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
-    /* Finds signed entries, one per stage, with a sum near the vector. Writes their indices and subtracts their sum
-       from the vector. */
+    /* Finds one signed entry per palette stage with a sum near the vector. Subtracts the sum from the vector. */
     void (*find)(const fxs_palette *palette, fxs_sh_vector vector, uint8_t indices[FXS_PALETTE_STAGES]);
-    /* The signed index of the nearest of `count` vectors; count is 1 to 16. The arrays are padded to a multiple of
-       8. */
+    /* Returns the signed index of the nearest of `count` vectors, count 1 to 16. The arrays are padded to a
+       multiple of 8. */
     uint32_t (*nearest)(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count,
                         const fxs_sh_vector vector);
-    /* Merges a set of more than `most` Gaussians down to `most`, and adds the errors to `sums`. Null in builds
+    /* Merges a set of more than `most` Gaussians down to `most` and adds the errors to `sums`. Null in builds
        without trees. */
     void (*coarsen)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
-    /* Like fxs_palette_code_chunk. */
+    /* Same contract as fxs_palette_code_chunk in palette.h. */
     void (*code_chunk)(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                        unsigned char *records, size_t stride, fxs_sh_loss *loss);
 } fxs_pack_stages;
 
-/* The fastest table whose instruction sets are in `cpu` (enum fxs_cpu) and supported by this processor. */
+/* Returns the fastest table with only the instruction sets of `cpu` (enum fxs_cpu) that this processor supports. */
 const fxs_pack_stages *fxs_pack_stages_choose(unsigned cpu);
 extern const fxs_pack_stages fxs_pack_stages_c;
 

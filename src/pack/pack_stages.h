@@ -1,6 +1,6 @@
-/* The stages of pack_stage.h for instruction set ISA. The includer defines two functions. find_dots computes the dot
-   products of a vector with GROUP vectors. find_leasts finds the `wanted` smallest of 8, 16 or 48 costs; equal costs
-   are taken in order, and place 0 if all others are taken. It may change the costs. */
+/* Inner loops of packing for the instruction set ISA. The includer defines find_dots, the dot products of a vector
+   with GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest costs in ascending
+   order of cost and index, and may change the costs. Index 0 follows when all costs are taken. */
 #include "pack_stage.h"
 
 #include <math.h>
@@ -22,14 +22,12 @@ FXS_COARSEN(ISA);
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP,
-    BEAM = 2,                      /* sums kept from stage to stage (beam search) */
-    TRIED = 3,                     /* groups tried entry by entry */
-    WINDOW = 48                    /* largest number of earlier Gaussians that diffuse errors to one */
+    BEAM = 2,                      /* partial sums kept after each stage of the beam search */
+    TRIED = 3,
+    WINDOW = 48                    /* most earlier Gaussians that diffuse their errors to a Gaussian */
 };
 
-/* ---- Exponentials ---------------------------------------------------------------------------------------------- */
-
-/* Replaces each of 8 numbers by its exponential. |x| <= 700, so that powers of two are normal numbers. */
+/* |x| <= 700, so that powers of two are not subnormal. */
 static inline void find_exponentials(double x[8])
 {
     for (int i = 0; i < 8; i++) {
@@ -55,17 +53,13 @@ static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
         x[i] = fxs_exp(x[i]);
 }
 
-/* ---- Search ---------------------------------------------------------------------------------------------------- */
-
-/* A sum of one signed entry from each stage so far. */
 typedef struct candidate {
-    fxs_sh_vector left;            /* x - sum */
-    int32_t cost;                  /* |left|^2 - |x|^2 */
+    fxs_sh_vector left;            /* vector minus the sum of the chosen palette entries */
+    int32_t cost;                  /* |residual|^2 - |vector|^2 */
     uint8_t indices[STAGES];
 } candidate;
 
-/* For GROUP vectors, costs of adding each with the better sign: cost + |left -+ vector|^2 - |left|^2 = cost +
-   |vector|^2 -+ 2 left vector. dots: the dot products of left and vector. */
+/* Adding a vector with the better sign changes the cost by |vector|^2 - 2 |dot(left, vector)|. */
 static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t cost, const fxs_sh_vector left,
                               const fxs_sh_vector *vectors, const int32_t *squares)
 {
@@ -74,7 +68,6 @@ static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t
         costs[j] = cost + squares[j] - 2 * absolute(dots[j]);
 }
 
-/* Costs of adding each entry of the TRIED groups nearest to from->left. */
 static inline void try_groups(int32_t costs[TRIED * GROUP], int32_t dots[TRIED * GROUP], uint32_t groups[TRIED],
                               const candidate *from, const fxs_palette *p, uint32_t stage)
 {
@@ -92,7 +85,6 @@ static inline void try_groups(int32_t costs[TRIED * GROUP], int32_t dots[TRIED *
     }
 }
 
-/* Extends the sums by the best entries of one more stage. Returns their number. */
 static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
                               uint32_t stage)
 {
@@ -118,8 +110,8 @@ static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], ui
     return BEAM;
 }
 
-/* Each stage in turn takes the entry nearest to the vector minus the entries of all other stages (iterated conditional
-   modes, Besag 1986). */
+/* Each stage in turn takes the entry nearest to the vector minus the entries of all other stages (iterated
+   conditional modes, Besag 1986). */
 static inline void settle(candidate *sum, const fxs_palette *p)
 {
     enum { KEYS = BEAM * TRIED * GROUP };
@@ -170,21 +162,17 @@ static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, cons
     return found.place | (dots[found.place] < 0 ? FXS_PALETTE_NEGATIVE : 0);
 }
 
-/* ---- Residuals ------------------------------------------------------------------------------------------------- */
+enum { NUMBERS = 48 };
 
-enum { NUMBERS = 48 };                   /* numbers of a residual, padded */
-
-/* floor(x / (2 gain) + 4) clamped to 0..7, exact. half_inverse is 1 / (2 gain); |x| is at most 16 gain. x has up to 15
-   bits, and a gain has 4 bits and an exponent. So a quotient that is not an integer is at least 2^-13.2 below the next
-   integer. Floats err by at most 2^-20, so adding 2^-14 rounds every quotient correctly. */
+/* Returns floor(x / (2 gain) + 4) clamped to 0..7, for |x| at most 16 gain. A quotient is an integer or at least
+   2^-13.2 below the next integer. Floats err by at most 2^-20, so adding 2^-14 rounds every quotient correctly. */
 static inline int32_t eighth_of(float x, float half_inverse)
 {
     const float eighths = x * half_inverse + (4 + 0x1p-14f), above = eighths > 0 ? eighths : 0;
     return (int32_t)(above < 7 ? above : 7);
 }
 
-/* Sum of squared errors when each of NUMBERS numbers becomes the nearest odd multiple, -7..7, of the gain. The sum is
-   exact in any order, because errors have up to 16 bits. */
+/* Returns the sum of squared errors when each number becomes the nearest odd multiple, -7..7, of the gain. */
 static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
 {
     const float half_inverse = 0.5f / gain;
@@ -200,9 +188,8 @@ static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
     return squares[0] + squares[1] + squares[2] + (squares[3] + squares[4] + squares[5]);
 }
 
-/* Searches the gain with the smallest squared error of `count` numbers, padded with zeros. Starts at the smallest gain
-   that clips no number, and also tries the gains up to 1.5 octaves below. Returns the gain in units of the numbers, and
-   in *code its stored form. */
+/* Searches the gain with the smallest squared error, up to 1.5 octaves below the smallest gain that clips no
+   number. */
 static inline float find_gain(const float numbers[NUMBERS], int count, int unit_exponent, int *code)
 {
     const float unit = (float)fxs_scaled(1, unit_exponent);
@@ -225,8 +212,7 @@ static inline float find_gain(const float numbers[NUMBERS], int count, int unit_
     return best;
 }
 
-/* Writes an SH residual into a record of profile compact: the gain and codes of 3 bits. `rest` becomes the error of
-   these codes. */
+/* `rest` becomes the error of the 3-bit codes. */
 static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
     float numbers[NUMBERS] = {0};
@@ -250,22 +236,19 @@ static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent,
     }
 }
 
-/* ---- Coding ---------------------------------------------------------------------------------------------------- */
-
-/* How much Gaussian `from` contributes where `to` contributes, relative to `to` itself, Q8, 0 to 1024. For round
-   Gaussians of areas a and b (sigma^2) at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))). The
-   exponential is approximated by (1 - d^2 / (8 (a + b)))^4. `square` is d^2, less than 8 (a + b). */
+/* Returns the overlap of two Gaussians relative to Gaussian `to`, Q8, 0 to 1024. For round Gaussians of areas a and
+   b at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))), times the ratio of opacities. (1 - d^2 /
+   (8 (a + b)))^4 approximates the exponential. */
 static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
                                  double square)
 {
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* rounding: 4/3 times 3 must give 4 in any
+    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* a margin, so that 4/3 times 3 gives 4 in any
                                                                         precision */
 }
 
-/* 2^(area / 8) */
 static inline double area_of(const fxs_sh_item *item)
 {
     static const double eighths[8] = {1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
@@ -278,11 +261,10 @@ typedef struct coder {
     const fxs_sh_item *items;
     fxs_sh_vector vectors[FXS_CHUNK];
     double places[3][FXS_CHUNK], areas[FXS_CHUNK];
-    fxs_sh_vector errors[FXS_CHUNK];   /* original - coded, units */
+    fxs_sh_vector errors[FXS_CHUNK];   /* original minus coded SH coefficients, palette units */
 } coder;
 
-/* Adds to the vector half the errors of earlier Gaussians that overlap Gaussian i. Their sum is shortened to at most
-   the vector's length. */
+/* Adds half the errors of earlier overlapping Gaussians to the vector, at most the vector's length. */
 static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
 {
     const uint32_t first = i > WINDOW ? i - WINDOW : 0;
@@ -309,8 +291,7 @@ static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-/* Records the error of `coded`, which is in units of the palette. Each channel has its own sum, so that additions
-   overlap in the pipeline. */
+/* Each channel has its own sum of errors, so that additions overlap in the pipeline. */
 static inline void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
 {
     const double unit = ldexp(1, -p->unit_exponent), step = (double)item->step;
@@ -358,7 +339,7 @@ static inline void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsi
 static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                              int8_t mean[48], unsigned char *records, size_t stride, fxs_sh_loss *loss)
 {
-    coder c;                         /* not initialised, because it is large */
+    coder c;
     fxs_sh_vector middle;
     c.palette = p;
     c.items = items;

@@ -17,15 +17,14 @@
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP, MOST = FXS_PALETTE_MOST,
-    NEVER = 1 << 30,               /* larger than any cost */
-    SAMPLE = 16384,                /* approximate number of Gaussians to learn from */
+    NEVER = 1 << 30,               /* larger than any cost of a palette search */
+    SAMPLE = 16384,
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
     JOBS = 16
 };
 
-/* The largest number of entries that keeps the packed scene within 40 bytes a Gaussian (profile small: 20). The palette
-   gets at least 0.1 bytes a Gaussian even if a part-filled last chunk leaves less. In scenes below 10,000 Gaussians it
-   gets at least 0.4 bytes, because quality matters more there than the limit. */
+/* Keeps the packed scene within 40 bytes per Gaussian, 20 in profile small. The palette gets at least 0.1 bytes per
+   Gaussian, or 0.4 bytes in scenes below 10,000 Gaussians. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
@@ -38,8 +37,6 @@ uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profi
     const uint64_t entries = (left > least ? left : least) / stage_bytes;
     return entries < 1 ? 1 : entries > ENTRIES ? ENTRIES : (uint32_t)entries;
 }
-
-/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
 void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, double opacity, int sh_degree)
 {
@@ -64,8 +61,7 @@ static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
         to[d] = hold(sign * from[d]);
 }
 
-/* Computes the squared lengths of a stage's vectors. Entries and groups beyond the last get NEVER, so that no search
-   takes them. */
+/* Unused entries and groups get the cost NEVER, so that no search takes them. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
@@ -74,19 +70,17 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
         p->group_squares[stage][g] = g < groups_of(p) ? dot(p->groups[stage][g], p->groups[stage][g]) : NEVER;
 }
 
-/* ---- Learning -------------------------------------------------------------------------------------------------- */
-
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* the sample, minus the entries of the finished stages */
+    fxs_sh_vector *vectors;        /* sample vectors, minus the chosen palette entries of the finished stages */
     uint32_t count;
-    uint8_t (*indices)[STAGES];    /* per vector */
-    int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, of which it has at most 2^14 */
-    int32_t *total;                /* per entry: number of its vectors */
+    uint8_t (*indices)[STAGES];
+    int32_t (*sums)[WIDTH];        /* per palette entry: sum of its assigned vectors, at most 2^14 */
+    int32_t *total;
     const fxs_pack_options *options;
     uint32_t rounds, stage;
-    int32_t most;                  /* largest mean of a sampled chunk, units */
+    int32_t most;
 } learner;
 
 static int stopped(learner *l)
@@ -114,7 +108,6 @@ static void find_group(void *argument, uint32_t job)
                                                               groups_of(p), l->vectors[i]);
 }
 
-/* Finds the nearest entry within the group of the current index. */
 static void find_entry(void *argument, uint32_t job)
 {
     const learner *l = argument;
@@ -134,14 +127,12 @@ static void add_to(learner *l, uint32_t entry, const fxs_sh_vector vector, int s
     l->total[entry]++;
 }
 
-/* sum / total, rounded to nearest */
 static int32_t mean_of(int32_t sum, int32_t total)
 {
     return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
-/* vector = keep * vector + mean of the vectors added to it; keep is 0 or 1. A vector to which none was added is
-   unchanged. */
+/* Sets each vector to keep * vector + mean of its assigned vectors; keep is 0 or 1. */
 static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
     for (uint32_t j = 0; j < count; j++)
@@ -151,7 +142,6 @@ static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
     memset(l->total, 0, l->palette->entries * sizeof *l->total);
 }
 
-/* LLOYD_ROUNDS rounds of k-means. `vectors`: the groups or the entries of the stage. */
 static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, void (*find_all)(void *, uint32_t))
 {
     for (uint32_t round = 0; round < LLOYD_ROUNDS; round++) {
@@ -170,7 +160,6 @@ static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, voi
     return 0;
 }
 
-/* Start values of a group's entries: vectors spread evenly over those that l->indices assigns to the group. */
 static void begin_entries(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -186,8 +175,7 @@ static void begin_entries(learner *l)
     }
 }
 
-/* k-means on the residuals of the stages before: first the groups, which start as vectors spread evenly over the
-   sample, then the entries of each group. Subtracts the chosen entries from the sample's vectors. */
+/* Groups of entries start as vectors spread evenly over the sample. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -204,7 +192,6 @@ static int learn_stage(learner *l, uint32_t stage)
     return 0;
 }
 
-/* Adds the chosen entries to the residuals, which restores the sample's vectors. */
 static void add_sums(learner *l)
 {
     for (uint32_t i = 0; i < l->count; i++)
@@ -219,8 +206,6 @@ static void find_sums(void *argument, uint32_t job)
         l->stages->find(l->palette, l->vectors[i], l->indices[i]);
 }
 
-/* One round for all stages: finds the best sum for each whole vector, then moves each stage's entries by the mean
-   residual. */
 static void learn_jointly(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -239,7 +224,6 @@ static void learn_jointly(learner *l)
         prepare_stage(p, s);
 }
 
-/* Quantises entries to 8 bits. The step also covers the means of the chunks. */
 static void quantise(fxs_palette *p, int32_t most)
 {
     for (uint32_t s = 0; s < p->stages; s++)
@@ -266,7 +250,7 @@ uint32_t fxs_palette_sample(uint32_t count)
     return (step > FXS_CHUNK ? (count - 1) / step + 1 : fxs_chunks_of(count)) * FXS_CHUNK;
 }
 
-/* If the step between sampled Gaussians is longer than a chunk, the sample has one chunk for each of them. */
+/* If the step between sampled Gaussians exceeds a chunk, the sample has one chunk per sampled Gaussian. */
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
 {
     const uint32_t step = step_for(count), first = chunk * FXS_CHUNK, number = (first + step - 1) / step;
@@ -275,8 +259,8 @@ uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
     return number * step - first < FXS_CHUNK && number * step < count ? number * FXS_CHUNK : FXS_NOT_SAMPLED;
 }
 
-/* The finest unit (2^-19 to 2^-8) in which MOST units reach 12 times the root mean square of the coefficients, or
-   their maximum if that is less. */
+/* Sets the finest palette unit, 2^-19 to 2^-8, in which MOST units reach the smaller of 12 times the root mean
+   square and the maximum of the coefficients. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     double squares = 0, numbers = 0, most = 0;
@@ -295,7 +279,6 @@ static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, 
         p->unit_exponent--;
 }
 
-/* Takes every step-th Gaussian, minus the mean of its chunk, as a vector to learn from. */
 static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     l->count = 0;
@@ -319,7 +302,6 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
     }
 }
 
-/* Learns the first two stages from a sample. Returns the squared error left, or -1 if stopped. */
 static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step, int centred)
 {
     double sum = 0;
@@ -333,8 +315,7 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
     return sum;
 }
 
-/* Learns all stages. The chunks' means are subtracted only if that lowers the error. It does not where a few
-   quantities, such as the normal of a mirror, determine all coefficients. */
+/* The means of the chunks are subtracted only if subtraction lowers the error. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     const double plain = try_sample(l, items, count, 4 * step, 0);
@@ -423,7 +404,7 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
-/* Computes the group vectors, which a scene does not store, as the middles of the groups' entries. */
+/* Computes the middles of groups of entries, which a packed scene does not store. */
 static void find_middles(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t g = 0; g < groups_of(p); g++) {
@@ -449,7 +430,6 @@ static int has_means(const fxs_scene *scene)
     return 0;
 }
 
-/* Uses the finest unit in which no entry exceeds MOST. */
 void fxs_palette_of_scene(fxs_palette *p, const fxs_scene *scene)
 {
     const int8_t *from = scene->palette;
@@ -492,7 +472,7 @@ void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint
     fxs_pack_stages_choose(~0u)->code_chunk(p, items, count, mean, records, stride, loss);
 }
 
-/* Residual in profile compact, 3 bits: (2 code + 1) gain, code -4..3. */
+/* Returns a residual of profile compact: (2 code + 1) gain, with a 3-bit code -4..3. */
 static double residual_of(const unsigned char *record, uint32_t coefficient)
 {
     uint32_t code = 0;

@@ -1,4 +1,4 @@
-/* Vectors of SH coefficients in units of a palette: arithmetic shared by learning and coding. */
+/* Arithmetic on vectors of SH coefficients, shared by learning and coding of palettes. */
 #ifndef FXS_PALETTE_VECTOR_H
 #define FXS_PALETTE_VECTOR_H
 
@@ -8,12 +8,12 @@
 #include "src/base/exponential.h"
 
 enum {
-    FXS_PALETTE_MOST = 1270,       /* largest number, units; sums of 7 vectors fit 16 bits, their dot products 32 */
+    FXS_PALETTE_MOST = 1270,       /* largest coefficient, palette units; sums of 7 vectors fit 16 bits, their dot
+                                      products 32 bits */
     FXS_PALETTE_GROUP = 8,
     FXS_PALETTE_WIDTH = (int)FXS_PALETTE_STRIDE
 };
 
-/* A cost and its index. */
 typedef struct fxs_pack_place {
     int32_t cost;
     uint32_t place;
@@ -29,7 +29,6 @@ static inline int32_t absolute(int32_t x)
     return x < 0 ? -x : x;
 }
 
-/* Converts an item's coefficients to units. A step too large for the range is clamped. */
 static inline void vector_of(fxs_sh_vector vector, const fxs_sh_item *item, int unit_exponent)
 {
     const double wanted_q12 = fxs_scaled(item->step, unit_exponent + 12);
@@ -49,7 +48,6 @@ static inline void subtract(fxs_sh_vector vector, const fxs_sh_vector from)
         vector[d] = (int16_t)(vector[d] - from[d]);
 }
 
-/* Subtracts the entry with a signed index. */
 static inline void subtract_entry(fxs_sh_vector vector, const fxs_palette *p, uint32_t stage, uint32_t index)
 {
     const int16_t *entry = p->vectors[stage][index % FXS_PALETTE_ENTRIES];
@@ -74,7 +72,6 @@ static inline uint32_t groups_of(const fxs_palette *p)
     return (p->entries + FXS_PALETTE_GROUP - 1) / FXS_PALETTE_GROUP;
 }
 
-/* Mean of the vectors, weighted by the opacities of their items. */
 static inline void find_mean(fxs_sh_vector mean, fxs_sh_vector *vectors, const fxs_sh_item *items, uint32_t count)
 {
     int32_t sums[FXS_PALETTE_STRIDE] = {0}, weight = 0;
@@ -88,7 +85,7 @@ static inline void find_mean(fxs_sh_vector mean, fxs_sh_vector *vectors, const f
         mean[d] = (int16_t)(weight ? sums[d] / weight : 0);
 }
 
-/* round(x / step), clamped to +-127 */
+/* Returns round(x / step), clamped to +-127. */
 static inline int32_t code_of(int32_t x, int32_t step)
 {
     const int32_t code = (2 * absolute(x) + step) / (2 * step), held = code < 127 ? code : 127;

@@ -24,33 +24,30 @@
 #include "order.h"
 
 enum {
-    FREE_LEVELS = 40,                  /* below this level runs are halved, to bound the depth */
-    PARTS = 32                         /* the largest job has 1 / PARTS of all leaves, or 4 leaves if that is more */
+    FREE_LEVELS = 40,                  /* runs of leaves below this tree level are halved, to bound the depth */
+    PARTS = 32                         /* the largest parallel job has max(4, leaves / PARTS) leaves of the tree */
 };
 
 #define NONE UINT32_MAX
-#define UNMEASURED 0.2                 /* weight of an unmeasured gain relative to a measured one */
-#define SEEN 0.55                      /* mean visible share of a Gaussian's area (coarsen.h): 0.5 for a disc, 0.58
-                                          for a ball */
+#define UNMEASURED 0.2
+#define SEEN 0.55                      /* visible share of a Gaussian's area: 0.5 for a disc, 0.58 for a ball */
 
 typedef struct node {
-    uint32_t first, leaves;            /* a run of leaves */
-    uint32_t children[2];              /* places of nodes; for a leaf: its number + number of nodes */
+    uint32_t first, leaves;
+    uint32_t children[2];              /* indices of nodes, or number of nodes + index of a leaf */
     uint32_t parent, number;
-    uint32_t part, at;                 /* the part that built the node, or FXS_TREE_ABOVE; place of its chunk there */
+    uint32_t part, at;                 /* part file with the node; index of the node's chunk in that file */
     fxs_node_sums sums;
 } node;
 
-/* Gaussians of a node or a leaf, as floats. */
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
-    double opacity;                    /* sum of drawn opacities of all leaves below */
-    fxs_range reach[3];                /* range of the centres of all chunks below */
-    float scale;                       /* log2 of the largest sigma of all chunks below */
+    double opacity;
+    fxs_range reach[3];
+    float scale;                       /* log2 of the largest sigma of all chunks below the node */
 } held;
 
-/* Memory of one job. */
 typedef struct worker {
     held *slots;
     held merged;
@@ -59,35 +56,32 @@ typedef struct worker {
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
 } worker;
 
-/* Nodes that are opened together: see pool_gains. */
 typedef struct group {
     double sum, nodes;
-    uint32_t heap;                     /* root of a leftist heap of the groups below, by gain; or NONE */
-    uint32_t left, right, rank;        /* links in the heap of the group above */
-    uint32_t into;                     /* the group it was merged into, or NONE */
+    uint32_t heap;
+    uint32_t left, right, rank;
+    uint32_t into;
 } group;
 
 typedef struct fxs_tree tree;
 struct fxs_tree {
-    fxs_tree_run run;                  /* the current run */
-    const fxs_tree_source *source;     /* reads parts; null: all leaves are in the run */
+    fxs_tree_run run;
+    const fxs_tree_source *source;     /* callbacks that read part files; null: all leaves are in the run */
     fxs_pack_options options;
     fxs_encoder encoder;
-    uint32_t count;                    /* number of nodes; leaves: one more */
+    uint32_t count;
     node *nodes;                       /* a node comes before its children */
-    uint32_t *places;                  /* place of each node, by number */
-    float (*boxes)[6];                 /* low, high of each leaf; only while planning */
-    float *costs;                      /* cost of the leaves right of each cut */
-    uint32_t *subtrees, subtree_count; /* places of the nodes that are jobs */
-    uint32_t built;                    /* jobs done */
-    uint32_t large;                    /* nodes with more leaves merge their first child first: see first_side */
-    uint32_t limit;                    /* largest job, leaves */
-    held **done;                       /* by place: a built node whose parent is not merged yet; else null */
+    uint32_t *places;                  /* index of each node by its number */
+    float (*boxes)[6];                 /* low and high corner of each leaf's box; only while planning */
+    float *costs;
+    uint32_t *subtrees, subtree_count;
+    uint32_t built;
+    uint32_t large;
+    uint32_t limit;
+    held **done;                       /* built nodes that wait for their parents, else null */
     worker *workers;
     uint32_t worker_count;
 };
-
-/* ---- Shape ------------------------------------------------------------------------------------------------------- */
 
 void fxs_chunk_box(const fxs_chunk *chunk, float box[6])
 {
@@ -116,14 +110,12 @@ static void widen(float box[6], const float by[6])
     }
 }
 
-/* squared diagonal * number of leaves */
 static float cost_of(const float box[6], uint32_t leaves)
 {
     const float x = box[3] - box[0], y = box[4] - box[1], z = box[5] - box[2];
     return (x * x + y * y + z * z) * (float)leaves;
 }
 
-/* Returns the number of leaves before the cheapest cut. */
 static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
 {
     uint32_t best = leaves / 2;
@@ -147,8 +139,6 @@ static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
     return best;
 }
 
-/* Cuts a node's run, then the runs of its descendants. `next`: the next free place. The depth is at most FREE_LEVELS +
-   log2(leaves). */
 static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
 {
     node *n = &t->nodes[place];
@@ -172,7 +162,6 @@ static int compare_keys(const void *a, const void *b)
     return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
 }
 
-/* Sorts by descending number of leaves, then by first leaf. */
 static int number_nodes(tree *t)
 {
     uint64_t (*keys)[2] = fxs_allocate(t->options.allocator, t->count, sizeof *keys);
@@ -210,19 +199,16 @@ static int is_within(const node *n, uint32_t first, uint32_t end)
     return n->first >= first && n->first + n->leaves <= end;
 }
 
-/* Whether all leaves of a node, but not all of its parent's, lie in first..end - 1. */
+/* Returns 1 if all leaves of the node, but not all of its parent's, lie in first..end - 1. */
 static int is_topmost(const tree *t, const node *n, uint32_t first, uint32_t end)
 {
     return is_within(n, first, end) && (n->parent == NONE || !is_within(&t->nodes[n->parent], first, end));
 }
 
-/* Whether the current run builds this node: the node lies in the run, or above all parts. */
 static int is_own(const tree *t, const node *n)
 {
     return t->source ? n->part == FXS_TREE_ABOVE : is_within(n, t->run.first, t->run.end);
 }
-
-/* ---- Chunks ------------------------------------------------------------------------------------------------------ */
 
 static void find_reach(held *h, const fxs_chunk *chunk)
 {
@@ -257,14 +243,12 @@ static void read_coded(const tree *t, const unsigned char *header, const unsigne
         }
 }
 
-/* Reads a leaf of the run. */
 static void read_leaf(const tree *t, uint32_t leaf, held *to)
 {
     const size_t at = leaf - t->run.first;
     read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), t->run.rows + at * t->run.scene->chunk_bytes, to);
 }
 
-/* Copies Gaussians, sorted along a Morton curve like those of leaves. */
 static void copy_sorted(held *to, const held *from)
 {
     fxs_order_entry order[FXS_CHUNK];
@@ -280,7 +264,7 @@ static void copy_sorted(held *to, const held *from)
 
 static void write_chunk(const tree *t, worker *w, held *h, size_t at)
 {
-    static const fxs_scene_file_info any;      /* no grids */
+    static const fxs_scene_file_info any;
     const fxs_scene *s = t->run.scene;
     const uint32_t bytes = s->chunk_bytes / FXS_CHUNK;
     fxs_chunk_ranges ranges;
@@ -292,8 +276,8 @@ static void write_chunk(const tree *t, worker *w, held *h, size_t at)
         fxs_hold_scales(&h->gaussians[i].gaussian);
         fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, (double)h->gaussians[i].opacity, t->encoder.sh_degree);
     }
-    for (int i = 0; i < 3; i++)        /* A node's box and sigma cover its descendants', so it is visible whenever
-                                          one of them is. */
+    for (int i = 0; i < 3; i++)        /* a node's box and sigma cover its descendants, so a node is visible
+                                          whenever a descendant is */
         widen_range(&ranges.position[i], &h->reach[i]);
     ranges.scale.high = h->scale > ranges.scale.high ? h->scale : ranges.scale.high;
     fxs_encode_header(&chunk, &ranges, &any);
@@ -333,8 +317,7 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
-/* Numbers read from a part are untrusted, so a merged position may exceed +-2^28 units or be NaN. Such a position is
-   replaced by the low corner of the range of a child's centres. */
+/* Replaces invalid merged positions, because numbers from a part file are untrusted. */
 static void hold_places(held *h, const held *child)
 {
     for (uint32_t i = 0; i < h->count; i++)
@@ -344,7 +327,6 @@ static void hold_places(held *h, const held *child)
         }
 }
 
-/* Merges the Gaussians of two children into `first`. */
 static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
 {
     node *n = &t->nodes[place];
@@ -370,16 +352,15 @@ static uint32_t leaves_of(const tree *t, uint32_t child)
     return child < t->count ? t->nodes[child].leaves : 1;
 }
 
-/* Which child is built first: the one with more leaves; in a node with more than t->large leaves, the first child that
-   is a node. */
+/* Returns the child to build first: the child with more leaves, or in a large node the first child that is not a
+   leaf. */
 static int first_side(const tree *t, const node *n)
 {
     const uint32_t *children = n->children;
     return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
-/* Builds the subtree of a child into slot `at`. The child with more leaves is built first, so each further slot holds
-   at most half the leaves of the slot before it. */
+/* Building the child with more leaves first bounds the number of memory slots by log2(leaves). */
 static void build(tree *t, worker *w, uint32_t child, uint32_t at)
 {
     if (child >= t->count) {
@@ -392,8 +373,6 @@ static void build(tree *t, worker *w, uint32_t child, uint32_t at)
     build(t, w, n->children[!first], at + 1);
     merge_children(t, w, child, &w->slots[at], &w->slots[at + 1]);
 }
-
-/* ---- Jobs -------------------------------------------------------------------------------------------------------- */
 
 static void build_subtree(void *argument, uint32_t job)
 {
@@ -410,7 +389,6 @@ static int note_built(const tree *t, uint32_t leaves)
     return t->options.progress ? t->options.progress(t->options.argument, leaves / all) : 0;
 }
 
-/* Returns 1 if options.progress stopped it. */
 static int build_subtrees(tree *t)
 {
     for (uint32_t leaves = 0; t->built < t->subtree_count; t->built += t->worker_count) {
@@ -424,7 +402,7 @@ static int build_subtrees(tree *t)
     return note_built(t, t->run.end - t->run.first + 1);
 }
 
-/* Returns the Gaussians of a child, from a job, the run or a part. The caller frees them. */
+/* Returns the Gaussians of a child. The caller frees them. */
 static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
 {
     const node *n = child < t->count ? &t->nodes[child] : NULL;
@@ -453,7 +431,6 @@ static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
     return 0;
 }
 
-/* Merges a node from its children. */
 static int build_node(tree *t, uint32_t place, fxs_message *message)
 {
     const node *n = &t->nodes[place];
@@ -469,7 +446,6 @@ static int build_node(tree *t, uint32_t place, fxs_message *message)
     return error;
 }
 
-/* Builds the nodes above the jobs, children first. */
 static int build_top(tree *t, fxs_message *message)
 {
     int error = 0;
@@ -486,7 +462,6 @@ static int is_subtree(const tree *t, uint32_t place)
     return is_own(t, n) && n->leaves <= t->limit && (!above || !is_own(t, above) || above->leaves > t->limit);
 }
 
-/* Sorts jobs by node number, so that large jobs come first. */
 static int find_subtrees(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -507,8 +482,6 @@ static int find_subtrees(tree *t)
     return error;
 }
 
-/* Allocates the workers. The number of slots of a worker is about log2 of the leaves of the largest job, because each
-   slot holds at most half the leaves of the slot before it. */
 static int make_workers(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -525,8 +498,6 @@ static int make_workers(tree *t)
     }
     return t->workers ? 0 : -1;
 }
-
-/* ---- Gains ------------------------------------------------------------------------------------------------------- */
 
 static double gain_of(const group *g)
 {
@@ -550,9 +521,8 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
     return top;
 }
 
-/* If opening a node removes less error than opening its children, it pays only together with them. So a node and its
-   descendants form groups that share a gain: a node absorbs the group below with the largest mean gain, as long as that
-   exceeds its own mean. */
+/* The gain of a node is the error that replacing the node by its children removes. A node absorbs the group of
+   descendants with the largest mean gain, while that gain exceeds the node's own. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
@@ -576,7 +546,7 @@ static void pool_gains(const tree *t, group *g)
         }
 }
 
-/* round(scale log2(x)) within +-most; x <= 0: -most */
+/* Returns round(scale log2(x)) clamped to +-most; -most for x <= 0. */
 static int32_t log2_of(double x, int scale, int most)
 {
     return x > 0 ? fxs_floor_within(scale * FXS_LOG2_E * fxs_log(x) + 0.5, -most, most) : -most;
@@ -627,8 +597,6 @@ int fxs_tree_write(const fxs_tree *t, unsigned char *to, fxs_message *message)
     return 0;
 }
 
-/* ---- The tree ---------------------------------------------------------------------------------------------------- */
-
 static uint32_t parts_of(uint32_t leaves)
 {
     return leaves / PARTS > 4 ? leaves / PARTS : 4;
@@ -649,7 +617,6 @@ int fxs_tree_plan(fxs_tree **planned, float (*boxes)[6], uint32_t leaves, const 
     return error ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
-/* Frees the memory of one run. */
 static void end_run(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -688,7 +655,6 @@ void fxs_tree_count_within(const fxs_tree *t, uint32_t first, uint32_t end, uint
     }
 }
 
-/* Writes the sums and the topmost nodes, which merging the parts needs. */
 static void write_run(const tree *t)
 {
     const fxs_tree_run *r = &t->run;
@@ -760,8 +726,6 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
     return error;
 }
 
-/* ---- Parts ------------------------------------------------------------------------------------------------------- */
-
 void fxs_tree_take_part(fxs_tree *t, uint32_t part, uint32_t first, uint32_t end, const unsigned char *sums)
 {
     uint32_t at = 0;
@@ -798,13 +762,11 @@ uint32_t fxs_tree_find(const fxs_tree *t, uint32_t number, uint32_t *at)
     return n->part;
 }
 
-/* ---- Editing ----------------------------------------------------------------------------------------------------- */
-
 struct fxs_tree_editor {
-    tree tree;                         /* place = number for all nodes */
+    tree tree;                         /* every node's index equals its number */
     worker worker;
     held held[2];
-    unsigned char *nodes;              /* node records of the scene */
+    unsigned char *nodes;
     fxs_palette palette;
 };
 
@@ -871,7 +833,7 @@ void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
     merge_children(&e->tree, &e->worker, number, &e->held[0], &e->held[1]);
 }
 
-/* Gaussians fitted to pictures already have the opacity of the leaves, so they need no swell. */
+/* Clears the opacity correction of a node, because fitted Gaussians already have the opacity of the leaves. */
 static void clear_swell(const fxs_tree_editor *e, uint32_t number)
 {
     fxs_node n = node_at(e->nodes, number);
@@ -898,8 +860,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Adds to the measured errors UNMEASURED times the present gains, scaled to the unit of the errors. So a node that no
-   view shows still has a gain. */
+/* Mixes the stored gains of nodes into the measured errors, so that nodes outside all views keep a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;

@@ -1,4 +1,4 @@
-/* 4 lanes of 32 bits in NEON on AArch64. */
+/* Vector operations of 4 lanes with NEON on AArch64. vectors.h describes the operations. */
 #ifndef FXS_LANES_NEON_H
 #define FXS_LANES_NEON_H
 
@@ -10,7 +10,7 @@
 #include <fixsplat/internal/stage.h>
 #include "kernels/simd/lanes/vectors.h"
 
-typedef vi mask;                   /* -1 or 0 */
+typedef vi mask;
 
 static inline vi all(int32_t x)
 {
@@ -29,7 +29,6 @@ static inline vi load_i8(const int8_t *from)
     return (vi)vmovl_s16(vget_low_s16(vmovl_s8(vcreate_s8(four))));
 }
 
-/* Transposes 4x4 words. */
 static inline void transpose_4(vi *a, vi *b, vi *c, vi *d)
 {
     const int64x2_t ab_low = (int64x2_t)vzip1q_s32((int32x4_t)*a, (int32x4_t)*b);
@@ -42,7 +41,6 @@ static inline void transpose_4(vi *a, vi *b, vi *c, vi *d)
     *d = (vi)vzip2q_s64(ab_high, cd_high);
 }
 
-/* The four words at from + stride * at[lane], for each lane. */
 static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
 {
     words[0] = load(from + stride * at[0]);
@@ -52,7 +50,6 @@ static inline void load_fours(vi words[4], const int32_t *from, int stride, cons
     transpose_4(words, words + 1, words + 2, words + 3);
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const int32x4x2_t pairs = {{(int32x4_t)a, (int32x4_t)b}};
@@ -69,7 +66,6 @@ static inline unsigned bits(mask which)
     return vaddvq_u32(vandq_u32((uint32x4_t)which, (uint32x4_t){1, 2, 4, 8}));
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const int32x4x2_t pairs = vld2q_s32(from);
@@ -77,7 +73,6 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)pairs.val[1];
 }
 
-/* Stores the lanes of `which`, in order, without gaps. Always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     store(to, (vi)vqtbl1q_u8((uint8x16_t)x, (uint8x16_t)load(compress_order[bits(which)])));
@@ -108,7 +103,6 @@ static inline vi most(vi a, vi b)
     return (vi)vmaxq_s32((int32x4_t)a, (int32x4_t)b);
 }
 
-/* Shifts per lane; a shift of 32 to 127 gives 0. */
 static inline vu shift_left(vu x, vi shift)
 {
     return (vu)vshlq_u32((uint32x4_t)x, (int32x4_t)shift);
@@ -119,25 +113,20 @@ static inline vu shift_right(vu x, vi shift)
     return shift_left(x, -shift);
 }
 
-/* x * 2^-shift, rounded to nearest; large shifts give 0. shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (vu)vrshlq_u32((uint32x4_t)x, (int32x4_t)-shift);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 #define round_shift(x, shift) ((vi)vrshrq_n_s32((int32x4_t)(x), shift))
 
-/* Leading zeros; 32 for 0. */
 static inline vi clz(vu x)
 {
     return (vi)vclzq_u32((uint32x4_t)x);
 }
 
-/* ---- 64-bit numbers -------------------------------------------------------------------------------------------- */
-
 typedef struct wide {
-    vw low, high;                  /* lanes 0 and 1; lanes 2 and 3 */
+    vw low, high;                  /* low: lanes 0 and 1; high: lanes 2 and 3 */
 } wide;
 
 static inline wide mul_wide(vi a, vi b)
@@ -167,13 +156,11 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.low << shift, x.high << shift};
 }
 
-/* a | abs(b) */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.low | (vw)vabsq_s64((int64x2_t)b.low), a.high | (vw)vabsq_s64((int64x2_t)b.high)};
 }
 
-/* Bits shift to shift + 31 of each number; shift is a constant, 1 to 31. */
 #define narrow(x, shift) \
     ((vu)vshrn_high_n_u64(vshrn_n_u64((uint64x2_t)(x).low, shift), (uint64x2_t)(x).high, shift))
 
@@ -187,7 +174,6 @@ static inline vu high_half(wide x)
     return (vu)vuzp2q_u32((uint32x4_t)x.low, (uint32x4_t)x.high);
 }
 
-/* x * 2^-shift, rounded down; must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     const int32x4_t left = (int32x4_t)-shift;
@@ -195,7 +181,6 @@ static inline vi narrow_by(wide x, vi shift)
                                (vw)vshlq_s64((int64x2_t)x.high, vmovl_high_s32(left))});
 }
 
-/* The same, rounded to nearest; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     const int32x4_t left = (int32x4_t)-shift;
@@ -203,14 +188,12 @@ static inline vi scale_down_wide(wide x, vi shift)
                                (vw)vrshlq_s64((int64x2_t)x.high, vmovl_high_s32(left))});
 }
 
-/* Leading zeros; 64 for 0. */
 static inline vi clz_wide(wide x)
 {
     const vu high = high_half(x);
     return clz(high) + (clz(low_half(x)) & equal((vi)high, all(0)));
 }
 
-/* (x << shift) >> 32; shift in 0..63. */
 static inline vu top_half(wide x, vi shift)
 {
     return high_half((wide){(vw)vshlq_u64((uint64x2_t)x.low, vmovl_s32(vget_low_s32((int32x4_t)shift))),
@@ -226,7 +209,6 @@ static inline vu reciprocal(vu m)
     return y_q30;
 }
 
-/* Result is below 2^31. */
 static inline vu rsqrt(vu m)
 {
     vu y_q30 = 2369829601u - high_half(mul_wide_u(m, (vu)all(1431655765)));
@@ -237,9 +219,6 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* ---- One Gaussian ---------------------------------------------------------------------------------------------- */
-
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -256,10 +235,9 @@ static inline void store_6(void *to, octet x)
     vst1_s32((int32_t *)to + 4, vget_low_s32((int32x4_t)x.high));
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
-    (void)first;                   /* always 0 */
+    (void)first;
     out[0] = (octet){rows[0], rows[4]};
     out[1] = (octet){rows[1], rows[5]};
     out[2] = (octet){rows[2], rows[6]};
@@ -274,7 +252,6 @@ static inline octet load_16(const int8_t *from)
     return (octet){(vi)vmovl_s8(vget_low_s8(x)), (vi)vmovl_high_s8(x)};
 }
 
-/* negative ? x - from : x + from */
 static inline octet add_16(octet x, const int8_t *from, int negative)
 {
     const int8x16_t entry = vld1q_s8(from);
@@ -283,7 +260,6 @@ static inline octet add_16(octet x, const int8_t *from, int negative)
                    (vi)vmlal_s8((int16x8_t)x.high, vget_high_s8(entry), sign)};
 }
 
-/* x[0] y[0] + x[1] y[1] + ..., in four parts */
 static inline int32x4_t products(octet x, octet y)
 {
     const int16x8_t a = (int16x8_t)x.low, b = (int16x8_t)x.high, c = (int16x8_t)y.low, d = (int16x8_t)y.high;
@@ -299,8 +275,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = vaddvq_s32(products(x[i], y));
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is taken from a 16-bit window and shifted
-   to its top. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) 3 * (k) / 8, 3 * (k) / 8 + 1
@@ -318,8 +292,6 @@ static inline octet odd_numbers(uint64_t codes)
     return (octet){(vi)(2 * a + 1), (vi)(2 * b + 1)};
 }
 
-/* ---- PARTS vectors, and one function's numbers of 16 bits for all of their Gaussians ---------------------------- */
-
 #define PARTS 2
 typedef int16x8_t factor;
 
@@ -328,7 +300,6 @@ static inline factor factor_of(vi first, vi last)
     return vuzp1q_s16((int16x8_t)first, (int16x8_t)last);
 }
 
-/* sum += codes * x, one code per Gaussian */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     const int16x8_t code = vmovl_s8(vld1_s8(codes));
@@ -336,23 +307,19 @@ static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
     sum[1] = (vi)vmlal_high_s16((int32x4_t)sum[1], x, code);
 }
 
-/* ---- Numbers of 16 bits ---------------------------------------------------------------------------------------- */
-
-typedef vh mask_h;                 /* -1 or 0 */
+typedef vh mask_h;
 
 static inline vh all_h(int x)
 {
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* fxs_mul_q15, except that -32768 squared is 32767. Only a coordinate below -4 is -32768 (-32767 in pixel.h), and
-   either square is above every limit. */
+/* Rounded Q15 product; -32768 squared is 32767. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
 #ifdef __ARM_FEATURE_QRDMX
@@ -362,7 +329,6 @@ static inline vh mul_add_cut_h(vh a, vh b, vh c)
 #endif
 }
 
-/* a b + c; must fit in 16 bits. */
 static inline vh mul_add_h(vh a, vh b, vh c)
 {
     return mul_add_cut_h(a, b, c);
@@ -383,13 +349,11 @@ static inline vh add_level(vh a, vh b)
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* a >> 11 and b >> 11, saturated to 16 bits. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)vqshrn_high_n_s32(vqshrn_n_s32((int32x4_t)a_q24, 11), (int32x4_t)b_q24, 11);
 }
 
-/* Pixels that are still open. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return (mask_h)vcgeq_s16((int16x8_t)transmittance_q15, vdupq_n_s16(FXS_CLOSED_Q15));
@@ -400,7 +364,6 @@ static inline mask_h within(vh level, vh limit)
     return (mask_h)vcleq_s16((int16x8_t)level, (int16x8_t)limit);
 }
 
-/* which ? x : 0 */
 static inline vh where(mask_h which, vh x)
 {
     return which & x;
@@ -411,7 +374,6 @@ static inline mask_h greater_h(vh a, vh b)
     return (mask_h)vcgtq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* which ? a : b */
 static inline vh choose_h(mask_h which, vh a, vh b)
 {
     return (vh)vbslq_s16((uint16x8_t)which, (int16x8_t)a, (int16x8_t)b);
@@ -422,14 +384,12 @@ static inline int any_h(mask_h which)
     return vmaxvq_u16((uint16x8_t)which) != 0;
 }
 
-/* One bit per lane. */
 static inline uint32_t bits_h(mask_h which)
 {
     const uint16x8_t lanes = {1, 2, 4, 8, 16, 32, 64, 128};
     return vaddvq_u16(vandq_u16((uint16x8_t)which, lanes));
 }
 
-/* Stores 8 pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint8x8x4_t rgba = {{vqmovun_s16((int16x8_t)r), vqmovun_s16((int16x8_t)g), vqmovun_s16((int16x8_t)b),
@@ -437,7 +397,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     vst4_u8(to, rgba);
 }
 
-/* Stores 8 pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint16x8x4_t rgba = {{(uint16x8_t)r, (uint16x8_t)g, (uint16x8_t)b, (uint16x8_t)a}};

@@ -4,18 +4,18 @@
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
 
-/* Largest |u| with u^2 at most 1024 (i + 1) Q11, plus one unit. */
+/* Largest |u| with u^2 at most 1024 (i + 1) in Q11, plus one unit. */
 static const uint16_t reach_q13[(FXS_FAINT_Q11 >> 10) + 1] = {
     5794, 8193, 10035, 11587, 12954, 14190, 15327, 16385, 17379, 18319, 19213, 20068, 20887, 21675, 22436, 23172, 23885,
     24577, 25251, 25907, 26547, 27171, 27782};
 
-/* a b, rounded: fxs_mul_q15. `half` is 16384, hidden from the compiler so that it uses a multiply-add. */
+/* Returns the rounded product a b >> 15. `half` is 16384, hidden from the compiler to make it use a multiply-add. */
 static inline int mul(int a, int b, int half)
 {
     return (a * b + half) >> 15;
 }
 
-/* fxs_alpha_q15 */
+/* Returns exp(-level / 2) in Q15, capped at 0.99, like fxs_alpha_q15. */
 static inline int alpha_of(int level_q11, int half)
 {
     int p = mul(-4236, level_q11, half) + 16016;
@@ -27,12 +27,11 @@ static inline int alpha_of(int level_q11, int half)
     return fxs_min(p, FXS_ALPHA_MAX_Q15);
 }
 
-#define FOUR_Q24 (4u << 24)        /* larger |v| are over every limit */
+#define FOUR_Q24 (4u << 24)
 
-/* A splat on a row. */
 typedef struct at_row {
-    int32_t u_q24, ux_q24;         /* at the first pixel */
-    uint32_t per_u;                /* 2^32 / ux, rounded down */
+    int32_t u_q24, ux_q24;         /* coordinate u at the first pixel, and its step per pixel */
+    uint32_t per_u;
     int level_q11, limit_q11;
     int red_q13, green_q13, blue_q13;
 } at_row;
@@ -51,7 +50,7 @@ static inline void accumulate(int16_t *sum_q13, int weight_q15, int colour_q13, 
     *sum_q13 = (int16_t)cut(*sum_q13 + mul(weight_q15, colour_q13, half));
 }
 
-/* First pixel that the splat may reach on the row; FXS_TILE or more if none. */
+/* Returns the first pixel that the splat may reach on the row, or at least FXS_TILE for none. */
 static inline uint32_t first_of(const at_row *r, int left_q11)
 {
     const int32_t reach_q24 = reach_q13[left_q11 >> 10] << 11, before = -reach_q24 - r->u_q24;
@@ -60,7 +59,7 @@ static inline uint32_t first_of(const at_row *r, int left_q11)
     return r->u_q24 > reach_q24 ? FXS_TILE : 0;
 }
 
-/* Returns the number of pixels it closed. From the first pixel on |u| < 8, so its square is below 2^32. */
+/* Returns the number of pixels that became opaque. From the first pixel on, |u| < 8, so u^2 fits in 32 bits. */
 static inline int blend_row(int16_t *t, const at_row *r)
 {
     const int left_q11 = r->limit_q11 - r->level_q11;
@@ -91,7 +90,6 @@ static inline int blend_row(int16_t *t, const at_row *r)
     return closed;
 }
 
-/* Returns the number of pixels it closed. ux >= 0. */
 static int blend_splat(fxs_tile *tile, uint8_t open[FXS_TILE], const fxs_view *view, const fxs_splat *splat, int32_t x,
                        int32_t y)
 {

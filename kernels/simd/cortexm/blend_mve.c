@@ -1,8 +1,7 @@
-/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups, here of 8. First, with one
- * splat per lane, it finds which entries reach which patches of the tile. Then, with one pixel per lane, it blends each
- * patch with the entries that reach it. A patch has 4 columns and 2 rows; its pixel (c, r) is in lane 2 c + r, the
- * order of the narrowing instructions. A number shared by all pixels of a patch is in a general register. During
- * blending, the tile's arrays hold one patch after another. */
+/* Blends the splats of a tile with Helium, or traces them with auxiliary outputs. The splats of the tile's list are
+ * taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches of the
+ * tile. The second step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2
+ * rows, stored column by column. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
 #include "lanes_mve.h"
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
@@ -10,37 +9,35 @@
 #define GROUP 8
 #define COLUMNS 4
 #define ROWS 2
-#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* row by row, four per two rows */
+#define PATCHES (FXS_TILE_PIXELS / GROUP)
 #define ACROSS (FXS_TILE / COLUMNS)
 #define FIRSTS 0x5555u             /* lower of the two predicate bits of each lane */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* Numbers of a group's splats in a tile. For 16-bit numbers, the upper half of the word is undefined. */
+/* The upper half of a word with a 16-bit number is undefined. */
 enum word {
-    U, UX, UY,                     /* Q24; u: at the tile's first pixel, minus 2^10 */
-    LIMIT, RED, GREEN, BLUE,       /* 16 bits */
+    U, UX, UY,                     /* Q24; coordinate u at the tile's first pixel, minus 2^10 */
+    LIMIT, RED, GREEN, BLUE,
     LEVELS,                        /* v^2 + offset of two rows per word, upper row in the lower half */
     WORDS = LEVELS + FXS_TILE / ROWS
 };
 
 typedef struct group {
-    uint32_t words[WORDS][GROUP];  /* by entry */
-    uint16_t reached[PATCHES];     /* two bits per entry: it may have a pixel within its limit in the patch */
+    uint32_t words[WORDS][GROUP];
+    uint16_t reached[PATCHES];     /* two bits per splat that may reach a pixel of the patch */
 } group;
 
-/* Numbers of entries 2 i and 2 i + 1 in lane i. Packed to 16 bits, entry i is in lane i of one vector. */
 typedef struct pair {
     vu even, odd;
 } pair;
 
-/* Numbers needed only to find the patches that the splats reach. u and v are 2^10 less than in fxs_splat, because
-   packing rounds. */
+/* The coordinates u and v are 2^10 less than in fxs_splat, because packing to 16 bits rounds. */
 typedef struct outline {
-    pair middle_q24, four_q24, two_q24;        /* u in the middle of a patch, 4 ux, 2 uy */
-    pair v_q24, vy_q24;                        /* v: on the tile's first row */
-    vh half_q13;                   /* range of u around the middle, within a patch */
-    vh offset_q11, limit_q11;      /* limit: -1 for an entry that does not exist or is cut off */
-    vh least_q11[FXS_TILE / ROWS]; /* smallest level of two rows, minus the limit */
+    pair middle_q24, four_q24, two_q24;
+    pair v_q24, vy_q24;                        /* coordinate v on the tile's first row, and its step per row */
+    vh half_q13;                   /* half the range of the coordinate u within a patch */
+    vh offset_q11, limit_q11;      /* a limit of -1 disables the splat */
+    vh least_q11[FXS_TILE / ROWS];
 } outline;
 
 static inline vh add_cut(vh a, vh b)
@@ -48,7 +45,6 @@ static inline vh add_cut(vh a, vh b)
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Rounds and saturates to 16 bits. (vqshrnb would round down, but the GNU assembler 2.40 turns it into this.) */
 static inline vh pack_q13(pair q24)
 {
     const int16x8_t even = vqrshrnbq_n_s32((int16x8_t)q24.even, (int32x4_t)q24.even, 11);
@@ -65,7 +61,6 @@ static inline pair add(pair a, pair b)
     return (pair){a.even + b.even, a.odd + b.odd};
 }
 
-/* a + n b */
 static inline pair add_times(pair a, pair b, uint32_t n)
 {
     return (pair){(vu)vmlaq_n_u32((uint32x4_t)a.even, (uint32x4_t)b.even, n),
@@ -87,9 +82,7 @@ static inline void store_by_entry(uint32_t to[GROUP], pair x)
     store_pairs(to, (vi)x.even, (vi)x.odd);
 }
 
-/* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
-
-/* Next entries; past the end, repeats the first. *which: two bits for each entry that exists and is not cut off. */
+/* Past the end of the list, repeats the first entry. */
 static inline pair take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
 {
     uint32_t few[GROUP];
@@ -103,7 +96,6 @@ static inline pair take_entries(const uint32_t *entries, uint32_t left, int squa
     return (pair){(vu)at.val[0], (vu)at.val[1]};
 }
 
-/* Word i of the splats; `at` is in units of 8 words. FXS_ENTRY_CUT_OFF has been shifted out. */
 static inline pair word_of(const fxs_splat *splats, pair at, int i)
 {
     const uint32_t *word = (const uint32_t *)(const void *)splats + i;
@@ -111,7 +103,6 @@ static inline pair word_of(const fxs_splat *splats, pair at, int i)
                   (vu)vldrwq_gather_shifted_offset_u32(word, (uint32x4_t)at.odd)};
 }
 
-/* Sets out u. ux >= 0. */
 static inline void place_across(group *g, outline *o, const fxs_splat *splats, pair at, uint32_t x, uint32_t y)
 {
     const pair ux = word_of(splats, at, 2), uy = word_of(splats, at, 3);
@@ -127,7 +118,6 @@ static inline void place_across(group *g, outline *o, const fxs_splat *splats, p
     o->middle_q24 = add(u, (pair){(vu)((vi)far.even >> 1), (vu)((vi)far.odd >> 1)});
 }
 
-/* Sets out v, the limit and the colours. */
 static inline void place(group *g, outline *o, const fxs_view *view, const fxs_splat *splats, pair at, uint32_t which,
                          uint32_t y)
 {
@@ -160,8 +150,7 @@ static inline void set_out_levels(group *g, outline *o)
     }
 }
 
-/* Finds the entries that reach the patches of two rows. A saturated coordinate is nearer to 0, so no entry is
-   missed. */
+/* A saturated coordinate is nearer to 0, so no splat that reaches a patch is missed. */
 static inline void set_out_rows(uint16_t reached[ACROSS], const outline *o, pair u_q24, vh least_q11)
 {
     for (uint32_t i = 0; i < ACROSS; i++) {
@@ -188,9 +177,6 @@ static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, co
     }
 }
 
-/* ---- Blending a patch -------------------------------------------------------------------------------------------- */
-
-/* Levels of the pixels of patch (x, y), in pixels of the tile. splat: an entry's first word. */
 static inline vh level_of(const uint32_t *splat, uint32_t x, uint32_t y)
 {
     const uint32_t ux = splat[UX * GROUP], uy = splat[UY * GROUP], u = splat[0] + x * ux + y * uy;
@@ -207,23 +193,22 @@ typedef struct pixels {
 #define LOAD(to, word) "ldr %[" to "], [%[splat], %[" word "]]\n\t"
 #define OFFSET(word) "i"((word) * GROUP * 4)
 
-/* Blends an entry into the pixels of `counted`: weight = T min(0.99, exp(-level / 2)) as in fxs_alpha_q15, T' = T -
-   weight, and so on. One block of assembly, because GCC 12 would keep pixels in memory and use three instructions per
-   predicate. */
+/* Blends a splat into the pixels of `counted`: weight = T min(0.99, exp(-level / 2)), T' = T - weight. Assembly,
+   because GCC 12 would keep pixels in memory. */
 ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred16_t counted)
 {
     vh alpha;
     uint32_t k, green, blue;
-    __asm__(MOVE("0xef74") "vqrdmulh.s16 %q[alpha], %q[level], %[k]\n\t"   /* -4236 level */
+    __asm__(MOVE("0xef74") "vqrdmulh.s16 %q[alpha], %q[level], %[k]\n\t"
             MOVE("16016") "vadd.i16 %q[alpha], %q[alpha], %[k]\n\t"
-            MOVE("0x8026") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"  /* alpha level - 32730 */
+            MOVE("0x8026") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"
             MOVE("32767") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
-            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"         /* cap at 32440 */
+            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"         /* caps alpha at 32440, 0.99 */
             "vsub.i16 %q[alpha], %q[alpha], %[k]\n\t"
-            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* weight */
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* weight = alpha T */
             LOAD("k", "reds") LOAD("green", "greens") LOAD("blue", "blues")
             "vpstttt\n\t"
             "vsubt.i16 %q[t], %q[t], %q[alpha]\n\t"
@@ -237,8 +222,6 @@ ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred
             : "memory");
 }
 
-/* Adds an entry to the auxiliary outputs of the patch that starts at `at` in the arrays of `trace`. t: T before the
-   entry. */
 static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q15, vh weight_q15, vh t)
 {
     if (trace->which & FXS_TRACE_MEAN) {
@@ -256,15 +239,13 @@ static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q
     }
 }
 
-/* Raises the level above every limit in the pixels that take no entry from `number` on. */
+/* Makes a splat transparent in pixels that take no entry from `number` on. */
 static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
 {
     const mve_pred16_t seen = vcmpgtq_n_s16((int16x8_t)load_h(trace->end + at), (int16_t)number);
     return (vh)vpselq_s16((int16x8_t)level, vdupq_n_s16(FXS_LEVEL_MAX_Q11), seen);
 }
 
-/* Blends a group, from entry `number` on, into a patch that at least one entry reaches. trace, depths_q15: null for
-   blend. Returns whether a pixel is still open. */
 ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, uint32_t patch, int number,
                               const int16_t *depths_q15)
 {
@@ -296,14 +277,12 @@ ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, 
     return vcmpgeq_n_s16((int16x8_t)p.t, FXS_CLOSED_Q15) != 0;
 }
 
-/* Mask with two bits for each of 16 patches; the lower bit is set if the patch's number is not 0. */
 static inline uint32_t bits_of(const uint16_t numbers[16])
 {
     const uint32_t low = vcmpneq_n_u16(vldrhq_u16(numbers), 0), high = vcmpneq_n_u16(vldrhq_u16(numbers + 8), 0);
     return (low | high << 16) & (FIRSTS | FIRSTS << 16);
 }
 
-/* Bits, as from bits_of, of the open patches from `first` on. */
 static uint32_t open_patches(const fxs_tile *tile, uint32_t first)
 {
     uint16_t open[16];
@@ -329,9 +308,6 @@ ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_view *
     }
 }
 
-/* ---- Tiles ------------------------------------------------------------------------------------------------------- */
-
-/* Reorders an array of a tile from patches to rows; 4 patches are as long as their two rows. */
 static void rows_of_patches(int16_t array[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i += ROWS * FXS_TILE) {

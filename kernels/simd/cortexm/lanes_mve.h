@@ -1,4 +1,4 @@
-/* 4 lanes of 32 bits in Helium (MVE) of Cortex-M. */
+/* Vector operations of 4 lanes with Helium (MVE) on Cortex-M. vectors.h describes the operations. */
 #ifndef FXS_LANES_MVE_H
 #define FXS_LANES_MVE_H
 
@@ -11,7 +11,7 @@
 #include <fixsplat/internal/stage.h>
 #include "kernels/simd/lanes/vectors.h"
 
-typedef unsigned mask;             /* 4 bits per lane; bits above 16 are ignored */
+typedef unsigned mask;             /* 4 bits per lane; bits 16 and up are ignored */
 
 static inline mve_pred16_t pred(mask which)
 {
@@ -33,7 +33,6 @@ static inline vi load_i8(const int8_t *from)
     return (vi)vldrbq_s32(from);
 }
 
-/* The four words at from + stride * at[lane], of each lane. */
 static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
 {
     const uint32x4_t offset = (uint32x4_t)(load(at) * stride);
@@ -41,14 +40,12 @@ static inline void load_fours(vi words[4], const int32_t *from, int stride, cons
         words[i] = (vi)vldrwq_gather_shifted_offset_s32(from + i, offset);
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const int32x4x2_t pairs = {{(int32x4_t)a, (int32x4_t)b}};
     vst2q_s32(to, pairs);
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const int32x4x2_t pairs = vld2q_s32(from);
@@ -61,13 +58,12 @@ static inline int any(mask which)
     return pred(which) != 0;
 }
 
-/* One bit per lane: gathers bits 0, 4, 8 and 12. */
+/* Returns one bit per lane: bits 0, 4, 8 and 12 of the mask. */
 static inline unsigned bits(mask which)
 {
     return (which & 0x1111) * 0x1248 >> 12 & 15;
 }
 
-/* Stores the lanes of `which`, in order, without gaps. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     static const uint8_t places[16][4] = {{0}, {0}, {0, 0}, {0, 1}, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}, {0},
@@ -101,7 +97,6 @@ static inline vi most(vi a, vi b)
     return (vi)vmaxq_s32((int32x4_t)a, (int32x4_t)b);
 }
 
-/* Shifts per lane; a shift of 32 to 127 gives 0, a negative one shifts right. */
 static inline vu shift_left(vu x, vi shift)
 {
     return (vu)vshlq_u32((uint32x4_t)x, (int32x4_t)shift);
@@ -112,22 +107,19 @@ static inline vu shift_right(vu x, vi shift)
     return shift_left(x, -shift);
 }
 
-/* x * 2^-shift, rounded to nearest; large shifts give 0. shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (vu)vrshlq_u32((uint32x4_t)x, (int32x4_t)-shift);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 #define round_shift(x, shift) ((vi)vrshrq_n_s32((int32x4_t)(x), shift))
 
-/* Leading zeros; 32 for 0. */
 static inline vi clz(vu x)
 {
     return (vi)vclzq_u32((uint32x4_t)x);
 }
 
-/* ---- 64-bit numbers, in two words: Helium has no lanes of 64 bits ------------------------------------------------ */
+/* 64-bit numbers in two words, because Helium has no lanes of 64 bits. */
 
 typedef struct wide {
     vu low, high;
@@ -148,7 +140,7 @@ static inline wide mul_wide_u(vu a, vu b)
     return (wide){a * b, mul_high(a, b)};
 }
 
-/* high, plus 1 if the sum's low half wrapped, that is, if it is below a term */
+/* Returns `high`, plus 1 if the low half of the sum wrapped below a term. */
 static inline vu carry(vu high, vu sum, vu term)
 {
     return (vu)vaddq_m_n_u32((uint32x4_t)high, (uint32x4_t)high, 1, vcmphiq_u32((uint32x4_t)term, (uint32x4_t)sum));
@@ -170,7 +162,6 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.low << shift, x.high << shift | shift_left(x.low, all(shift - 32))};
 }
 
-/* a | abs(b) */
 static inline wide or_magnitude(wide a, wide b)
 {
     const vu sign = (vu)((vi)b.high >> 31), low = b.low ^ sign, high = b.high ^ sign;
@@ -178,7 +169,6 @@ static inline wide or_magnitude(wide a, wide b)
     return (wide){a.low | magnitude, a.high | carry(high, magnitude, low)};
 }
 
-/* Bits shift to shift + 31 of each number; shift is a constant, 1 to 31. */
 #define narrow(x, shift) ((vu)vsliq_n_u32((uint32x4_t)((x).low >> (shift)), (uint32x4_t)(x).high, 32 - (shift)))
 
 static inline vu low_half(wide x)
@@ -191,26 +181,22 @@ static inline vu high_half(wide x)
     return x.high;
 }
 
-/* x * 2^-shift, rounded down; must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     return (vi)shift_right(x.low, shift) | (vi)vshlq_s32((int32x4_t)x.high, (int32x4_t)(32 - shift));
 }
 
-/* The same, rounded to nearest; must fit in 31 bits. shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return round_shift(narrow_by(x, shift - 1), 1);
 }
 
-/* Leading zeros; 64 for 0. */
 static inline vi clz_wide(wide x)
 {
     const vi high = clz(x.high);
     return choose(equal(high, all(32)), clz(x.low) + 32, high);
 }
 
-/* (x << shift) >> 32; shift in 0..63. */
 static inline vu top_half(wide x, vi shift)
 {
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
@@ -235,9 +221,6 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* ---- One Gaussian ---------------------------------------------------------------------------------------------- */
-
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -254,7 +237,6 @@ static inline void store_6(void *to, octet x)
     vstrwq_p_s32((int32_t *)to + 4, (int32x4_t)x.high, vctp32q(2));
 }
 
-/* Transposes 4x4 words. */
 static inline void transpose_4(vi out[4], const vi rows[4])
 {
     int32_t words[4][LANES];
@@ -264,11 +246,10 @@ static inline void transpose_4(vi out[4], const vi rows[4])
         out[i] = load(words[i]);
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     vi low[4], high[4];
-    (void)first;                   /* always 0 */
+    (void)first;
     transpose_4(low, rows);
     transpose_4(high, rows + 4);
     for (int i = 0; i < 4; i++)
@@ -280,7 +261,6 @@ static inline octet load_16(const int8_t *from)
     return (octet){(vi)vldrbq_s16(from), (vi)vldrbq_s16(from + 8)};
 }
 
-/* negative ? x - from : x + from */
 static inline octet add_16(octet x, const int8_t *from, int negative)
 {
     const octet entry = load_16(from);
@@ -289,7 +269,6 @@ static inline octet add_16(octet x, const int8_t *from, int negative)
                    (vi)vmlaq_n_s16((int16x8_t)x.high, (int16x8_t)entry.high, sign)};
 }
 
-/* sum[i] = x[i][0] y[0] + x[i][1] y[1] + ... */
 static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
 {
     for (int i = 0; i < 3; i++)
@@ -297,7 +276,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
                                (int16x8_t)y.high);
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7: five codes per lane, each shifted to the top. */
 static inline octet odd_numbers(uint64_t codes)
 {
     static const int16_t low_up[8] = {13, 10, 7, 4, 1, 13, 10, 7}, high_up[8] = {4, 1, 13, 10, 7, 4, 1, 0};
@@ -309,8 +287,6 @@ static inline octet odd_numbers(uint64_t codes)
     return (octet){(vi)(2 * a + 1), (vi)(2 * b + 1)};
 }
 
-/* ---- PARTS vectors, and one function's numbers for all of their Gaussians ---------------------------------------- */
-
 #define PARTS 1
 typedef vi factor;
 
@@ -320,26 +296,22 @@ static inline factor factor_of(vi first, vi last)
     return first;
 }
 
-/* sum += codes * x, one code per Gaussian */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += load_i8(codes) * x;
 }
-
-/* ---- Numbers of 16 bits ------------------------------------------------------------------------------------------ */
 
 static inline vh all_h(int x)
 {
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* fxs_mul_q15, except that -32768 squared is 32767, which is above every limit, like its square in C. */
+/* Rounded Q15 product; -32768 squared is 32767, which is above every limit. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
     return (vh)vqaddq_s16((int16x8_t)c, (int16x8_t)mul_h(a, b));
@@ -355,7 +327,6 @@ static inline vh most_h(vh a, vh b)
     return (vh)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Stores 8 pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint8x16_t rg = vqmovuntq_s16(vqmovunbq_s16(vdupq_n_u8(0), (int16x8_t)r), (int16x8_t)g);
@@ -367,7 +338,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     store(to + 16, load(pixels + 8));
 }
 
-/* Stores 8 pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const uint16x8x4_t rgba = {{(uint16x8_t)r, (uint16x8_t)g, (uint16x8_t)b, (uint16x8_t)a}};

@@ -1,11 +1,11 @@
-/* resolve for Cortex-M without vectors, to RGB565, the format of displays; the C version handles other formats. A pixel
- * without splats is the background, converted once. */
+/* Converts the pixels of a tile to RGB565 on Cortex-M without vectors; the C version handles other formats. Pixels
+ * without splats get the background, which is converted once. */
 #include "src/core/memory.h"
 #include <fixsplat/internal/packed.h>
 #include <fixsplat/internal/pixel.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* (most c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
+/* Returns (most * c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
 static inline int of_255(int c, int most)
 {
     const int n = most * c + 127;

@@ -1,13 +1,11 @@
-/* bin for LANES splats at a time, with the numbers of src/core/bin.c in 32 bits. The first pass finds the bounding
- * boxes of all splats, and the masks of splats that lie within one tile row. Other splats that fit in an fxs_box are
- * collected until they fill a vector; the second pass finds their tiles row by row. */
+/* Finds the tiles of LANES splats together. The first pass finds bounding boxes, and the tile masks of splats
+ * within one tile row. Taller splats that fit in an fxs_box are collected until they fill a vector. The second pass
+ * finds the tiles of collected splats row by row. */
 #include "lanes.h"
 #include "stages.h"
 
-/* 256 pixels. Up to this half width, 31 bits are enough for the second pass: breadth r and |shear| r are at most
-   sqrt(A) r, less than 4096 half_width (Q20) <= 2^28; breadth (sqrt(r^2 - v^2) + 1) is 1 part in 91 more, because r >=
-   91 (Q12); the tangent and v half_width are at most r half_width < 2^29.6. Wider splats fit in an fxs_box only if the
-   picture's edge cuts them. They are rare, so the C version handles them. */
+/* 256 pixels. Up to this half width, the numbers of the second pass fit in 31 bits. The C version handles wider
+   splats. */
 #define HALF_WIDTH_LIMIT_Q8 (1 << 16)
 
 typedef struct job {
@@ -17,19 +15,17 @@ typedef struct job {
     fxs_box *boxes;
 } job;
 
-/* Splats collected for the second pass. */
 typedef struct list {
     uint32_t count;
     int32_t index[2 * LANES];
 } list;
 
-/* Offsets of words in the loads from fxs_splat.vy_q24, fxs_bounds.cx_q14 and fxs_bounds.breadth_q8. */
 enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
 
 #define LOAD_FOURS(words, structs, member, at) \
     load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
 
-/* Tile columns of the pixels between two x coordinates. Returns the lanes without a pixel. */
+/* Returns the lanes of splats without a pixel between the two x coordinates. */
 static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi left_q8, vi right_q8)
 {
     vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
@@ -38,22 +34,19 @@ static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi
     return greater(first_pixel, last_pixel);
 }
 
-/* ---- Row by row ------------------------------------------------------------------------------------------------ */
-
 typedef struct ellipse {
-    vi v_q24, vy_q24;              /* v on the first pixel row of a tile row; its step per row */
+    vi v_q24, vy_q24;              /* coordinate v on the first pixel row of a tile row, and its step per pixel row */
     vi cx_q8, breadth_q8, shear_q8, reach_q8, margin_q8, r_q12, tangent;
-    vi first_column;               /* first column of the box */
-    vi first_row, more_rows;       /* in tile rows */
+    vi first_column;
+    vi first_row, more_rows;
 } ellipse;
 
-/* Moves the bits of six tiles in a row to the masks of their three macro tiles. */
+/* Moves the bits of six tiles in a row to the masks of three macro tiles of 2x2 tiles. */
 static inline vi spread_row(vi tiles)
 {
     return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
 }
 
-/* Stores boxes with the mask low | high << FXS_BOX_LOW_BITS at a tile; FXS_NOWHERE in the lanes of `none`. */
 static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi high, vi row, vi column, mask none)
 {
     const vi macro = (row >> 1) * (int32_t)fxs_macros(view->tiles_x) + (column >> 1);
@@ -61,18 +54,17 @@ static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi 
                 choose(none, all(0), high >> (32 - FXS_BOX_LOW_BITS) | macro << (FXS_BOX_BITS - 32)));
 }
 
-/* Sets margin_q8, r_q12 and tangent. */
 static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
 {
     const vi limit_q11 = least(offset_q11 + view->cut_q11, all(FXS_FAINT_Q11));
     e->margin_q8 = (e->reach_q8 >> 8) + 32;
     e->r_q12 = radius_q12(limit_q11 - offset_q11);
-    const vi widest = e->shear_q8 * e->r_q12;    /* divided by 4096, towards 0 */
+    const vi widest = e->shear_q8 * e->r_q12;
     e->tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e->r_q12;
 }
 
-/* v = ((y << 14) - cy) vy >> 26 = ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough, because the tile rows of a box are
-   less than 16 pixels off the ellipse, so |v| < 4 + 16 vy < 128. */
+/* At pixel row y, v = ((y << 14) - cy) vy >> 26 is computed as ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough,
+   because the tile rows are less than 16 pixels off the ellipse. */
 static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
 {
     vi splat[4], centre[4], shape[4], last;
@@ -95,16 +87,15 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
     return e;
 }
 
-/* Half the width of the ellipse at v; its middle there is x = cx + shear v. */
+/* Returns half the width of the ellipse at v, around its middle at x = cx + shear v. */
 static inline vi half_width_q8(const ellipse *e, vi v_q12)
 {
     vi square_q24 = e->r_q12 * e->r_q12 - v_q12 * v_q12;
-    if (!any(greater(square_q24, all(0))))      /* early out, common above and below the ellipse; the root is slow */
+    if (!any(greater(square_q24, all(0))))      /* early out above and below the ellipse, because the root is slow */
         return e->breadth_q8 >> 12;
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
 
-/* Tile columns that the ellipse touches on a tile row. Returns the lanes in which it touches none. */
 static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first, vi *last)
 {
     const vi r = e->r_q12, reach = e->reach_q8;
@@ -114,7 +105,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
     vi x_bottom_q8 = e->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
     vi left_q8 = most(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     vi right_q8 = most(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* is the ellipse's leftmost or rightmost point on this tile row? */
+    /* uses the full half width if the ellipse's leftmost or rightmost point is on the tile row */
     vi low = top * reach, high = bottom * reach;
     left_q8 = choose(greater(low, -e->tangent) | greater(-e->tangent, high), left_q8, reach);
     right_q8 = choose(greater(low, e->tangent) | greater(e->tangent, high), right_q8, reach);
@@ -124,7 +115,6 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
            greater(-r - 2, bottom_q12);
 }
 
-/* The columns of span_of_row as a mask, with bit 0 for the first column of the box. */
 static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
 {
     vi first, last;
@@ -133,8 +123,7 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
     return choose(none, all(0), (vi)tiles);
 }
 
-/* Finds the boxes of the first `count` splats of a list, at most LANES. The list's index must hold LANES valid
-   splats. */
+/* The list must hold LANES valid indices, even for fewer splats. */
 static void fill_boxes(const job *j, const list *l, uint32_t count)
 {
     fxs_box boxes[LANES];
@@ -143,7 +132,7 @@ static void fill_boxes(const job *j, const list *l, uint32_t count)
     for (int k = 0; any(greater(e.more_rows, all(k - 1))); k++) {
         const vi row = (e.first_row & 1) + k, at = (row >> 1) * 12 + (row & 1) * 2;
         const vu tiles = (vu)choose(greater(e.more_rows, all(k - 1)), spread_row(tiles_of_row(&e, j->view)), all(0));
-        low |= (vi)shift_left(tiles, at);          /* bits beyond FXS_BOX_LOW_BITS are the same as in `high` */
+        low |= (vi)shift_left(tiles, at);
         high |= (vi)shift_left(tiles, at - FXS_BOX_LOW_BITS);
         e.v_q24 += FXS_TILE * e.vy_q24;
     }
@@ -152,9 +141,6 @@ static void fill_boxes(const job *j, const list *l, uint32_t count)
         j->boxes[l->index[i]] = boxes[i];
 }
 
-/* ---- Boxes ----------------------------------------------------------------------------------------------------- */
-
-/* Appends to a list. When it has a full vector, finds its boxes and removes it from the front. */
 static inline void append(const job *j, list *l, vi index, mask which)
 {
     store_compressed(l->index + l->count, index, which);
@@ -166,7 +152,6 @@ static inline void append(const job *j, list *l, vi index, mask which)
     store(l->index, load(l->index + LANES));
 }
 
-/* Finds the boxes of splats i to i + LANES - 1. */
 static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t i)
 {
     vi splat[4], centre[4], shape[4], first, last;
@@ -182,12 +167,11 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
                 greater(all(FXS_BOX_TILES), last - column) & ~none;
     mask whole = fits & equal(first_tile_row, last_tile_row) & greater(all(FXS_NARROW), last - first) &
                  greater(first_row, all(0)) & greater(all(j->view->height - 1), last_row);
-    /* stores boxes within one tile row, and FXS_NOWHERE; the other boxes are stored later */
     const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
     const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
     store_boxes(j->boxes + i, j->view, on_rows, all(0), first_tile_row, column, none);
     mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
-    /* one list per number of tile rows; list 0: splats that may reach the top or bottom of their tile rows */
+    /* one list of splats per height in tile rows; list 0: splats near the edge of a tile row */
     mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));
     vi list_number = choose(at_edge, all(0), last_tile_row - first_tile_row);
     for (int k = 0; k < FXS_BOX_TILES; k++) {
@@ -203,7 +187,6 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
     }
 }
 
-/* If count is not a multiple of LANES, the last vector overlaps the vector before it. */
 FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};
@@ -223,7 +206,6 @@ FXS_BIN(ISA)
         }
 }
 
-/* One lane per tile row of the splat. */
 FXS_SPANS(ISA)
 {
     if (view->cutoff == FXS_CUTOFF_SQUARE || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {
@@ -243,8 +225,6 @@ FXS_SPANS(ISA)
         e.v_q24 += (vi)all((int32_t)(LANES * step_q24));
     }
 }
-
-/* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
 typedef struct notes {
     uint32_t *macros, *listed, count;

@@ -1,17 +1,17 @@
-/* blend and trace (blend with auxiliary outputs). A tile is cut into patches of 2 * LANES pixels: 8 columns, ROWS rows.
- * List entries are taken in groups of 2 * LANES. The first step, with one splat per lane, finds which splats of a group
- * reach which patches. The second step, with one pixel per lane, blends into each patch the splats that reach it. */
+/* Blends the splats of a tile, or traces them with auxiliary outputs. The tile is cut into patches of 8 columns and
+ * ROWS rows of pixels. The splats of the tile's list are taken in groups of 2 * LANES. The first step, with one
+ * splat per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends the
+ * splats of each patch. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
 #include "src/core/memory.h"
 #include "stages.h"
 
 #define GROUP (2 * LANES)
 #define ROWS (LANES / 4)
-#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* row by row, two per row */
-#define AHEAD 64                   /* prefetch distance of splats, in entries */
+#define PATCHES (FXS_TILE_PIXELS / GROUP)
+#define AHEAD 64
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-#if LANES == 4                     /* a patch is half a row; ISAs with more lanes define these functions themselves */
-/* x * (0, 1, 2, 3) */
+#if LANES == 4                     /* wider instruction sets have their own versions */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     (void)y;
@@ -39,35 +39,32 @@ static inline vh columns_of(vh rows)
 }
 #endif
 
-/* Pixels of a patch, column by column. In this order, one load of the levels of the patch's rows, repeated over the
-   vector, gives each pixel the level of its row. */
+/* Pixels of a patch, column by column. One broadcast of the rows' levels then gives each pixel the level of its
+   row. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
 
-/* Auxiliary outputs of a patch: its part of each array of fxs_trace. */
 typedef struct kept {
     vh depth_q15, median, weight_q15, largest, end;
 } kept;
 
-/* Splats of a group in a tile, one per lane: two vectors of 32-bit numbers each. pack_q13 packs two such vectors to one
-   of 16-bit numbers, taking 4 lanes of each in turn. So that packed splats come out in the order of their entries,
-   entry 8 i + 4 j + k is in lane 4 i + k of vector j (place_of: LANES j + 4 i + k). 16-bit values are stored twice per
-   32-bit word, so that one broadcast fills a vector. */
+/* Splats of a group, one per lane, in two vectors of 32-bit numbers. Entry 8 i + 4 j + k is in lane 4 i + k of
+   vector j, the order of the packing instructions. 16-bit values are stored twice per word, so that one broadcast
+   fills a vector. */
 typedef struct group {
-    vu u_q24[PATCHES][2];          /* at the patch's first pixel */
-    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the half that pattern_q24 lacks, minus u of its half */
+    vu u_q24[PATCHES][2];          /* coordinate u at the first pixel of each patch */
+    vu ux_q24[2], uy_q24[2], right_q24[2];
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* by place: u in half of a patch (with LANES 4, its left half), minus u at the
-                                      first pixel */
-    vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, in the order that spread_levels reads */
-    uint32_t reached[PATCHES];     /* mask of entries that may have a pixel within their limit in the patch */
+    vu pattern_q24[GROUP];
+    vh levels_q11[FXS_TILE];       /* v^2 + offset of each row */
+    uint32_t reached[PATCHES];     /* per patch: mask of the splats that may reach a pixel */
 } group;
 
-/* Numbers needed only to find the patches that the splats reach. */
 typedef struct outline {
-    vu u_q24[2], v_q24[2], vy_q24[2];          /* u, v: at the first pixel of a row */
-    vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to its first pixel */
+    vu u_q24[2], v_q24[2], vy_q24[2];
+    vu u_low_q24[2], u_high_q24[2];            /* range of the coordinate u within a patch, relative to the first
+                                                  pixel */
     vh offset_q11, limit_q11;
 } outline;
 
@@ -91,10 +88,7 @@ static inline vu twice(vi x)
     return (vu)(x & 65535) * 0x10001;
 }
 
-/* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
-
-/* Sets at[place] to the slots of the next entries; past the end of the list, repeats the first. Returns a bit for each
-   entry that exists and is not cut off. */
+/* Past the end of the list, repeats the first entry. */
 static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
@@ -110,7 +104,6 @@ static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, 
     return which;
 }
 
-/* Fills in vector j of each number, for the tile at pixel (x, y). Returns the offsets. */
 static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, const fxs_splat *splats,
                              const int32_t at[LANES], int32_t x, int32_t y)
 {
@@ -134,7 +127,7 @@ static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, 
     return offset_q11;
 }
 
-/* Smallest magnitude of a coordinate between low and high: that of low or of high, or 0. */
+/* Returns the smallest magnitude of a coordinate between low and high. */
 static inline vh nearest(vh low, vh high)
 {
     return most_h(most_h(low, ~high), all_h(0));
@@ -145,7 +138,6 @@ static inline vh level_at(const outline *o, vh v_q13)
     return add_level(mul_h(v_q13, v_q13), o->offset_q11);
 }
 
-/* Mask of entries that may have a pixel within the limit in a patch, given the smallest level of its rows. */
 static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
 {
     const vh low = pack_q13(u_q24[0] + o->u_low_q24[0], u_q24[1] + o->u_low_q24[1]);
@@ -154,8 +146,7 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* Computes u of the next two patches, and the levels of their rows. The smallest and the largest v are in the first and
-   last row. */
+/* The coordinate v is extreme in the first and last row of a patch. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
     vh v_q13[ROWS];
@@ -196,9 +187,7 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
         g->pattern_q24[place] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
 }
 
-/* ---- Blending a patch -------------------------------------------------------------------------------------------- */
-
-/* exp(-level / 2), capped at 0.99: fxs_alpha_q15 */
+/* Returns exp(-level / 2) in Q15, capped at 0.99, like fxs_alpha_q15. */
 static inline vh alpha_of(vh level)
 {
     vh p = mul_add_h(all_h(-4236), level, all_h(16016));
@@ -210,7 +199,6 @@ static inline vh alpha_of(vh level)
     return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
 }
 
-/* Adds an entry to the auxiliary outputs of a patch. t_q15: T before the entry. */
 static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15, vh weight_q15, vh t_q15)
 {
     const vh number = all_h(entry);
@@ -227,7 +215,8 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
     }
 }
 
-/* Blends an entry into a patch. open: mask of open pixels. k, here and below: auxiliary outputs, null for blend. */
+/* Blends a splat into a patch. `open` is the mask of pixels that are not yet opaque. k is null without auxiliary
+   outputs. */
 ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch,
                                uint32_t entry, int number, int depth_q15)
 {
@@ -249,12 +238,11 @@ ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
 }
 
-/* Blends a group, with first entry `number`, into a patch that at least one entry reaches. Returns whether a pixel of
-   the patch is still open. */
+/* Returns nonzero while a pixel of the patch is not yet opaque. */
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {
-    pixels p = *at;                /* local copy, in registers */
+    pixels p = *at;
     mask_h open = open_of(p.transmittance_q15);
     kept own;
     if (k)
@@ -274,7 +262,6 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
     return any_h(open);
 }
 
-/* Blends a list from entry `first` to before `end`. depths_q15: null for blend. */
 ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               unsigned which, uint32_t first, uint32_t end)
@@ -296,9 +283,6 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
     }
 }
 
-/* ---- Tiles ------------------------------------------------------------------------------------------------------- */
-
-/* Index of a patch's first pixel in the arrays of a tile. */
 static inline int start_of(int patch)
 {
     return patch / 2 * ROWS * FXS_TILE + patch % 2 * 8;

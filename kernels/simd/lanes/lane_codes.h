@@ -1,15 +1,13 @@
-/* Reads the codes of LANES Gaussians of a packed scene at a time, with the numbers of src/core/codes.h. */
+/* Reads the codes of LANES packed Gaussians together. src/core/codes.h is the scalar version. */
 #include "src/core/codes.h"
 #include "lanes.h"
 #include "stages.h"
 
-/* fxs_spread_11 */
 static inline vi spread_11(vi code)
 {
     return code << 5 | code >> 6;
 }
 
-/* fxs_spread_scale */
 static inline vi spread_scale(vi x, vi y, vi z)
 {
     return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 3 | z >> 3) << 20;
@@ -46,7 +44,6 @@ static inline vi load_rotations(const fxs_scene *scene, const unsigned char *row
     return (c & (int32_t)0xfff00000) | d << 12 | (a >> 22 & 3) << 10 | (vi)((vu)b >> 31) << 9;
 }
 
-/* fxs_colour_code of each channel */
 static inline void load_colours(vi code[3], const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     if (scene->profile == FXS_PROFILE_SMALL) {

@@ -1,14 +1,12 @@
-/* project for LANES Gaussians at a time, with the numbers of src/core/project.c in the same order. Two passes over a
- * chunk: the first finds the centres and drops Gaussians behind the camera or outside the picture; the second finds the
- * shape of the remaining Gaussians and stores them without gaps. The C version handles chunks with a veil, which are
- * rare, and the square cut-off, which exists only for comparison. */
+/* Projects LANES Gaussians of a chunk together. The first pass over the chunk's 256 Gaussians finds the centres and
+ * drops Gaussians behind the camera or outside the picture. The second pass finds the shapes of the remaining
+ * Gaussians and stores them without gaps. The C version handles rare chunks with very large Gaussians. */
 #include "lane_codes.h"
 
-#ifndef AT_ONCE                    /* Gaussians per pass; less than a chunk where the stack is small */
+#ifndef AT_ONCE                    /* Gaussians per pass; fewer Gaussians need less stack */
 #define AT_ONCE FXS_CHUNK
 #endif
 
-/* Numbers that the second pass needs per Gaussian. */
 enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
 
 typedef struct survivors {
@@ -17,7 +15,7 @@ typedef struct survivors {
 } survivors;
 
 typedef struct centre {
-    vi camera[3];                  /* orthographic: x and y are cut to +-plane_side, slopes to +-64 */
+    vi camera[3];
     vi zeros_of_z, zeros, inverse_q30, slope_q23[2], position_q14[2];
 } centre;
 
@@ -29,7 +27,7 @@ static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
     return (vi)narrow(offset_wide(x, cv->base_q16[i]), 16);
 }
 
-/* Sets the depth used for projection. Returns the lanes that are not off axis. */
+/* Returns the lanes that are not too far off the camera's axis. */
 static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chunk_view *cv)
 {
     vi *x = &c->camera[0], *y = &c->camera[1], z = c->camera[2];
@@ -47,9 +45,8 @@ static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chun
     return greater(z, *x >> 6) & greater(z, -*x >> 6) & greater(z, *y >> 6) & greater(z, -*y >> 6);
 }
 
-/* Sets slope and position on one axis. Returns the lanes that are not too far off the picture. The position is raised
-   by 2^30 - 1, so that -2^30 < position < 2^30 becomes 0 <= raised < 2^31 - 1, with all bits above bit 30 equal to
-   0. */
+/* Returns the lanes not too far off the picture. With 2^30 - 1 added, -2^30 < position < 2^30 is a test of the high
+   bits. */
 static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t up = FXS_CENTRE_LIMIT_Q14 - 1;
@@ -62,14 +59,13 @@ static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
            equal((vi)(high_half(raised_q35) >> 21 | raised_q14 >> 31), all(0));
 }
 
-/* fxs_fall_q16 */
 static inline vi fall_of(const fxs_chunk_view *cv, vi code)
 {
     return (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
 }
 
-/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code has the largest
-   sigma. */
+/* Computes f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest scale
+   code has the largest sigma. */
 static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
                              vi *exponent)
 {
@@ -84,8 +80,7 @@ static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, con
     return shift_left(mantissa, zeros);
 }
 
-/* Lanes on the picture and not wholly in its hidden part. radius = 3.5 (2^exponent + 1), cut to the limit of
-   centres. */
+/* Returns the lanes on the picture and not wholly in its hidden part. */
 static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
@@ -104,7 +99,7 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros_of_z) >> 5 & 0x3ffffff));
 }
 
-/* Finds the centres of Gaussians i to i + LANES - 1. Returns 0 if one is a veil. */
+/* Returns 0 if the C version must project the chunk. */
 static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
@@ -143,8 +138,6 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
     return 1;
 }
 
-/* ---- Second pass ----------------------------------------------------------------------------------------------- */
-
 static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q23)
 {
     vi slope = clamp(slope_q23, all(view->slope_low_q23[i]), all(view->slope_high_q23[i]));
@@ -158,7 +151,6 @@ typedef struct axes {
     vi axis_q15[3], side_q15[2][3], cos_q15, sin_q15;
 } axes;
 
-/* fxs_axis_bits */
 static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
 {
     const vi y = fall_q16[1] - fall_q16[0], z = fall_q16[2] - fall_q16[0];
@@ -166,7 +158,6 @@ static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
     return least(FXS_AXIS_BITS_LEAST(profile) + (5 * gap >> 16), all(FXS_AXIS_BITS_MOST(profile)));
 }
 
-/* Returns the lanes where (X, Y) is at most 1 long. */
 static inline mask read_axes(axes *out, vi word, vi bits)
 {
     const vu y_word = shift_left((vu)word, bits), roll_word = shift_left(y_word, bits);
@@ -194,14 +185,13 @@ static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
     return round_shift(a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2], 15);
 }
 
-/* sigma_i divided by the size on the screen: 2^-below * size, Q15. */
 static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
 {
     vu ratio_q15 = (vu)exp2_q15((below_q16 & 65535) >> 1);
     return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
 }
 
-/* T = J W R S. Returns the lanes where (X, Y) of the rotation is at most 1 long. */
+/* Computes the screen axes T = J W R S from Jacobian J, view W, rotation R and scales S. */
 static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
                                const survivors *s, uint32_t at)
 {
@@ -246,7 +236,7 @@ static inline void covariance_of(covariance *out, vi t_q15[2][3], vi exponent)
     out->exponent = exponent;
 }
 
-/* As `root` in src/core/project.c: x = m 2^-32 4^half. */
+/* A number x = m 2^-32 4^half, with the reciprocal root of m. */
 typedef struct mantissa {
     vu m, inverse_q30;
     vi half;
@@ -266,14 +256,13 @@ static inline mantissa mantissa_of_wide(wide x_q60)
     return (mantissa){m, rsqrt(m), 2 - (zeros >> 1)};
 }
 
-/* sqrt(x) 2^exponent r */
 static inline vi reach_q8(const mantissa *x, vi exponent, vu r_q12)
 {
     vu root_q8 = scale_down(mulhi(x->m, x->inverse_q30), 22 - x->half - exponent);
     return (vi)narrow(mul_wide_u(root_q8, r_q12), 12);
 }
 
-/* Reduces the opacity by the effect of the dilation: adds ln(det / det undilated) to the offset. */
+/* Antialiasing: adds ln(det / undilated det) to the opacity offset. */
 static inline mask compensate(vi *offset_q11, const covariance *s)
 {
     vu high = high_half(s->det_undilated_q60), low = low_half(s->det_undilated_q60);
@@ -282,19 +271,18 @@ static inline mask compensate(vi *offset_q11, const covariance *s)
     return ~equal((vi)(high | low), all(0));
 }
 
-/* 2^-l_q16, Q30; l >= 0 */
+/* Returns 2^-l_q16 in Q30, l >= 0. */
 static inline vu falling_q30(vi l_q16)
 {
     return shift_right((vu)exp2_q15((l_q16 & 65535) >> 1) << 15, l_q16 >> 16);
 }
 
-/* -log2(x_q30), Q16; 0 < x <= 1 */
+/* Returns -log2(x), Q16, for 0 < x <= 1. */
 static inline vi octaves_below_q16(vu x_q30)
 {
     return most((30 << 16) - log2_of_32_q16(x_q30), all(0));
 }
 
-/* fxs_share_of_q11. A share of 0 is treated as the smallest share; both give an offset far above FXS_FAINT_Q11. */
 static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
 {
     const vu opacity_q30 = falling_q30((vi)(((vu)offset_q11 * 94548 + 2048) >> 12));
@@ -304,7 +292,6 @@ static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
     return least((vi)narrow(offset_wide(offset_q32, 1 << 20), 21), all(FXS_FAINT_Q11 + 1));
 }
 
-/* Offsets of words in fxs_splat and in fxs_bounds. */
 enum { U0, V0, UX, UY, VY, OFFSET, COLOUR, CLIP, CX = 0, CY, BREADTH, SHEAR, HALF_WIDTH, RADIUS, WORDS = 8 };
 
 static inline void whiten(vi splat[WORDS], vi bounds[WORDS], const covariance *s, const mantissa *c)
@@ -369,8 +356,7 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
 }
 
-/* Appends the structures of the lanes in `which`. Writes every lane; an unwanted structure is overwritten by the
-   next. */
+/* Writes every lane; the next structure overwrites an unwanted structure. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[WORDS], const vi bound[WORDS],
                           unsigned which)
 {
@@ -387,7 +373,6 @@ static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[
     }
 }
 
-/* Outputs for a chunk's visible Gaussians. */
 typedef struct outputs {
     fxs_splat *splats;
     fxs_bounds *bounds;
@@ -414,8 +399,7 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
 
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
-/* Returns the number of visible Gaussians, an FXS_ERR_*, or LEFT_TO_C. Not inlined, so that its stack is free before
-   the C version runs. */
+/* Not inlined, to free the stack before the C version runs. */
 static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
                                                        outputs out)
 {

@@ -1,12 +1,11 @@
-/* shade for PARTS vectors of Gaussians at a time, with the numbers of src/core/shade.c in the same order. Neighbours in
- * a chunk are shaded together, visible or not. The colours of the visible ones are then copied to their splats. */
+/* Computes the colours of PARTS vectors of neighbouring Gaussians together, visible or not. The colours of visible
+ * Gaussians are copied to their splats. */
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
-#define SOME (LANES > 4 ? 4u : 1u) /* groups that find their directions together: the chains of operations are long,
-                                      and overlap */
+#define SOME (LANES > 4 ? 4u : 1u) /* groups of Gaussians that compute their directions together, so that operations
+                                      overlap */
 
-/* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
 static inline wide offset_q32(const fxs_view *view, const fxs_chunk *chunk, int axis, vi position)
@@ -21,7 +20,7 @@ static inline void direction(vi d_q15[3], const wide offset_q32[3])
     vi d[3];
     for (int i = 0; i < 3; i++)
         largest = or_magnitude(largest, offset_q32[i]);
-    vi shift = most(49 - clz_wide(largest), all(0));   /* 0 included */
+    vi shift = most(49 - clz_wide(largest), all(0));
     for (int i = 0; i < 3; i++)
         d[i] = narrow_by(offset_q32[i], shift);
     vu square = (vu)d[0] * (vu)d[0] + (vu)d[1] * (vu)d[1] + (vu)d[2] * (vu)d[2];
@@ -31,7 +30,7 @@ static inline void direction(vi d_q15[3], const wide offset_q32[3])
         d_q15[i] = clamp(scale_down_wide(mul_wide(d[i], inverse_q30), 31 - (zeros >> 1)), all(-32767), all(32767));
 }
 
-/* x / 2^shift, rounded towards 0. */
+/* Returns x / 2^shift, rounded towards 0. */
 static inline vi divide(vi x, int shift)
 {
     const int32_t rest = (1 << shift) - 1;
@@ -70,14 +69,12 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
     b[14] = -2 * mul_q15(scale_q15(Q15(590044), x), divide(xx - 3 * yy, 1));
 }
 
-/* Neighbours to shade together. */
 typedef struct neighbours {
-    uint32_t start, end;           /* where the visible ones are in the chunk's list of visible Gaussians */
-    uint32_t first, wanted;        /* first neighbour; mask of visible neighbours */
-    vi d_q15[PARTS][3];            /* directions from the camera, if several groups find them together */
+    uint32_t start, end;           /* indices in the chunk's list of visible Gaussians */
+    uint32_t first, wanted;        /* index of the first neighbour; mask of visible neighbours */
+    vi d_q15[PARTS][3];
 } neighbours;
 
-/* Directions from the camera to the Gaussians first to first + LANES - 1. */
 static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                                   const unsigned char *rows, uint32_t first)
 {
@@ -89,7 +86,6 @@ static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_s
     direction(d_q15, offset);
 }
 
-/* Not inlined, for the same reason as `colours` below. */
 static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t count, const fxs_view *view,
                                                       const fxs_scene *scene, const fxs_chunk *chunk,
                                                       const unsigned char *rows)
@@ -99,7 +95,6 @@ static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t
             find_direction(n->d_q15[part], view, scene, chunk, rows, n->first + part * LANES);
 }
 
-/* SH basis for a part of the neighbours. */
 static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_view *view,
                             const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows)
 {
@@ -115,7 +110,6 @@ static inline void add_band(vi sum_q16[PARTS], const vi band_q15[PARTS], int32_t
         sum_q16[part] += round_shift(round_shift(band_q15[part], 10) * step_q19, 8);
 }
 
-/* Adds the colours of SH degrees 1 and up. `codes` points to the codes of the first Gaussian. */
 static inline void add_bands(vi sum_q16[3][PARTS], const int8_t *codes, vi b_q15[PARTS][16],
                              const uint16_t step_q19[3], int degree)
 {
@@ -151,8 +145,8 @@ static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *re
     return s;
 }
 
-/* Adds the palette's part of the colour to the wanted lanes, one lane at a time, because the palette entries of the
-   lanes lie far apart. */
+/* Adds the palette's share of the colour, one lane after another, because the palette entries of the lanes lie far
+   apart. */
 static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, const fxs_chunk *header,
                                const unsigned char *rows, uint32_t first, vi b_q15[PARTS][16], int degree,
                                uint32_t wanted)
@@ -180,8 +174,7 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
             sum_q16[c][part] += load(more_q16[c] + part * LANES);
 }
 
-/* Finds colours, at least for the bits in `wanted`. Not inlined: otherwise its constants would be saved and reloaded
-   around each call of the C version. */
+/* Not inlined, because constants would be saved around calls of the C version. */
 static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
                                               const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header,
                                               const unsigned char *rows)
@@ -211,7 +204,7 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
     }
 }
 
-/* Collects the neighbours of visible Gaussian i. Returns the first visible Gaussian after them. */
+/* Returns the first visible Gaussian after the neighbours of Gaussian i. */
 static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, uint32_t i, uint32_t count)
 {
     const uint32_t first = indices[i] & ~(GROUP - 1u);
@@ -225,13 +218,12 @@ static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, u
     return end;
 }
 
-/* Sets the colours of the visible neighbours. */
 static inline void shade_neighbours(const neighbours *n, const fxs_view *view, const fxs_scene *scene,
                                     const fxs_chunk *header, const unsigned char *rows, const uint32_t *indices,
                                     fxs_splat *splats)
 {
     int32_t red_green[GROUP], blue[GROUP];
-    if (n->end - n->start == 1 && !scene->palette) {       /* a vector costs as much as one or two Gaussians in C */
+    if (n->end - n->start == 1 && !scene->palette) {       /* a lone Gaussian is as fast in C */
         fxs_shade_list(view, scene, header, rows, indices + n->start, 1, splats + n->start);
         return;
     }

@@ -30,8 +30,7 @@
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
     const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 
-/* Tables of versions: X(head, its stage, its name in fxs_kernels, isa). FXS_VECTOR_STAGES lists the functions that the
-   headers in this folder implement for every vector instruction set. */
+/* X-macro lists of functions: X(function head, head of the stage, name in fxs_kernels, isa). */
 #define FXS_VECTOR_STAGES(X, isa) \
     X(FXS_PROJECT, FXS_PROJECT, project, isa) X(FXS_SHADE, FXS_SHADE, shade, isa) \
     X(FXS_BIN, FXS_BIN, bin, isa) X(FXS_SPANS, FXS_BIN, spans, isa) X(FXS_NOTE, FXS_BIN, note, isa) \

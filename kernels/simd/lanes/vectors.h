@@ -1,9 +1,6 @@
-/* Vectors of LANES numbers, with the vector extensions of GCC and clang: + - * & | ~ and shifts by a constant are plain
- * operators. The header of each instruction set (kernels/simd/x86/lanes_avx2.h and so on) has the other operations. It
- * defines first
- *
- *   ISA      its name
- *   LANES    32-bit numbers per vector: 4, 8 or 16 */
+/* Vectors of LANES numbers, with the vector extensions of GCC and clang. The operators + - * & | ~ and shifts by a
+ * constant work on vectors. The header of each instruction set, such as kernels/simd/x86/lanes_avx2.h, has the
+ * other operations. That header first defines ISA, the name of the instruction set, and LANES: 4, 8 or 16. */
 #ifndef FXS_VECTORS_H
 #define FXS_VECTORS_H
 
@@ -17,7 +14,7 @@ typedef uint8_t anywhere __attribute__((vector_size(4 * LANES), aligned(1), may_
 
 static const int32_t lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/* Byte order that moves the lanes of a mask to the front. */
+/* Byte shuffles that move the lanes of a mask to the front. */
 #define BYTES(lane) (0x03020100 + 0x04040404 * (lane))
 #define ORDER(a, b, c, d) {BYTES(a), BYTES(b), BYTES(c), BYTES(d)}
 static const int32_t compress_order[16][4] __attribute__((aligned(16))) = {
@@ -39,7 +36,6 @@ static inline void store(void *to, vi x)
     *(anywhere *)to = (__typeof__(*(anywhere *)to))x;
 }
 
-/* base + step * (0, 1, 2, ...), modulo 2^32 */
 static inline vu ramp(uint32_t base, uint32_t step)
 {
     return base + step * (vu)load(lane_numbers);
@@ -54,5 +50,23 @@ static inline void store_h(int16_t *to, vh x)
 {
     store(to, (vi)x);
 }
+
+/* Operations that the headers of the instruction sets define:
+ *
+ *   load_fours         loads the four words at from + stride * at[lane] for each lane
+ *   store_compressed   stores the lanes of a mask without gaps; may write a whole vector
+ *   store_pairs        stores a[0], b[0], a[1], b[1], ...
+ *   shift_left, shift_right   shift per lane; a shift of 32 to 127 gives 0
+ *   scale_down         x * 2^-shift, rounded to nearest; shift is 1 to 127
+ *   round_shift        x * 2^-shift, rounded to nearest, halves up; shift is a constant
+ *   narrow             bits shift to shift + 31 of 64-bit numbers; shift is a constant, 1 to 31
+ *   narrow_by          x * 2^-shift of 64-bit numbers, rounded down; must fit in 32 bits; shift is 0 to 63
+ *   scale_down_wide    x * 2^-shift of 64-bit numbers, rounded to nearest; must fit in 31 bits
+ *   top_half           (x << shift) >> 32 of 64-bit numbers
+ *   octet              8 words or 16 numbers of 16 bits
+ *   odd_numbers        expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7
+ *   mul_add_h          rounded Q15 product plus c; mul_add_cut_h saturates the sum
+ *   pack_q13           packs a >> 11 and b >> 11 to 16 bits, saturated
+ *   open_of            mask of pixels that are not yet opaque */
 
 #endif

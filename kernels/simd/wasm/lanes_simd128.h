@@ -1,5 +1,5 @@
-/* 4 lanes of 32 bits in WebAssembly's simd128. Its shifts use one count for all lanes, so shifts per lane multiply by
-   2^shift. */
+/* Vector operations of 4 lanes with WebAssembly's simd128. Its shifts use one count for all lanes, so shifts per
+   lane multiply by 2^shift. vectors.h describes the operations. */
 #ifndef FXS_LANES_SIMD128_H
 #define FXS_LANES_SIMD128_H
 
@@ -11,7 +11,7 @@
 #include <fixsplat/internal/stage.h>
 #include "kernels/simd/lanes/vectors.h"
 
-typedef vi mask;                   /* -1 or 0 */
+typedef vi mask;
 
 static inline vi all(int32_t x)
 {
@@ -28,7 +28,6 @@ static inline vi load_i8(const int8_t *from)
     return (vi)wasm_i32x4_extend_low_i16x8(wasm_i16x8_extend_low_i8x16(wasm_v128_load32_zero(from)));
 }
 
-/* Transposes 4x4 words. */
 static inline void transpose_4(vi out[4], const vi rows[4])
 {
     const v128_t ab_low = wasm_i32x4_shuffle((v128_t)rows[0], (v128_t)rows[1], 0, 4, 1, 5);
@@ -41,7 +40,6 @@ static inline void transpose_4(vi out[4], const vi rows[4])
     out[3] = (vi)wasm_i64x2_shuffle(ab_high, cd_high, 1, 3);
 }
 
-/* The four words at from + stride * at[lane], for each lane. */
 static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
 {
     const vi rows[4] = {load(from + stride * at[0]), load(from + stride * at[1]), load(from + stride * at[2]),
@@ -49,14 +47,12 @@ static inline void load_fours(vi words[4], const int32_t *from, int stride, cons
     transpose_4(words, rows);
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     store(to, (vi)wasm_i32x4_shuffle((v128_t)a, (v128_t)b, 0, 4, 1, 5));
     store((int32_t *)to + 4, (vi)wasm_i32x4_shuffle((v128_t)a, (v128_t)b, 2, 6, 3, 7));
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const v128_t low = (v128_t)load(from), high = (v128_t)load((const int32_t *)from + 4);
@@ -74,7 +70,6 @@ static inline unsigned bits(mask which)
     return wasm_i32x4_bitmask((v128_t)which);
 }
 
-/* Stores the lanes of `which`, in order, without gaps. Always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     store(to, (vi)wasm_i8x16_swizzle((v128_t)x, (v128_t)load(compress_order[bits(which)])));
@@ -105,16 +100,15 @@ static inline vi most(vi a, vi b)
     return (vi)wasm_i32x4_max((v128_t)a, (v128_t)b);
 }
 
-/* Leading zeros; 32 for 0. Reads the exponent of x as a float. Clearing the 8th bit below the highest stops rounding
-   from carrying into the exponent. From 2^31 on the float is negative. */
+/* Reads leading zeros from the exponent of x as a float. Clearing the 8th bit below the highest stops rounding from
+   carrying into the exponent. From 2^31 on, the float is negative. */
 static inline vi clz(vu x)
 {
     const vu exponent = (vu)wasm_f32x4_convert_i32x4((v128_t)(x & ~(x >> 8))) >> 23;
     return least(most((vi)(158 - exponent), all(0)), all(32));
 }
 
-/* 2^shift per lane; a shift of 32 to 127 or -128 to -1 gives 0. In each byte, a table lookup finds its part of the
-   power; indices outside the table give 0. */
+/* Returns 2^shift per lane, or 0 for a shift of 32 to 127 or -128 to -1. A table gives each byte of the power. */
 static inline vu power(vi shift)
 {
     const v128_t bits = wasm_i8x16_const(1, 2, 4, 8, 16, 32, 64, -128, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -124,10 +118,8 @@ static inline vu power(vi shift)
     return (vu)wasm_i8x16_swizzle(bits, wasm_i8x16_sub(in_bytes, first));
 }
 
-/* ---- 64-bit numbers -------------------------------------------------------------------------------------------- */
-
 typedef struct wide {
-    vw low, high;                  /* lanes 0 and 1; lanes 2 and 3 */
+    vw low, high;                  /* low: lanes 0 and 1; high: lanes 2 and 3 */
 } wide;
 
 static inline wide mul_wide(vi a, vi b)
@@ -157,7 +149,6 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.low << shift, x.high << shift};
 }
 
-/* a | abs(b) */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.low | (vw)wasm_i64x2_abs((v128_t)b.low), a.high | (vw)wasm_i64x2_abs((v128_t)b.high)};
@@ -173,13 +164,11 @@ static inline vu high_half(wide x)
     return (vu)wasm_i32x4_shuffle((v128_t)x.low, (v128_t)x.high, 1, 3, 5, 7);
 }
 
-/* Bits shift to shift + 31 of each number; shift is a constant, 1 to 31. */
 static inline vu narrow(wide x, const int shift)
 {
     return low_half((wide){x.low >> shift, x.high >> shift});
 }
 
-/* Shifts per lane; a shift of 32 to 127 gives 0. */
 static inline vu shift_left(vu x, vi shift)
 {
     return x * power(shift);
@@ -190,28 +179,24 @@ static inline vu shift_right(vu x, vi shift)
     return high_half(mul_wide_u(x, power(32 - shift))) | (x & (vu)equal(shift, all(0)));
 }
 
-/* x * 2^-shift, rounded to nearest; large shifts give 0. shift is 1 to 127. */
 static inline vu scale_down(vu x, vi shift)
 {
     return high_half(offset_wide(mul_wide_u(x, power(32 - shift)), INT64_C(1) << 31));
 }
 
-/* x * 2^-shift, rounded down; must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     const vu sign = (vu)((vi)high_half(x) >> 31), low = low_half(x) ^ sign, high = high_half(x) ^ sign;
-    const vu up = power(32 - shift);           /* a shift of 32 gives 1 as well */
+    const vu up = power(32 - shift);
     const vu y = high_half(mul_wide_u(low, up)) | high * up | high_half(mul_wide_u(high, power(64 - shift)));
     return (vi)((y | (low & (vu)equal(shift, all(0)))) ^ sign);
 }
 
-/* The same, rounded to nearest; must fit in 31 bits. shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return (narrow_by(x, shift - 1) + 1) >> 1;
 }
 
-/* Leading zeros; 64 for 0. */
 static inline vi clz_wide(wide x)
 {
     const vu high = high_half(x);
@@ -219,14 +204,12 @@ static inline vi clz_wide(wide x)
     return clz((vu)choose(empty, (vi)low_half(x), (vi)high)) + (empty & 32);
 }
 
-/* (x << shift) >> 32; shift in 0..63. */
 static inline vu top_half(wide x, vi shift)
 {
     const vu low = low_half(x), up = power(shift);
     return high_half(x) * up | high_half(mul_wide_u(low, up)) | low * power(shift - 32);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 static inline vi round_shift(vi x, const int shift)
 {
     const int32_t half = 1 << (shift - 1);
@@ -247,7 +230,6 @@ static inline vu reciprocal(vu m)
     return y_q30;
 }
 
-/* Result is below 2^31. */
 static inline vu rsqrt(vu m)
 {
     vu y_q30 = 2369829601u - mul_high(m, (vu)all(1431655765));
@@ -258,9 +240,6 @@ static inline vu rsqrt(vu m)
     return y_q30;
 }
 
-/* ---- One Gaussian ---------------------------------------------------------------------------------------------- */
-
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     vi low, high;
 } octet;
@@ -277,11 +256,10 @@ static inline void store_6(void *to, octet x)
     wasm_v128_store64_lane((int32_t *)to + 4, (v128_t)x.high, 0);
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     vi low[4], high[4];
-    (void)first;                   /* always 0 */
+    (void)first;
     transpose_4(low, rows);
     transpose_4(high, rows + 4);
     for (int i = 0; i < 4; i++)
@@ -293,7 +271,6 @@ static inline octet load_16(const int8_t *from)
     return (octet){(vi)wasm_i16x8_load8x8(from), (vi)wasm_i16x8_load8x8(from + 8)};
 }
 
-/* negative ? x - from : x + from */
 static inline octet add_16(octet x, const int8_t *from, int negative)
 {
     const vh sign = (vh)wasm_i16x8_splat((int16_t)(negative ? -1 : 1));
@@ -301,7 +278,6 @@ static inline octet add_16(octet x, const int8_t *from, int negative)
     return (octet){(vi)((vh)x.low + (vh)entry.low * sign), (vi)((vh)x.high + (vh)entry.high * sign)};
 }
 
-/* sum[i] = x[i][0] y[0] + x[i][1] y[1] + ... */
 static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
 {
     for (int i = 0; i < 3; i++) {
@@ -311,8 +287,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
     }
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is taken from a 16-bit window and shifted
-   to its top. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) 3 * (k) / 8, 3 * (k) / 8 + 1
@@ -331,10 +305,8 @@ static inline octet odd_numbers(uint64_t codes)
     return (octet){(vi)(2 * a + 1), (vi)(2 * b + 1)};
 }
 
-/* ---- PARTS vectors, and one function's numbers of 16 bits for all of their Gaussians ---------------------------- */
-
 #define PARTS 1
-typedef vi factor;                 /* 16 bits; upper half 0 */
+typedef vi factor;                 /* 16-bit numbers in words with an upper half of 0 */
 
 static inline factor factor_of(vi first, vi last)
 {
@@ -342,42 +314,35 @@ static inline factor factor_of(vi first, vi last)
     return first & 65535;
 }
 
-/* sum += codes * x, one code per Gaussian */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += (vi)wasm_i32x4_dot_i16x8((v128_t)load_i8(codes), (v128_t)x);
 }
 
-/* ---- Numbers of 16 bits ---------------------------------------------------------------------------------------- */
-
-typedef vh mask_h;                 /* -1 or 0 */
+typedef vh mask_h;
 
 static inline vh all_h(int x)
 {
     return (vh)wasm_i16x8_splat((int16_t)x);
 }
 
-/* fxs_mul_q15. -32768 squared is 32767, or -32768 if fixsplat.js has replaced this by the relaxed instruction. */
+/* Rounded Q15 product; -32768 squared is 32767, or -32768 with the relaxed instruction. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)wasm_i16x8_q15mulr_sat((v128_t)a, (v128_t)b);
 }
 
-/* Levels are unsigned here. The C version saturates a coordinate to -32767, with square 32766; a vector has -32768,
-   with square 32767 or 32768. Levels saturate at 65535, not 32767. All these values are above every limit, so the pixel
-   gets no weight in either version. */
+/* Levels are -2 ln(alpha). Sums saturate at 65535, in the C version at 32767; both are above every limit. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)wasm_u16x8_add_sat((v128_t)a, (v128_t)b);
 }
 
-/* a b + c; must fit in 16 bits. */
 static inline vh mul_add_h(vh a, vh b, vh c)
 {
     return mul_h(a, b) + c;
 }
 
-/* a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
     return (vh)wasm_i16x8_add_sat((v128_t)mul_h(a, b), (v128_t)c);
@@ -393,7 +358,6 @@ static inline vh most_h(vh a, vh b)
     return (vh)wasm_i16x8_max((v128_t)a, (v128_t)b);
 }
 
-/* a >> 11 and b >> 11, saturated to 16 bits. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)wasm_i16x8_narrow_i32x4((v128_t)((vi)a_q24 >> 11), (v128_t)((vi)b_q24 >> 11));
@@ -404,7 +368,6 @@ static inline mask_h greater_h(vh a, vh b)
     return (mask_h)wasm_i16x8_gt((v128_t)a, (v128_t)b);
 }
 
-/* Pixels that are still open. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return greater_h(transmittance_q15, all_h(FXS_CLOSED_Q15 - 1));
@@ -415,13 +378,11 @@ static inline mask_h within(vh level, vh limit)
     return (mask_h)wasm_u16x8_le((v128_t)level, (v128_t)limit);
 }
 
-/* which ? x : 0 */
 static inline vh where(mask_h which, vh x)
 {
     return which & x;
 }
 
-/* which ? a : b */
 static inline vh choose_h(mask_h which, vh a, vh b)
 {
     return (vh)choose((mask)which, (vi)a, (vi)b);
@@ -432,13 +393,11 @@ static inline int any_h(mask_h which)
     return any((mask)which);
 }
 
-/* One bit per lane. */
 static inline uint32_t bits_h(mask_h which)
 {
     return wasm_i16x8_bitmask((v128_t)which);
 }
 
-/* Stores 8 pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const v128_t rg = wasm_u8x16_narrow_i16x8((v128_t)r, (v128_t)g), ba = wasm_u8x16_narrow_i16x8((v128_t)b, (v128_t)a);
@@ -446,7 +405,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     store(to + 16, (vi)wasm_i8x16_shuffle(rg, ba, 4, 12, 20, 28, 5, 13, 21, 29, 6, 14, 22, 30, 7, 15, 23, 31));
 }
 
-/* Stores 8 pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     const v128_t rg_low = wasm_i16x8_shuffle((v128_t)r, (v128_t)g, 0, 8, 1, 9, 2, 10, 3, 11);

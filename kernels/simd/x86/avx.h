@@ -1,8 +1,7 @@
-/* Operations shared by AVX2 and AVX-512. V and MM as in common.h. */
+/* Vector operations shared by AVX2 and AVX-512. */
 #ifndef FXS_AVX_H
 #define FXS_AVX_H
 
-/* Shifts per lane; a shift outside 0..31 gives 0. */
 static inline vu shift_left(vu x, vi shift)
 {
     return (vu)MM(sllv_epi32)((V)x, (V)shift);
@@ -15,9 +14,6 @@ static inline vu shift_right(vu x, vi shift)
 
 #include "wide.h"
 
-/* ---- One Gaussian ---------------------------------------------------------------------------------------------- */
-
-/* 8 words, or 16 numbers of 16 bits. */
 typedef __m256i octet;
 
 static inline void store_8(void *to, octet x)
@@ -36,13 +32,11 @@ static inline octet load_16(const int8_t *from)
     return _mm256_cvtepi8_epi16(_mm_loadu_si128((const __m128i *)(const void *)from));
 }
 
-/* negative ? x - from : x + from */
 static inline octet add_16(octet x, const int8_t *from, int negative)
 {
     return _mm256_add_epi16(x, _mm256_sign_epi16(load_16(from), _mm256_set1_epi16(negative ? -1 : 1)));
 }
 
-/* sum[i] = x[i][0] y[0] + x[i][1] y[1] + ... */
 static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
 {
     int32_t sums[4];
@@ -55,8 +49,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = sums[i];
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is taken from a 16-bit window and shifted
-   to its top. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)

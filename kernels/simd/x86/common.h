@@ -1,4 +1,4 @@
-/* Operations that take one instruction at every width. V: the intrinsics' vector type. MM(name): the intrinsic. */
+/* Vector operations that take one instruction at every x86 width. V is the vector type; MM(name) is the intrinsic. */
 #ifndef FXS_X86_COMMON_H
 #define FXS_X86_COMMON_H
 
@@ -21,26 +21,22 @@ static inline vi most(vi a, vi b)
     return (vi)MM(max_epi32)((V)a, (V)b);
 }
 
-/* ---- Numbers of 16 bits ---------------------------------------------------------------------------------------- */
-
 static inline vh all_h(int x)
 {
     return (vh)MM(set1_epi16)((int16_t)x);
 }
 
-/* fxs_mul_q15, except that -32768 squared is -32768. */
+/* Rounded Q15 product; -32768 squared is -32768. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)MM(mulhrs_epi16)((V)a, (V)b);
 }
 
-/* a b + c; must fit in 16 bits. */
 static inline vh mul_add_h(vh a, vh b, vh c)
 {
     return mul_h(a, b) + c;
 }
 
-/* a b + c, saturated. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
     return (vh)MM(adds_epi16)((V)c, (V)mul_h(a, b));
@@ -56,16 +52,13 @@ static inline vh most_h(vh a, vh b)
     return (vh)MM(max_epi16)((V)a, (V)b);
 }
 
-/* Levels are unsigned here. The C version saturates a coordinate to -32767, with square 32766; a vector has -32768,
-   with square 32768. Levels saturate at 65535, not 32767. All these values are above every limit, so the pixel gets no
-   weight in either version. */
+/* Levels are -2 ln(alpha). Sums saturate at 65535, in the C version at 32767; both are above every limit. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)MM(adds_epu16)((V)a, (V)b);
 }
 
-/* Interleaves four channels to pixels of 8 bits per channel, saturated. Within each 128 bits: first four pixels in
-   fours[0], the other four in fours[1]. */
+/* Interleaves four channels to pixels of 8 bits per channel, saturated, four pixels per 128 bits. */
 static inline void mix_bytes(V fours[2], vh r, vh g, vh b, vh a)
 {
     const V rb = MM(packus_epi16)((V)r, (V)b), ga = MM(packus_epi16)((V)g, (V)a);
@@ -74,7 +67,6 @@ static inline void mix_bytes(V fours[2], vh r, vh g, vh b, vh a)
     fours[1] = MM(unpackhi_epi16)(rg, ba);
 }
 
-/* The same for 16 bits per channel, two pixels per 128 bits. */
 static inline void mix_words(V twos[4], vh r, vh g, vh b, vh a)
 {
     const V rg_low = MM(unpacklo_epi16)((V)r, (V)g), rg_high = MM(unpackhi_epi16)((V)r, (V)g);
@@ -85,7 +77,7 @@ static inline void mix_words(V twos[4], vh r, vh g, vh b, vh a)
     twos[3] = MM(unpackhi_epi32)(rg_high, ba_high);
 }
 
-/* a >> 11 and b >> 11, saturated to 16 bits. Longer vectors alternate four of a and four of b. */
+/* Packs a >> 11 and b >> 11 to 16 bits. Vectors beyond 128 bits alternate four numbers of a and four of b. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)MM(packs_epi32)((V)((vi)a_q24 >> 11), (V)((vi)b_q24 >> 11));

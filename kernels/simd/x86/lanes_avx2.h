@@ -1,4 +1,4 @@
-/* 8 lanes of 32 bits in AVX2. */
+/* Vector operations of 8 lanes with AVX2. vectors.h describes the operations. */
 #ifndef FXS_LANES_AVX2_H
 #define FXS_LANES_AVX2_H
 
@@ -9,7 +9,7 @@
 #include <fixsplat/internal/stage.h>
 #include "common.h"
 
-typedef vi mask;                   /* -1 or 0 */
+typedef vi mask;
 
 static inline vi load_u16(const uint16_t *from)
 {
@@ -21,14 +21,13 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
 }
 
-/* The four words at from + stride * at[0], from + stride * at[4], ... */
+/* Loads the four words at from + stride * at[i] for i = 0 and 4. */
 static inline __m256i every_fourth(const int32_t *from, int stride, const int32_t *at)
 {
     return _mm256_loadu2_m128i((const __m128i *)(const void *)(from + stride * at[4]),
                                (const __m128i *)(const void *)(from + stride * at[0]));
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     __m256i low = _mm256_unpacklo_epi32((__m256i)a, (__m256i)b), high = _mm256_unpackhi_epi32((__m256i)a, (__m256i)b);
@@ -48,7 +47,6 @@ static inline unsigned bits(mask which)
     return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(words, _mm_setzero_si128()));
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const __m256 low = (__m256)load(from), high = (__m256)load((const __m256i *)from + 1);
@@ -56,7 +54,6 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm256_permute4x64_epi64((__m256i)_mm256_shuffle_ps(low, high, 0xdd), 0xd8);
 }
 
-/* Stores the lanes of `which`, in order, without gaps. Always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     unsigned low = bits(which) & 15, high = bits(which) >> 4;
@@ -82,8 +79,7 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)which);
 }
 
-/* Leading zeros; 32 for 0. Looks up each half byte in a table, then combines: a lower part counts if the upper one is
-   0. */
+/* Counts leading zeros of half bytes with a table. */
 static inline vi clz(vu x)
 {
     const __m128i table = _mm_setr_epi8(4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -101,7 +97,7 @@ static inline vi clz(vu x)
     return (vi)_mm256_add_epi32(high, low);
 }
 
-/* Even lanes of a, odd lanes of b. */
+/* Returns the even lanes of a and the odd lanes of b. */
 static inline vu interleave(vw a, vw b)
 {
     return (vu)_mm256_blend_epi32((__m256i)a, (__m256i)b, 0xaa);
@@ -126,7 +122,6 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     const __m128i *four = (const __m128i *)(const void *)rows + first / 4;
@@ -141,11 +136,8 @@ static inline void transpose(octet out[4], const vi rows[8], int first)
     out[3] = _mm256_unpackhi_epi64(c, d);
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
+typedef vh mask_h;
 
-typedef vh mask_h;                 /* -1 or 0 */
-
-/* Pixels that are still open. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return (mask_h)_mm256_cmpgt_epi16((__m256i)transmittance_q15, _mm256_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -161,7 +153,6 @@ static inline int any_h(mask_h which)
     return !_mm256_testz_si256((__m256i)which, (__m256i)which);
 }
 
-/* which ? x : 0 */
 static inline vh where(mask_h which, vh x)
 {
     return which & x;
@@ -172,13 +163,11 @@ static inline mask_h greater_h(vh a, vh b)
     return (mask_h)_mm256_cmpgt_epi16((__m256i)a, (__m256i)b);
 }
 
-/* which ? a : b */
 static inline vh choose_h(mask_h which, vh a, vh b)
 {
     return (vh)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)which);
 }
 
-/* One bit per lane. */
 static inline uint32_t bits_h(mask_h which)
 {
     const __m256i bytes = _mm256_packs_epi16((__m256i)which, (__m256i)which);
@@ -186,13 +175,13 @@ static inline uint32_t bits_h(mask_h which)
     return (bits & 0xff) | (bits >> 8 & 0xff00);
 }
 
-/* x * column + y * row, for columns 0, 1, 4 and 5. */
+/* Returns x * column + y * row for columns 0, 1, 4 and 5 of a patch. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm256_setr_epi32(0, 0, 1, 1, 4, 4, 5, 5) + y * (vu)_mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1);
 }
 
-/* Interleaves two rows, so that an entry's levels are adjacent. */
+/* Interleaves pairs of rows, so that the levels of a splat are adjacent. */
 static inline void order_levels(vh levels_q11[FXS_TILE])
 {
     for (int row = 0; row < FXS_TILE; row += 2) {
@@ -202,14 +191,13 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Levels of an entry, column by column, from ordered levels of a patch's rows. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int32_t *pairs = (const int32_t *)(levels_q11 + (entry >> 2 & 1)) + (entry >> 3) * 4 + (entry & 3);
     return (vh)_mm256_set1_epi32(*pairs);
 }
 
-/* Columns of two pixels to rows of eight; columns_of is the inverse. */
+/* Reorders pixels from columns of two to rows of eight. */
 static inline vh rows_of(vh columns)
 {
     const __m256i by_row = _mm256_setr_epi64x(0x0d0c090805040100, 0x0f0e0b0a07060302, 0x0d0c090805040100,
@@ -224,14 +212,13 @@ static inline vh columns_of(vh rows)
     return (vh)_mm256_shuffle_epi8(_mm256_permute4x64_epi64((__m256i)rows, 0xd8), by_column);
 }
 
-/* Stores the lower halves of x and y, then `apart` bytes on the upper halves. */
+/* Stores the lower halves at `to`, and the upper halves `apart` bytes later. */
 static inline void store_halves(unsigned char *to, size_t apart, __m256i x, __m256i y)
 {
     _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permute2x128_si256(x, y, 0x20));
     _mm256_storeu_si256((__m256i *)(void *)(to + apart), _mm256_permute2x128_si256(x, y, 0x31));
 }
 
-/* Stores 16 pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m256i fours[2];
@@ -239,7 +226,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     store_halves(to, 32, fours[0], fours[1]);
 }
 
-/* Stores 16 pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m256i twos[4];

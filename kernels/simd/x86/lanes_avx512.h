@@ -1,4 +1,4 @@
-/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD). */
+/* Vector operations of 16 lanes with AVX-512 (F, BW, DQ, VL, CD). vectors.h describes the operations. */
 #ifndef FXS_LANES_AVX512_H
 #define FXS_LANES_AVX512_H
 
@@ -21,7 +21,7 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm512_cvtepi8_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
 }
 
-/* The four words at from + stride * at[0], from + stride * at[4], ... */
+/* Loads the four words at from + stride * at[i] for i = 0, 4, 8 and 12. */
 static inline __m512i every_fourth(const int32_t *from, int stride, const int32_t *at)
 {
     __m256i low = _mm256_loadu2_m128i((const __m128i *)(const void *)(from + stride * at[4]),
@@ -31,7 +31,6 @@ static inline __m512i every_fourth(const int32_t *from, int stride, const int32_
     return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
@@ -40,7 +39,6 @@ static inline void store_pairs(void *to, vi a, vi b)
     _mm512_storeu_si512((__m512i *)to + 1, _mm512_permutex2var_epi32((__m512i)a, high, (__m512i)b));
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
@@ -49,7 +47,6 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm512_permutex2var_epi32(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high);
 }
 
-/* Stores the lanes of `which`, in order, without gaps. Always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(which, (__m512i)x));
@@ -80,13 +77,11 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm512_mask_mov_epi32((__m512i)b, which, (__m512i)a);
 }
 
-/* Leading zeros; 32 for 0. */
 static inline vi clz(vu x)
 {
     return (vi)_mm512_lzcnt_epi32((__m512i)x);
 }
 
-/* Even lanes of a, odd lanes of b. */
 static inline vu interleave(vw a, vw b)
 {
     return (vu)_mm512_mask_mov_epi32((__m512i)a, 0xaaaa, (__m512i)b);
@@ -104,12 +99,11 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* Transposes lanes first to first + 3 of 8 vectors; `first` is a constant. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     const __m512i two = first < 8 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11)
                                   : _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-    __m512i fours[2][4];           /* four words of one lane in each 128 bits */
+    __m512i fours[2][4];
     for (int i = 0; i < 2; i++) {
         const __m512i *four = (const __m512i *)(const void *)rows + 4 * i;
         const __m512i a = _mm512_unpacklo_epi32(four[0], four[1]), b = _mm512_unpacklo_epi32(four[2], four[3]);
@@ -125,11 +119,8 @@ static inline void transpose(octet out[4], const vi rows[8], int first)
     }
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
-
 typedef __mmask32 mask_h;
 
-/* Pixels that are still open. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return _mm512_cmpgt_epi16_mask((__m512i)transmittance_q15, _mm512_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -145,7 +136,6 @@ static inline int any_h(mask_h which)
     return which != 0;
 }
 
-/* which ? x : 0 */
 static inline vh where(mask_h which, vh x)
 {
     return (vh)_mm512_maskz_mov_epi16(which, (__m512i)x);
@@ -156,26 +146,23 @@ static inline mask_h greater_h(vh a, vh b)
     return _mm512_cmpgt_epi16_mask((__m512i)a, (__m512i)b);
 }
 
-/* which ? a : b */
 static inline vh choose_h(mask_h which, vh a, vh b)
 {
     return (vh)_mm512_mask_mov_epi16((__m512i)b, which, (__m512i)a);
 }
 
-/* One bit per lane. */
 static inline uint32_t bits_h(mask_h which)
 {
     return which;
 }
 
-/* x * column + y * row, for columns 0, 2, 4 and 6. */
+/* Returns x * column + y * row for columns 0, 2, 4 and 6 of a patch. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm512_setr_epi32(0, 0, 0, 0, 2, 2, 2, 2, 4, 4, 4, 4, 6, 6, 6, 6) +
            y * (vu)_mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
-/* Interleaves four rows, so that an entry's levels are adjacent. */
 static inline void order_levels(vh levels_q11[FXS_TILE])
 {
     for (int row = 0; row < FXS_TILE; row += 4) {
@@ -189,14 +176,13 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Levels of an entry, column by column, from ordered levels of a patch's rows. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int64_t *fours = (const int64_t *)(levels_q11 + (entry >> 1 & 3)) + (entry >> 3) * 2 + (entry & 1);
     return (vh)_mm512_set1_epi64(*fours);
 }
 
-/* Columns of four pixels to rows of eight; columns_of is the inverse. */
+/* Reorders pixels from columns of four to rows of eight. */
 static inline vh rows_of(vh columns)
 {
     const __m512i from = _mm512_setr_epi64(0x000c000800040000, 0x001c001800140010, 0x000d000900050001,

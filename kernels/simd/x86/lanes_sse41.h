@@ -1,4 +1,4 @@
-/* 4 lanes of 32 bits in SSE4.1. */
+/* Vector operations of 4 lanes with SSE4.1. vectors.h describes the operations. */
 #ifndef FXS_LANES_SSE41_H
 #define FXS_LANES_SSE41_H
 
@@ -10,7 +10,7 @@
 #include <fixsplat/internal/stage.h>
 #include "common.h"
 
-typedef vi mask;                   /* -1 or 0 */
+typedef vi mask;
 
 static inline vi load_u16(const uint16_t *from)
 {
@@ -24,20 +24,17 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm_cvtepi8_epi32(_mm_cvtsi32_si128(four));
 }
 
-/* The four words at from + stride * at[0]. */
 static inline __m128i every_fourth(const int32_t *from, int stride, const int32_t *at)
 {
     return (__m128i)load(from + stride * at[0]);
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     store(to, (vi)_mm_unpacklo_epi32((__m128i)a, (__m128i)b));
     store((int32_t *)to + 4, (vi)_mm_unpackhi_epi32((__m128i)a, (__m128i)b));
 }
 
-/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const __m128 low = (__m128)load(from), high = (__m128)load((const int32_t *)from + 4);
@@ -55,7 +52,6 @@ static inline unsigned bits(mask which)
     return (unsigned)_mm_movemask_ps((__m128)which);
 }
 
-/* Stores the lanes of `which`, in order, without gaps. Always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     const __m128i order = _mm_load_si128((const __m128i *)(const void *)compress_order[bits(which)]);
@@ -77,8 +73,8 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
 }
 
-/* Leading zeros; 32 for 0. Reads the exponent of x as a float. Clearing the 8th bit below the highest stops rounding
-   from carrying into the exponent. From 2^31 on the float is negative. */
+/* Reads leading zeros from the exponent of x as a float. Clearing the 8th bit below the highest stops rounding from
+   carrying into the exponent. From 2^31 on, the float is negative. */
 static inline vi clz(vu x)
 {
     const __m128i kept = _mm_andnot_si128((__m128i)(x >> 8), (__m128i)x);
@@ -86,7 +82,6 @@ static inline vi clz(vu x)
     return least(most((vi)(158 - exponent), all(0)), all(32));
 }
 
-/* Even lanes of a, odd lanes of b. */
 static inline vu interleave(vw a, vw b)
 {
     return (vu)_mm_blend_epi16((__m128i)a, (__m128i)b, 0xcc);
@@ -111,8 +106,8 @@ static inline vw magnitude_64(vw x)
     return (x ^ sign) - sign;
 }
 
-/* Shifts per lane; a shift outside 0..31 gives 0. Shifts left by multiplying with 2^shift, built in the exponent of a
-   float. 2^31 overflows an int, and the conversion returns 2^31 for this. */
+/* Shifts left per lane by a product with 2^shift, built in the exponent of a float. The conversion of 2^31
+   overflows, but returns 2^31. */
 static inline vu shift_left(vu x, vi shift)
 {
     const __m128i power = _mm_cvttps_epi32(_mm_castsi128_ps((__m128i)((shift << 23) + (127 << 23))));
@@ -120,7 +115,6 @@ static inline vu shift_left(vu x, vi shift)
     return (vu)_mm_mullo_epi32((__m128i)x, _mm_and_si128(power, (__m128i)in_range));
 }
 
-/* Four shifts by one number each for all lanes. The shift count is 64 bits; counts from 32 on give 0. */
 static inline vu shift_right(vu x, vi shift)
 {
     const __m128i zero = _mm_setzero_si128(), low = _mm_unpacklo_epi32((__m128i)shift, zero);
@@ -132,9 +126,6 @@ static inline vu shift_right(vu x, vi shift)
 
 #include "wide.h"
 
-/* ---- One Gaussian ---------------------------------------------------------------------------------------------- */
-
-/* 8 words, or 16 numbers of 16 bits. */
 typedef struct octet {
     __m128i low, high;
 } octet;
@@ -151,7 +142,6 @@ static inline void store_6(void *to, octet x)
     _mm_storel_epi64((__m128i *)to + 1, x.high);
 }
 
-/* Transposes 4x4 words. */
 static inline void transpose_4(__m128i out[4], const vi rows[4])
 {
     const __m128i a = _mm_unpacklo_epi32((__m128i)rows[0], (__m128i)rows[1]);
@@ -164,11 +154,10 @@ static inline void transpose_4(__m128i out[4], const vi rows[4])
     out[3] = _mm_unpackhi_epi64(c, d);
 }
 
-/* Transposes lanes first to first + 3 of 8 vectors. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     __m128i low[4], high[4];
-    (void)first;                   /* always 0 */
+    (void)first;
     transpose_4(low, rows);
     transpose_4(high, rows + 4);
     for (int i = 0; i < 4; i++)
@@ -181,7 +170,6 @@ static inline octet load_16(const int8_t *from)
     return (octet){_mm_cvtepi8_epi16(x), _mm_cvtepi8_epi16(_mm_srli_si128(x, 8))};
 }
 
-/* negative ? x - from : x + from */
 static inline octet add_16(octet x, const int8_t *from, int negative)
 {
     const __m128i sign = _mm_set1_epi16(negative ? -1 : 1);
@@ -190,13 +178,11 @@ static inline octet add_16(octet x, const int8_t *from, int negative)
                    _mm_add_epi16(x.high, _mm_sign_epi16(entry.high, sign))};
 }
 
-/* x[0] y[0] + x[1] y[1] + ..., in four parts */
 static inline __m128i products(octet x, octet y)
 {
     return _mm_add_epi32(_mm_madd_epi16(x.low, y.low), _mm_madd_epi16(x.high, y.high));
 }
 
-/* sum[i] = x[i][0] y[0] + x[i][1] y[1] + ... */
 static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
 {
     int32_t sums[4];
@@ -206,8 +192,6 @@ static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
         sum[i] = sums[i];
 }
 
-/* Expands 15 codes of 3 bits, lowest first, to odd numbers -7 to 7. Each code is taken from a 16-bit window and shifted
-   to its top. */
 static inline octet odd_numbers(uint64_t codes)
 {
 #define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)
@@ -226,11 +210,8 @@ static inline octet odd_numbers(uint64_t codes)
     return (octet){_mm_or_si128(_mm_add_epi16(a, a), one), _mm_or_si128(_mm_add_epi16(b, b), one)};
 }
 
-/* ---- Pixels ---------------------------------------------------------------------------------------------------- */
+typedef vh mask_h;
 
-typedef vh mask_h;                 /* -1 or 0 */
-
-/* Pixels that are still open. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return (mask_h)_mm_cmpgt_epi16((__m128i)transmittance_q15, _mm_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -241,7 +222,6 @@ static inline mask_h within(vh level, vh limit)
     return (mask_h)_mm_cmpeq_epi16(_mm_min_epu16((__m128i)level, (__m128i)limit), (__m128i)level);
 }
 
-/* which ? x : 0 */
 static inline vh where(mask_h which, vh x)
 {
     return which & x;
@@ -252,7 +232,6 @@ static inline mask_h greater_h(vh a, vh b)
     return (mask_h)_mm_cmpgt_epi16((__m128i)a, (__m128i)b);
 }
 
-/* which ? a : b */
 static inline vh choose_h(mask_h which, vh a, vh b)
 {
     return (vh)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
@@ -263,13 +242,11 @@ static inline int any_h(mask_h which)
     return !_mm_testz_si128((__m128i)which, (__m128i)which);
 }
 
-/* One bit per lane. */
 static inline uint32_t bits_h(mask_h which)
 {
     return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)which, _mm_setzero_si128()));
 }
 
-/* Stores 8 pixels, saturated to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m128i fours[2];
@@ -277,7 +254,6 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     memcpy(to, fours, sizeof fours);
 }
 
-/* Stores 8 pixels, 16 bits per channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
     __m128i twos[4];

@@ -1,13 +1,13 @@
-/* sort: distributes the keys to buckets by the top digit of their range. Then it sorts as many buckets as fit in 8
- * vectors in registers: it sorts each lane across the vectors, transposes lanes to vectors, and merges the vectors
- * pairwise. */
+/* Sorts 64-bit keys. The keys are distributed to buckets by the top digit of their range. As many buckets as fit in
+ * 8 vectors are sorted together: each lane is sorted across the vectors, lanes are transposed to vectors, and the
+ * vectors are merged pairwise. */
 #include "lanes_avx512.h"
 #include "kernels/simd/lanes/stages.h"
 #include "src/core/memory.h"
 
-#define KEYS 8u                    /* per vector */
+#define KEYS 8u
 #define FEW (8 * KEYS)
-#define MOST_BITS 11               /* largest digit */
+#define MOST_BITS 11               /* most bits of a digit */
 
 static inline void put_in_order(__m512i *low, __m512i *high)
 {
@@ -16,7 +16,7 @@ static inline void put_in_order(__m512i *low, __m512i *high)
     *low = first;
 }
 
-/* Sorts each lane of 8 vectors, with Batcher's network. */
+/* Sorts each lane of 8 vectors with Batcher's sorting network. */
 static inline void sort_lanes(__m512i x[8])
 {
     static const unsigned char steps[19][2] = {
@@ -43,7 +43,7 @@ static inline void transpose_keys(__m512i x[8])
         x[i] = y[i];
 }
 
-/* Sorts a bitonic vector: one part rises, the other falls. */
+/* Sorts a bitonic vector, which rises in one part and falls in the other. */
 static inline __m512i merge_within(__m512i x)
 {
     __m512i other = _mm512_shuffle_i64x2(x, x, 0x4e);
@@ -70,7 +70,6 @@ static inline __attribute__((always_inline)) void merge_runs(__m512i *x, int hal
         x[i] = merge_within(x[i]);
 }
 
-/* Sorts 1 to FEW keys into `to`. */
 static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
 {
     const __m512i none = _mm512_set1_epi64(-1);
@@ -89,8 +88,7 @@ static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
         _mm512_mask_storeu_epi64(to + i * KEYS, (__mmask8)(there >> i * KEYS), x[i]);
 }
 
-/* Smallest and largest of more than FEW keys; the last vector may overlap. Also prefetches `spare`, which is written
-   next. */
+/* Finds the range of the keys, and prefetches `spare`, which is written next. */
 static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t count, fxs_key *least, fxs_key *most)
 {
     __m512i low = _mm512_loadu_si512(keys + count - KEYS), high = low;
@@ -104,7 +102,6 @@ static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t 
     *most = _mm512_reduce_max_epu64(high);
 }
 
-/* Moves keys to their buckets in `spare`. ends: end of each bucket. */
 static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t count, fxs_key least, int shift,
                                    uint32_t buckets, uint32_t *ends)
 {
@@ -120,7 +117,6 @@ static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t
         spare[ends[(keys[i] - least) >> shift]++] = keys[i];
 }
 
-/* A bucket with more than FEW keys is sorted recursively; its range is at least `bits` bits smaller. */
 FXS_SORT(avx512)
 {
     uint32_t ends[1 << MOST_BITS], start = 0, end;

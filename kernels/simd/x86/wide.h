@@ -1,5 +1,4 @@
-/* 64-bit numbers and other operations shared by all x86 vectors. They are made of operations that differ by instruction
- * set; include these first. */
+/* 64-bit numbers and other operations of all x86 vectors. Include the operations of an instruction set first. */
 #ifndef FXS_X86_WIDE_H
 #define FXS_X86_WIDE_H
 
@@ -13,7 +12,6 @@ static inline wide mul_wide(vi a, vi b)
     return (wide){(vw)MM(mul_epi32)((V)a, (V)b), (vw)MM(mul_epi32)((V)((vw)a >> 32), (V)((vw)b >> 32))};
 }
 
-/* Products of the low halves. */
 static inline vw mul_low(vw a, vw b)
 {
     return (vw)MM(mul_epu32)((V)a, (V)b);
@@ -39,13 +37,11 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.even << shift, x.odd << shift};
 }
 
-/* a | abs(b) */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.even | magnitude_64(b.even), a.odd | magnitude_64(b.odd)};
 }
 
-/* Bits shift to shift + 31 of each number; shift is a constant, 1 to 31. */
 static inline vu narrow(wide x, const int shift)
 {
     return interleave(x.even >> shift, x.odd << (32 - shift));
@@ -61,26 +57,22 @@ static inline vu high_half(wide x)
     return interleave(x.even >> 32, x.odd);
 }
 
-/* x * 2^-shift, rounded to nearest; large shifts give 0. shift > 0. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (shift_right(x, shift - 1) + 1) >> 1;
 }
 
-/* x * 2^-shift, rounded down; must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     vw odd = (vw)shift >> 32, even = ((vw)shift << 32) >> 32;
     return (vi)low_half((wide){shift_right_64(x.even, even), shift_right_64(x.odd, odd)});
 }
 
-/* The same, rounded to nearest; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return (narrow_by(x, shift - 1) + 1) >> 1;
 }
 
-/* Leading zeros; 64 for 0. */
 static inline vi clz_wide(wide x)
 {
     const vu high = high_half(x);
@@ -88,14 +80,12 @@ static inline vi clz_wide(wide x)
     return clz((vu)choose(empty, (vi)low_half(x), (vi)high)) + choose(empty, all(32), all(0));
 }
 
-/* (x << shift) >> 32; shift in 0..63. */
 static inline vu top_half(wide x, vi shift)
 {
     const vu high = high_half(x), low = low_half(x);
     return shift_left(high, shift) | shift_right(low, 32 - shift) | shift_left(low, shift - 32);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 static inline vi round_shift(vi x, const int shift)
 {
     const int32_t half = 1 << (shift - 1);
@@ -126,19 +116,17 @@ static inline vw rsqrt_low(vw m)
     return rsqrt_step(m, rsqrt_step(m, rsqrt_step(m, y_q30)));
 }
 
-/* Result is below 2^31. */
 static inline vu reciprocal(vu m)
 {
     return interleave(reciprocal_low((vw)m), reciprocal_low((vw)m >> 32) << 32);
 }
 
-/* Result is below 2^31. */
 static inline vu rsqrt(vu m)
 {
     return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
-/* The four words at from + stride * at[lane], for each lane. Faster than gathers, and constant offsets fold. */
+/* Loads rows of four words and transposes them, which is faster than gather instructions. */
 static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
                                                              const int32_t at[LANES])
 {
@@ -152,10 +140,8 @@ static inline __attribute__((always_inline)) void load_fours(vi words[4], const 
     words[3] = (vi)MM(unpackhi_epi64)(xy, zw);
 }
 
-/* ---- PARTS vectors, and 16-bit factors for all their Gaussians --------------------------------------------------- */
-
 #define PARTS 1
-typedef vi factor;                 /* 16 bits; upper half 0 */
+typedef vi factor;                 /* 16-bit numbers in words with an upper half of 0 */
 
 static inline factor factor_of(vi first, vi last)
 {
@@ -163,7 +149,6 @@ static inline factor factor_of(vi first, vi last)
     return first & 65535;
 }
 
-/* sum += codes * x, one code per Gaussian */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += (vi)MM(madd_epi16)((V)load_i8(codes), (V)x);
