@@ -1,4 +1,5 @@
-/* Saves a fit as 32-bit little-endian words. A single function, walk, both writes and reads, so that the two agree. */
+/* Saves and resumes a fit as 32-bit little-endian words. The walk functions both read and write, so that the two
+ * directions agree. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,20 +11,20 @@
 #include "coarse.h"
 #include "random.h"
 
-#define MAGIC 0x74696678u          /* "xfit" */
-#define END 0x646e6578u            /* "xend"; followed by the checksum of all words before it */
+#define MAGIC 0x74696678u          /* "xfit" in ASCII */
+#define END 0x646e6578u            /* "xend" in ASCII */
 
-/* Increases with every change to a fit's computation: a fit resumed from an older file would end differently. */
-#define VERSION 13u                /* the version in a file also encodes options: see version_of */
+/* Must increase with every change to a fit's computation, because a resumed fit would end differently. */
+#define VERSION 13u                /* a file's version also encodes options, see version_of */
 
 typedef struct archive {
-    fxs_output *output;            /* null: reading */
+    fxs_output *output;            /* null: reads */
     FILE *input;
-    uint64_t size, fetched;        /* input bytes; bytes fetched into the buffer so far */
-    uint64_t checksum;             /* checksum of the words so far */
-    const char *fault;             /* first fault; from then on words read as 0 and nothing is written */
-    int error;                     /* the code of that fault */
-    size_t at, end;                /* position and end in the buffer, bytes */
+    uint64_t size, fetched;        /* bytes of the input; bytes read so far */
+    uint64_t checksum;
+    const char *fault;             /* first fault; afterwards words read as 0 and nothing is written */
+    int error;
+    size_t at, end;                /* bytes of the buffer */
     uint8_t buffer[1 << 16];
 } archive;
 
@@ -40,9 +41,7 @@ static void damaged(archive *a, const char *fault)
     fail(a, FXS_ERR_FILE, fault);
 }
 
-/* ---- Words ------------------------------------------------------------------------------------------------------- */
-
-/* Writes the buffer. fxs_output_close reports errors. */
+/* fxs_output_close reports errors. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -102,7 +101,7 @@ static void floats(archive *a, float *values, size_t count)
     }
 }
 
-/* Before an allocation: checks that the file still has `count` items of `words` words. */
+/* Before an allocation: checks that the file has `count` more items of `words` words. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
     const uint64_t passed = a->fetched - (a->end - a->at);
@@ -111,14 +110,14 @@ static int holds(archive *a, uint64_t count, uint64_t words)
     return !a->fault;
 }
 
-/* The version for these options. A fit that uses only older options can be read by an older fixsplat. */
+/* The version also encodes newer options, so that an older fixsplat can read a fit without them. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
     return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
            12 * (uint32_t)(o->sky > 0);
 }
 
-/* Sets the options that a version encodes. Returns whether the version is valid. */
+/* Sets the options that a version encodes. Returns true if the version is valid. */
 static int take_version(fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
@@ -127,8 +126,6 @@ static int take_version(fxs_fit_options *o, uint32_t version)
     o->sky = (version - VERSION) / 12 % 2;
     return version == version_of(o);
 }
-
-/* ---- Contents ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t fingerprint(const fxs_fit *f)
 {
@@ -153,7 +150,7 @@ static uint64_t fingerprint(const fxs_fit *f)
     return sum;
 }
 
-/* Keys of the cameras. A resumed fit gets its cameras from the photographs; a coarse fit has only the keys. */
+/* A resumed fit has cameras from its photographs. A coarse fit gets only their keys. */
 static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
 {
     uint64_t count = f->count;
@@ -172,7 +169,7 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
     }
 }
 
-/* Reads or writes a number; a fault if it is not from `low` to `high`. */
+/* Reads or writes a number, which must be in low..high. */
 static uint32_t within(archive *a, uint32_t value, uint32_t low, uint32_t high)
 {
     number(a, &value);
@@ -197,7 +194,7 @@ static void walk_options(archive *a, fxs_fit_options *o)
         o->sky = within(a, o->sky, 1, FXS_FIT_SKY_MOST);
 }
 
-/* Checks ranges that later computations rely on. Fits stay well within them (FXS_FIT_FARTHEST). */
+/* Checks ranges that later computations rely on. A fit's own parameters stay well inside. */
 static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
 {
     for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
@@ -228,7 +225,6 @@ static void walk_model(archive *a, fxs_fit_model *m)
     check_parameters(a, m, m->parameters);
 }
 
-/* Visitors for fxs_fit_profile_walk: blocks of floats, and of bytes. */
 static int masters_block(void *argument, void *block, size_t bytes)
 {
     floats(argument, block, bytes / sizeof(float));
@@ -249,7 +245,6 @@ static int bytes_block(void *argument, void *block, size_t bytes)
     return 0;
 }
 
-/* The state of the last tenth of the steps: see profile.h. */
 static void walk_profile(archive *a, fxs_fit *f)
 {
     const uint32_t begun = within(a, f->profile.chunks != NULL, 0, 1);
@@ -266,7 +261,7 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* Exposures of the photographs. A coarse fit has no photographs; it has as many exposures as cameras. */
+/* A coarse fit has no photographs, but an exposure for each camera. */
 static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->gains.of / sizeof(float) };
@@ -290,7 +285,6 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Poses of the photographs' cameras; as many as exposures. */
 static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->poses.of / sizeof(float) };
@@ -314,7 +308,7 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* The unit of sizes of a fit with a sky (distant.h). */
+/* Only a fit with a sky has its own unit of sizes. */
 static void walk_far(archive *a, fxs_fit *f)
 {
     fxs_fit_far *far = &f->far;
@@ -328,8 +322,8 @@ static void walk_far(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
-   Add new fields of a fit here. */
+/* Walks all data that a step changes and the next step needs, except data that follow from the options and the
+   step's number. Add new fields of a fit here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
@@ -341,7 +335,6 @@ static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     walk_poses(a, f, coarse);
 }
 
-/* The end mark, and the checksum of all words before it. */
 static void walk_end(archive *a)
 {
     uint32_t end = END;
@@ -353,9 +346,7 @@ static void walk_end(archive *a)
         damaged(a, "its checksum is not right");
 }
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
-/* Writes the fit. It stays unchanged, because `a` has an output. */
+/* `f` stays unchanged, because `a` has an output. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);
@@ -393,8 +384,6 @@ int fxs_fit_save(fxs_fit *f, const char *path, fxs_message *message)
     return error;
 }
 
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
-
 static int open_input(archive *a, const char *path, fxs_message *message)
 {
     fxs_file_facts facts;
@@ -404,7 +393,6 @@ static int open_input(archive *a, const char *path, fxs_message *message)
     return 0;
 }
 
-/* Reads the header and the options. Returns 0, or an error and a message. */
 static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs_message *message)
 {
     uint32_t magic, version;
@@ -418,7 +406,7 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
 
-/* `coarse`: null, or the coarse fit that `f` belongs to. */
+/* coarse null: resumes a fit. Else `f` belongs to this coarse fit. */
 static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *coarse, fxs_message *message)
 {
     uint64_t photographs = 0;

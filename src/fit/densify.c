@@ -18,7 +18,7 @@ static int by_gradient(const void *a, const void *b)
                                       : (p->index > q->index) - (p->index < q->index);
 }
 
-/* Limits growth to the `room` candidates with the largest gradients; ties go to the lower index. */
+/* Lets only the `room` candidates with the largest gradients grow. Of equal gradients, the lower index wins. */
 static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fates, size_t grown, size_t room)
 {
     wanted *all_wanted = malloc(grown * sizeof *all_wanted);
@@ -35,7 +35,7 @@ static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fate
     return 0;
 }
 
-/* The Gaussians that stay come first, then clones and pairs of children in the order of their sources. */
+/* Gaussians that stay come first, then clones and pairs of children in the order of their sources. */
 static size_t set_origins(const uint8_t *fates, size_t count, fxs_fit_origin *origins, size_t *kept)
 {
     size_t n = 0;

@@ -1,5 +1,5 @@
-/* The loss between a picture and its photograph (L1 and SSIM, src/fit/loss.h), the pixels' gradients, the report, and
-   averaging down of photographs. */
+/* The loss between a rendered picture and its photograph (L1 and SSIM, src/fit/loss.h) and its gradient by the
+ * pixels. */
 #ifndef FXS_CUDA_FIT_LOSS_CUH
 #define FXS_CUDA_FIT_LOSS_CUH
 
@@ -10,8 +10,8 @@ namespace {
 #include "src/fit/loss.h"
 #undef static
 
-/* A block of threads has a SQUARE x SQUARE tile of the picture, plus a margin of REACH for the windows. A thread
-   computes RUN adjacent outputs along a row or column, so that each input is loaded once for all of them. */
+/* A block of threads computes SQUARE x SQUARE pixels from a patch with a margin of REACH pixels for SSIM's windows.
+   A thread computes RUN adjacent outputs, so that each input is loaded only once. */
 const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
 const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* odd pitches avoid bank conflicts */
 const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
@@ -21,7 +21,7 @@ typedef float column_sums[PATCH][COLUMNS_PITCH];
 
 /* A thread's run of outputs, down a column. */
 struct loss_place {
-    int x, y;                      /* first output, in the square */
+    int x, y;                      /* first output of the run, relative to the square */
     int left, top;                 /* first pixel of the square */
 };
 
@@ -31,31 +31,31 @@ __device__ inline loss_place place_of_run()
             (int)blockIdx.y * SQUARE};
 }
 
-/* A photograph on the device: red, green, blue; mask with one byte per pixel, or null. */
+/* Photograph in device memory: red, green and blue bytes; a mask byte per pixel, or null. */
 struct loss_photograph {
     const uint8_t *pixels, *mask;
 };
 
-/* A byte of the photograph as 0 to 1. */
 __device__ inline float level_of_byte(uint8_t byte)
 {
     return (float)byte / 255.0f;
 }
 
-/* True if a pixel counts in the loss. Without a mask the check compiles away. */
+/* True if the mask lets a pixel count in the loss. Without a mask the check compiles away. */
 template <bool HAS_MASK>
 __device__ inline bool counts(const loss_photograph &photograph, size_t at)
 {
     return !HAS_MASK || photograph.mask[at];
 }
 
-/* The value that the photograph would record: saturated, if there are exposures. */
+/* With exposures, saturates `a` at white, as a photograph does. */
 __device__ inline float recorded_of(const step_buffers &b, float a, float level)
 {
     return b.factors ? recorded(a, level) : a;
 }
 
-/* Calls visit(row, column in the patch, index in the picture, whether it is inside). */
+/* Calls visit(patch row, patch column, picture index, is_inside) for each pixel of the patch. is_inside: the pixel
+   is inside the picture. */
 template <class Visit>
 __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
 {
@@ -66,7 +66,7 @@ __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p,
     }
 }
 
-/* Sums of RUN windows with consecutive starts. */
+/* Sums RUN windows with consecutive starts. */
 template <class Number>
 __device__ inline void window_sums(Number number, float out[RUN])
 {
@@ -79,7 +79,7 @@ __device__ inline void window_sums(Number number, float out[RUN])
         out[k] = window_sum(numbers + k + REACH, 1);
 }
 
-/* Calls put(row, first column) for each run of outputs along a patch's rows. */
+/* Calls put(row, first column) for each run of RUN outputs in a patch. */
 template <class Put>
 __device__ inline void visit_runs(Put put)
 {
@@ -87,8 +87,6 @@ __device__ inline void visit_runs(Put put)
     for (int i = (int)threadIdx.x; i < PATCH * runs; i += (int)LOSS_THREADS)
         put(i / runs, i % runs * RUN);
 }
-
-/* ---- SSIM and its derivatives ------------------------------------------------------------------------------------ */
 
 __device__ inline void sum_rows(const patch a, const patch b, column_sums *rows)
 {
@@ -144,9 +142,7 @@ find_derivatives(step_buffers b, loss_photograph photograph, fxs_fit_camera came
     }
 }
 
-/* ---- The gradient ------------------------------------------------------------------------------------------------ */
-
-/* Window sums of a channel's derivatives, for a thread's run. */
+/* Sums windows over a channel's SSIM derivatives for the thread's run. */
 __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_camera &camera, const loss_place &p,
                                        size_t channel, patch *derivatives, column_sums *rows,
                                        float sums[FXS_FIT_DERIVATIVES][RUN])
@@ -195,9 +191,8 @@ find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_came
     }
 }
 
-/* ---- The report -------------------------------------------------------------------------------------------------- */
-
-/* Sum of a row by half a warp: each thread sums every 16th number, then a butterfly adds c and c + 8, + 4, + 2, + 1. */
+/* Sums a row with half a warp. Each thread sums every 16th number; then partial sums c and c + 8 are added, then c +
+   4, c + 2 and c + 1. */
 template <class Number>
 __device__ inline float row_sum(int32_t width, Number number)
 {
@@ -253,9 +248,7 @@ cudaError_t launch_loss(const step_buffers *b, loss_photograph photograph, const
                            : launch_loss_of<false>(b, photograph, camera, has_report, stream);
 }
 
-/* ---- Averaging down ---------------------------------------------------------------------------------------------- */
-
-/* Mean of divisor x divisor pixels, as average_down in src/fit/stepper.c. */
+/* Averages squares of divisor x divisor pixels, rounding to nearest. */
 __global__ void average_down(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                              uint8_t *out)
 {
@@ -271,7 +264,7 @@ __global__ void average_down(const uint8_t *full, int32_t full_width, int diviso
     out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
 }
 
-/* 1 if all of divisor x divisor pixels count, as reduce_mask in src/fit/stepper.c. */
+/* A reduced pixel counts if all its divisor x divisor pixels count. */
 __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                             uint8_t *out)
 {
@@ -286,7 +279,7 @@ __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor
     out[(size_t)y * (size_t)width + (size_t)x] = is_counted;
 }
 
-/* Averages the photograph down to the camera's size, into b->photograph, followed by its mask. */
+/* Averages a photograph down to the camera's size, into b->photograph. Points *photograph at the result. */
 cudaError_t launch_reduce(const step_buffers *b, loss_photograph *photograph, int32_t full_width, int divisor,
                           const fxs_fit_camera *camera, cudaStream_t stream)
 {
