@@ -1,5 +1,5 @@
-/* Sets the up direction and the start view of a fitted scene. The start view is the photographs' camera with the least
-   elevation angle. */
+/* Sets the up direction and the start view of a fitted scene. The start view is that of the camera nearest to
+ * horizontal. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/message.h>
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The sine of a camera's elevation angle, without sign. */
+/* Returns the sine of a camera's elevation angle, without sign. */
 static double slope_of(const fxs_file_view *view, const double up[3])
 {
     const double *forward = view->rotation + 6;

@@ -273,7 +273,7 @@ struct backward_pixel {
     float red, green, blue;
 };
 
-/* Passes the thread's pixel back through a splat. Returns h, the gradient by `level`, and the weight. */
+/* Passes the thread's pixel back through a splat. Returns h = -alpha dL/dalpha and the weight. */
 __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     backward_pixel *pixel)
 {
