@@ -1,5 +1,6 @@
-/* Reads a set of photographs (photos.h): pixels in batches on the thread pool, then the points. Sets without points
- * start with random ones in a cube around the cameras. */
+/* Reads a set of photographs: pixels in batches on the thread pool, then points. A set without points gets random
+ * ones
+ * in a cube around the cameras. */
 #include <fixsplat/photos.h>
 
 #include <math.h>
@@ -16,10 +17,8 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half the cube's side (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* random points of other scenes: side of the cube / of the cameras' box */
-
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
+#define BLENDER_HALF 1.3           /* half side of the cube for synthetic scenes (Kerbl et al. 2023) */
+#define OF_CAMERAS 3               /* side of the cube / side of the cameras' bounding box */
 
 typedef struct result {
     fxs_photo_pixels photo;
@@ -32,7 +31,7 @@ typedef struct reading {
     const fxs_view_list *views;
     const fxs_photos_options *options;
     size_t first;                  /* first photograph of the batch */
-    result *results;               /* results of the batch */
+    result *results;
 } reading;
 
 static int read_one(const reading *r, const fxs_listed_view *view, result *made)
@@ -87,7 +86,7 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     return error;
 }
 
-/* Reads the photographs of a list. For the progress: `done` of `count` photographs were read before. */
+/* Reads the photographs of a list. For progress: `done` of `count` photographs were read before. */
 static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **photos, size_t *kept, fxs_photos *all,
                     size_t done, size_t count, fxs_message *message)
 {
@@ -145,9 +144,6 @@ int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *opti
     return error;
 }
 
-/* ---- Points ------------------------------------------------------------------------------------------------------ */
-
-/* The bounding box of cameras. */
 typedef struct box {
     double low[3], high[3];
 } box;
@@ -237,8 +233,6 @@ int fxs_photos_points(const fxs_photo_list *list, const fxs_photos_options *opti
     photos->point_count = p.count;
     return error ? error : check_points(photos, &list->fit, *list->points ? list->points : list->cameras, message);
 }
-
-/* ---- All --------------------------------------------------------------------------------------------------------- */
 
 static int keep_held_out(fxs_photo_list *list, fxs_message *message)
 {
