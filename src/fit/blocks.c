@@ -14,8 +14,8 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* the outermost blocks extend this many sides of the cameras' bounding box beyond
-                                      that box */
+#define FAR 2.0                    /* sides of the cameras' bounding box by which the outermost blocks extend beyond
+                                      it */
 
 static int is_in(const float place[3], const double low[3], const double high[3])
 {
@@ -63,8 +63,7 @@ static size_t keep_inside(fxs_fit_point *points, size_t count, const fxs_fit_blo
     return kept;
 }
 
-/* Splits the bounds of all blocks, given in b, down to block `index`. Keeps the block's points in `points` and
-   returns their number. */
+/* Splits the bounds in b down to block `index`. Keeps and counts the block's points in `points`. */
 static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs_fit_point *points, size_t count,
                           float *sorted)
 {
@@ -100,10 +99,10 @@ static int is_seen(const fxs_file_view *view, const float place[3])
 typedef struct neighbourhood {
     const fxs_fit_point *points;
     size_t count;
-    double low[3], high[3];        /* bounding box, widened */
+    double low[3], high[3];
 } neighbourhood;
 
-/* Leaves out the outermost 1/64 of the points on each side, then widens the box by 0.2 of its longest side. */
+/* Leaves out 1/64 of the points on each side as outliers, then widens the box by 0.2 of its longest side. */
 static void widen(neighbourhood *n, float *sorted)
 {
     const size_t outer = n->count / 64;
@@ -139,10 +138,9 @@ static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos,
     return kept;
 }
 
-/* A byte for each photograph and point of the set: 1 if the block gets it. */
 typedef struct choice {
     uint8_t *fit, *held_out, *points;
-    fxs_fit_point *inner;          /* points within the block's bounds */
+    fxs_fit_point *inner;
     float *sorted;
 } choice;
 
@@ -297,8 +295,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. Beyond them the coarse fit's Gaussians suffice, as all cameras see them
-   from about the same side. With all cameras in one place the bounds are infinite. */
+/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse
+   fit suffices there. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;
@@ -312,7 +310,6 @@ static void bound(fxs_fit_block *b, const fxs_photos *whole)
     }
 }
 
-/* Block 0 gets the Gaussians outside of the bounds of all blocks. */
 static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8_t *chosen)
 {
     b->gaussians = malloc((whole->point_count + 1) * sizeof *b->gaussians);
@@ -360,7 +357,6 @@ static int read_chosen(fxs_fit_block *b, fxs_photo_list *list, const fxs_photos 
     return fxs_photos_pixels(list, options, p, message);
 }
 
-/* Chooses photographs before their pixels are read. */
 static int choose_of(const char *path, const fxs_photo_list *list, const fxs_photos *whole,
                      const fxs_photos_options *options, const fxs_fit_coarse *coarse, fxs_fit_block *b, choice *c,
                      fxs_message *message)

@@ -18,13 +18,13 @@
 #define VERSION 13u                /* a file's version also encodes options, see version_of */
 
 typedef struct archive {
-    fxs_output *output;            /* null: reads */
+    fxs_output *output;
     FILE *input;
-    uint64_t size, fetched;        /* bytes of the input; bytes read so far */
+    uint64_t size, fetched;
     uint64_t checksum;
     const char *fault;             /* first fault; afterwards words read as 0 and nothing is written */
     int error;
-    size_t at, end;                /* bytes of the buffer */
+    size_t at, end;
     uint8_t buffer[1 << 16];
 } archive;
 
@@ -41,7 +41,6 @@ static void damaged(archive *a, const char *fault)
     fail(a, FXS_ERR_FILE, fault);
 }
 
-/* fxs_output_close reports errors. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -117,7 +116,7 @@ static uint32_t version_of(const fxs_fit_options *o)
            12 * (uint32_t)(o->sky > 0);
 }
 
-/* Sets the options that a version encodes. Returns true if the version is valid. */
+/* Returns true if the version is valid. */
 static int take_version(fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
@@ -169,7 +168,6 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
     }
 }
 
-/* Reads or writes a number, which must be in low..high. */
 static uint32_t within(archive *a, uint32_t value, uint32_t low, uint32_t high)
 {
     number(a, &value);
@@ -194,7 +192,7 @@ static void walk_options(archive *a, fxs_fit_options *o)
         o->sky = within(a, o->sky, 1, FXS_FIT_SKY_MOST);
 }
 
-/* Checks ranges that later computations rely on. A fit's own parameters stay well inside. */
+/* Checks ranges that later computations rely on. */
 static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
 {
     for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
@@ -261,7 +259,6 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* A coarse fit has no photographs, but an exposure for each camera. */
 static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->gains.of / sizeof(float) };
@@ -308,7 +305,6 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Only a fit with a sky has its own unit of sizes. */
 static void walk_far(archive *a, fxs_fit *f)
 {
     fxs_fit_far *far = &f->far;
@@ -322,8 +318,7 @@ static void walk_far(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* Walks all data that a step changes and the next step needs, except data that follow from the options and the
-   step's number. Add new fields of a fit here. */
+/* Walks all data that a step changes and the next step needs. Add new fields of a fit here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
@@ -406,7 +401,6 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
 
-/* coarse null: resumes a fit. Else `f` belongs to this coarse fit. */
 static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *coarse, fxs_message *message)
 {
     uint64_t photographs = 0;

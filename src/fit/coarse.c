@@ -1,6 +1,5 @@
-/* A coarse fit of all photographs, from which the fits of blocks start: reads it from a file, finds its cameras by
- * key,
- * and copies a block's Gaussians, exposures and poses. */
+/* A coarse fit of all photographs: reads it from a file, finds its cameras, and starts the fits of blocks from its
+ * Gaussians. */
 #include "coarse.h"
 
 #include <stdlib.h>

@@ -12,7 +12,7 @@ typedef struct fxs_fit_coarse_camera {
 } fxs_fit_coarse_camera;
 
 struct fxs_fit_coarse {
-    fxs_fit *fit;                  /* without photographs and engine */
+    fxs_fit *fit;
     fxs_fit_coarse_camera *cameras;    /* sorted by key and number */
     size_t camera_count;
     uint64_t number;               /* checksum that identifies the file */

@@ -4,8 +4,8 @@
 
 #include "planes.h"
 
-/* Fixed order of sums over all Gaussians: number i is added to partial sum i % CURVE_SUMS, in ascending order of i.
-   Then the partial sums are added in order. */
+/* Fixed order of a sum over all Gaussians: number i is added to partial sum i % CURVE_SUMS. Then the partial sums
+   are added in order. */
 enum { CURVE_SUMS = 1024 };
 
 typedef struct curve {
@@ -30,7 +30,7 @@ static inline float curve_middle(double sum, size_t count)
     return (float)(sum / (double)count);
 }
 
-/* Mean of |centre - middle| over all axes and Gaussians, from the sums of each axis. */
+/* Returns the mean of |centre - middle| over axes and Gaussians. */
 static inline float curve_spread(const double sums[3], size_t count)
 {
     return (float)((sums[0] + sums[1] + sums[2]) / (3 * (double)count) + 1e-6);

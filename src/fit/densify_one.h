@@ -14,8 +14,8 @@ static inline float largest_scale(const fxs_fit_model *m, size_t i)
 }
 
 /* Turns a Gaussian into one of two children on its longest axis; side: 1 or -1. A sigma s becomes s k, with k = 1 -
-   (1 - 1 / sqrt(2)) (s / longest)^2. The centre moves by s sqrt(1 - k^2) along each axis, so that the children
-   together keep the variance. The opacity o becomes 1 - (1 - o)^(1 / sqrt(2)). Formulas: Brush, pull request 479. */
+   (1 - 1 / sqrt(2)) (s / longest)^2. The centre moves by s sqrt(1 - k^2) along each axis, which keeps the variance.
+   The opacity o becomes 1 - (1 - o)^(1 / sqrt(2)). Formulas: Brush, pull request 479. */
 static inline void set_child(fxs_fit_model *m, size_t i, float side)
 {
     float q[4], r[3][3], at[3], length = 0;
@@ -75,7 +75,7 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;
 }
 
-/* Returns the fate of a candidate for growth if the limit on the number of Gaussians is reached. */
+/* Returns a Gaussian's fate if the limit on the number of Gaussians is reached. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return looked_at_scale(m, d, i) > d->large ? GOES : STAYS;

@@ -1,6 +1,6 @@
-/* Interface of an engine, which computes the steps of a fit on the CPU (fit_engine.c) or on GPUs (kernels/fit/cuda).
- * An engine belongs to one model, which must not move in memory. model->count is always current; on GPUs the model's
- * planes are current only after a fetch. Functions return 0, or an error and a message. */
+/* Interface of an engine, which computes the steps of a fit on the CPU or on GPUs. The engine's model must not move
+ * in
+ * memory. On GPUs the model's planes are current only after a fetch. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_ENGINE_H
 #define FXS_FIT_ENGINE_H
 
@@ -12,7 +12,6 @@ typedef struct fxs_fit_engine {
     /* Makes a step with a batch of photographs. report null: may return before the step is complete. */
     int (*step)(void *self, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,
                 fxs_fit_report *report, fxs_message *message);
-    /* Change the model like the functions of model.h. */
     int (*densify)(void *self, const fxs_fit_densify *densify, fxs_message *message);
     int (*relocate)(void *self, const fxs_fit_relocate *relocate, fxs_message *message);
     int (*order)(void *self, fxs_message *message);

@@ -1,10 +1,8 @@
 /* Exposures of photographs. Before comparison with a photograph, a colour I of the picture becomes I M + m, with a
  * 3x3
- * matrix M and a row m. An affine exposure fits these 12 numbers, M row by row, then m (Inria's code, 2024).
- * Otherwise
- * three numbers e, r, b are fitted: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e + b), and m is 0. Compiled
- * for
- * the CPU and for CUDA. */
+ * matrix M and a row m. An affine exposure fits these 12 numbers (Inria's code, 2024). Otherwise three numbers e, r,
+ * b
+ * are fitted: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e + b), and m is 0. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
@@ -21,14 +19,13 @@ static inline float gain_neutral(int is_affine, int k)
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* diagonal of M */
 }
 
-/* Returns the scale of Adam's step for number k of an affine exposure. Off M's diagonal 1/4, so that a brighter
-   photograph does not become greyer. For m 1/32, because its gradients in black areas are very large. */
+/* Returns the factor of Adam's step for number k. Off M's diagonal 1/4, so that a brighter photograph does not
+   become greyer. For m 1/32, because its gradients in black areas are very large. */
 static inline float gain_unit(int is_affine, int k)
 {
     return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
 }
 
-/* Computes M and m. */
 static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float factors[FXS_FIT_GAIN])
 {
     const float e = gain->at[0], r = gain->at[1], b = gain->at[2];
@@ -55,8 +52,7 @@ static inline float gradient_before(const float factors[FXS_FIT_GAIN], const flo
     return (gradient[0] * m[0] + gradient[1] * m[1]) + gradient[2] * m[2];
 }
 
-/* Fixed order of sums: number i is added to part i % GAIN_PARTS, in ascending order of i. Then the parts are added
-   in order. GAIN_STEP: floats from one photograph's number to the next. */
+/* Fixed order of a sum: number i is added to part i % GAIN_PARTS. Then the parts are added in order. */
 enum { GAIN_PARTS = 64, GAIN_STEP = sizeof(fxs_fit_gain) / sizeof(float) };
 
 static inline double gain_part(const float *numbers, size_t step, size_t count, size_t part)
@@ -83,16 +79,15 @@ static inline float gain_mean(const fxs_fit_gains *gains, int k)
     return gain_sum(parts, gains->count);
 }
 
-/* True if gain_gradient uses sum k. */
 static inline int gain_needs(int is_affine, int k)
 {
     return is_affine || (k < 9 && k % 4 == 0);
 }
 
-/* Computes the gradient by an exposure's numbers from sums over all pixels, divided by the number of pixels and
-   channels. With a = I M + m, sum 3 k + c is of dL/da_c a_k, and sum 9 + c is of dL/da_c.
-   Affine: the gradient by W and w, where a step maps a to a + a W + w. Otherwise dL/de = ln 2 (red + green + blue),
-   dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with red, green and blue the sums of dL/da_c a_c. */
+/* Computes the gradient by an exposure from means over all pixels and channels. With a = I M + m, mean 3 k + c is of
+   dL/da_c a_k, and mean 9 + c is of dL/da_c. Affine: the gradient by W and w, where a step maps a to a + a W + w.
+   Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with red,
+   green and blue the means of dL/da_c a_c. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];
@@ -115,10 +110,9 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
     return k < 9 ? moved : moved + by[9];
 }
 
-/* Adam's step, with one second moment for the squared length of the gradient. Both moments are divided by those of a
-   constant gradient of 1, as photographs differ in their number of steps. `decay`: share of the difference from the
-   neutral exposure that is subtracted (decoupled weight decay, Loshchilov and Hutter 2019). Too large gradients
-   change nothing. */
+/* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by those of a
+   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight
+   decay, Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

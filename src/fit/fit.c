@@ -1,5 +1,4 @@
-/* A fit: checks arguments, creates the Gaussians, and makes steps. After each step the recipe may change the set of
- * Gaussians. */
+/* A fit: checks arguments, creates the Gaussians, and makes steps. */
 #include "fit_internal.h"
 
 #include <float.h>
@@ -89,8 +88,7 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
-/* Checks for IEEE single precision, round to nearest and subnormal numbers. Without these, results would differ
-   between machines. */
+/* Reproducible results need IEEE single precision, round to nearest and subnormal numbers. */
 static int check_arithmetic(fxs_message *message)
 {
     volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
@@ -140,8 +138,7 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Creates Gaussians at the points, then at the sky's points. If there are more than max_gaussians points, takes
-   evenly spaced ones. */
+/* Beyond max_gaussians, takes evenly spaced points. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -173,8 +170,7 @@ static int begin_model(fxs_fit *f, const fxs_fit_photo *photos, const fxs_fit_po
     return error;
 }
 
-/* Returns the harmonic mean depth of the points in a picture, using at most 4096 points. 0: no point is in the
-   picture. */
+/* Returns the harmonic mean depth of up to 4096 points in a picture. 0: no point is in the picture. */
 static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size_t count)
 {
     const size_t some = count < 4096 ? count : 4096;
@@ -255,8 +251,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* If the exposures of all photographs are known, starts with log2 gains of log2(exposure) / 2.2, minus their mean.
-   Affine exposures start with factors, divided by their mean. */
+/* If all exposures are known, starts with log2 gains of log2(exposure) / 2.2, minus their mean. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
@@ -350,8 +345,7 @@ size_t fxs_fit_sky_count(const fxs_fit *f)
     return f->sky_count;
 }
 
-/* Shuffles the photographs at the start of a pass (Fisher and Yates), seeded by the number of the pass's first
-   photograph. */
+/* Shuffles the photographs (Fisher and Yates), seeded by the number of the pass's first photograph. */
 void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
     const uint32_t count = (uint32_t)f->count;
@@ -433,7 +427,6 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     return error;
 }
 
-/* Sets `plan` for the last photograph of the batch. */
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {
     for (uint32_t v = 0; v < f->options.batch; v++) {

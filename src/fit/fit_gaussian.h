@@ -40,7 +40,6 @@ static inline real exp_of_minus(real logit)
     return exp_e(-least(most(logit, all(-80)), all(80)));
 }
 
-/* `at`: the Gaussians' first parameter; parameters are `stride` apart. */
 static inline void find_shape(shape *s, const fxs_fit_camera *camera, const float *at, size_t stride)
 {
     real w[3][3];
@@ -169,8 +168,7 @@ static inline void find_look(look *l, const real offset[3], int degree, const fl
             l->colour[c] += l->basis[k] * load(at + (FXS_FIT_SH + 3 * k + c) * (ptrdiff_t)stride);
 }
 
-/* g: gradient by the unclamped colour; the gradient by the SH is the SH basis times g. along: gradient by the
-   position through the view direction. */
+/* g: gradient by the colour before clamping. along: gradient by the position through the view direction. */
 static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
                                    real g[3], real along[3])
 {
@@ -246,7 +244,6 @@ static inline void rotation_gradient(const shape *s, const real r[3][3], real ou
         out[i] = (g[i] - q[i] * along) * s->length;
 }
 
-/* Computes the gradients by scale, rotation and position from dL/dT and dL/dcentre. */
 static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, const real by_t[2][3],
                                   const real by_centre[2], real gradient[FXS_FIT_SH], real by_position[3])
 {

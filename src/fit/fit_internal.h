@@ -14,16 +14,16 @@ struct fxs_fit {
     size_t count;
     const fxs_fit_engine *engine;
     void *self;
-    fxs_fit_stepper *stepper;      /* CPU engine only */
+    fxs_fit_stepper *stepper;      /* used by the CPU engine only */
     fxs_fit_model model;
     fxs_fit_gains gains;
     fxs_fit_poses poses;
-    fxs_fit_cameras cameras;       /* used by an antialiased fit */
+    fxs_fit_cameras cameras;
     fxs_fit_profile profile;
     float extent;
-    fxs_fit_far far;               /* used by a fit with a sky */
+    fxs_fit_far far;
     size_t sky_count;              /* initial Gaussians of the sky; 0 in a resumed fit */
-    uint32_t step;                 /* steps made so far */
+    uint32_t step;
 };
 
 /* Sets a view's camera, with Mahalanobis cut-off and without antialiasing. */
@@ -36,14 +36,13 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
 /* Hands a new model to the engine. Returns 0, or an error and a message. */
 int fxs_fit_hand_over(fxs_fit *fit, fxs_message *message);
 
-/* The CPU engine. Its `self` is the fit. */
 extern const fxs_fit_engine fxs_fit_engine_cpu;
 
 /* Sets the engine for the fit's options. Returns 0, or an error and a message. */
 int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
 
-/* Must be called before each step. Quantises the parameters in the last tenth of the steps, and stops quantising if
-   the number of steps was raised. Returns 0 or an error. */
+/* Must be called before each step. Starts, refreshes or ends quantisation, which takes the last tenth of the steps.
+   Returns 0 or an error. */
 int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
 /* Keeps only the Gaussians in `origins` (all FXS_FIT_KEPT, at least one). Returns 0, or an error and a message;

@@ -12,7 +12,6 @@
 #define STRING(a) #a
 #define STRING_OF(a) STRING(a)
 
-/* Transposes vectors of LANES floats to LANES splats. */
 static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
 {
     float out[16][LANES];
@@ -53,7 +52,7 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     for (int i = 0; i < LANES; i++)
         depths[i] = splats[i].depth;
     const mask seen = below(all(0), load(depths));
-    if (!any(seen))                /* members except the depth are not set */
+    if (!any(seen))                /* for hidden splats only the depth is set */
         return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
@@ -100,7 +99,7 @@ static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
 
 enum { STRIP = 256 };              /* columns processed at once */
 
-/* Converts a row of the photograph to 0..1, from column `first` on. Columns outside the photograph are 0. */
+/* Converts a row of the photograph to 0..1. Columns outside the photograph are 0. */
 static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
 {
     for (int32_t i = 0; i < count; i++) {
@@ -162,7 +161,6 @@ static void NAMED(fxs_fit_loss_rows_, ISA)(const fxs_fit_loss *loss, int32_t row
         loss_strip(loss, row, first);
 }
 
-/* Returns the lanes with pixels inside the picture that the mask does not exclude. */
 static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
 {
     const mask inside = below(numbers_from(0) + (float)x, all((float)loss->width));
@@ -174,7 +172,7 @@ static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
     return both(inside, below(all(0), load(counts)));
 }
 
-/* Sums a row as 16 sums of every 16th number. Then sums c and c + 8 are added, then c + 4, c + 2 and c + 1. */
+/* Sums a row as 16 sums of every 16th number, then as a binary tree. */
 static inline void add_to(float sums[16], int32_t x, real value)
 {
     store(sums + x % 16, load(sums + x % 16) + value);
@@ -260,7 +258,6 @@ static inline mask load_sums(const float *of_sums, real sums[FXS_FIT_SUMS])
     return has_any;
 }
 
-/* Adds one camera's gradients of LANES Gaussians by the first `used` parameters. */
 static void add_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
                      const float *of_sums, float *by_centre, float *gradients)
 {
@@ -278,7 +275,6 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
     store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
-/* `ahead`: distance to the next plane, which is prefetched. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,
                               float *means, float *squares, size_t ahead)
 {

@@ -1,8 +1,7 @@
 /* Arithmetic on vectors of LANES floats, or on single floats in plain C if LANES is undefined. For an instruction
  * set,
- * define LANES, MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as kernels/fit/fit_avx2.c does. All
- * operations
- * are those of IEEE single precision, so all instruction sets give the same bytes. */
+ * define the macros that kernels/fit/fit_avx2.c defines. All operations are those of IEEE single precision, so all
+ * instruction sets give the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
 
@@ -40,7 +39,6 @@ static inline real choose(mask which, real a, real b)
     return which ? a : b;
 }
 
-/* Returns the bits of a mask, one per lane. */
 static inline uint32_t bits_of_mask(mask which)
 {
     return which != 0;
@@ -194,8 +192,8 @@ static inline real absolute(real x)
     return real_of(bits_of(x) & 0x7fffffff);
 }
 
-/* Returns 2^-x for x in -127..126. The rounding of an addition splits off the integer part; a polynomial computes
-   the rest, -1/2..1/2. Relative error: 2e-7 plus rounding. */
+/* Returns 2^-x for x in -127..126. Rounding splits off the integer part; a polynomial computes the rest, -1/2..1/2.
+   Relative error: 2e-7 plus rounding. */
 static inline real exp_2_minus(real x)
 {
     const real n = 12582912.0f - x;

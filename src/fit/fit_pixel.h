@@ -41,7 +41,6 @@ static inline real pass_splat(mask takes, real level, real of_colour, passed_pix
     return keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), p->behind * odds_of(alpha) - own);
 }
 
-/* Computes the terms of a splat's sums at one pixel. */
 static inline void sums_of(real h, real weight, real u, real v, real red, real green, real blue,
                            real sums[FXS_FIT_SUMS])
 {

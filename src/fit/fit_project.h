@@ -5,7 +5,6 @@
 #include "fit_gaussian.h"
 #include "span.h"
 
-/* Indices of floats in fxs_fit_splat. */
 enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_TILES = 14, SPLAT_NUMBERS };
 
 /* Returns half the side of the square cut-off, 3 sigma_max. With covariance (A, B; B, C) and m = (A + C) / 2,
@@ -37,7 +36,7 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
     seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
     if (!any(seen))
         return seen;
-    seen = both(seen, below(s.ux, all(1e6f)));     /* else NaN or too large */
+    seen = both(seen, below(s.ux, all(1e6f)));     /* excludes NaN and extreme values */
     ellipses e;
     e.x = x;
     e.y = y;
@@ -55,8 +54,7 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
     return seen;
 }
 
-/* Computes the splats' colours. A colour that is NaN or too large gives a limit of -1, so that no pixel takes the
-   splat. */
+/* A splat with a NaN or too large colour gets limit -1, so that no pixel takes it. */
 static inline void find_colours(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, real *limit,
                                 real colour[3])
 {

@@ -17,12 +17,13 @@
 #define FXS_FIT_TILE 16
 #define FXS_FIT_PIXELS 256
 #define FXS_FIT_BLOCKS 16          /* blocks of 4x4 pixels in a tile */
-#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* index of a tile's pixel */
+#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* index of a tile's pixel, block
+                                                                                     by block */
 #define FXS_FIT_GROUP 16           /* jobs process multiples of this many Gaussians */
 #define FXS_FIT_PART 256           /* most Gaussians per call of update */
 
 #define FXS_FIT_BATCH 8            /* most photographs per step */
-#define FXS_FIT_CHUNK 256          /* Gaussians of a chunk, which share quantisation ranges */
+#define FXS_FIT_CHUNK 256          /* Gaussians with common quantisation ranges */
 
 /* Planes of parameters, with a float per Gaussian each. */
 enum {
@@ -38,37 +39,36 @@ enum {
 typedef struct fxs_fit_camera {
     float rotation[9];             /* world to camera, row by row */
     float eye[3];
-    float focal[2], middle[2];     /* pixels */
+    float focal[2], middle[2];     /* focal length and principal point, pixels */
     float slope_most[2];           /* limit of |x / z| and |y / z| in the Jacobian */
     float near;
     int32_t width, height, tiles_x, tiles_y;
     int32_t is_square;             /* 1: square cut-off of Kerbl et al. 2023 */
-    int32_t is_parallel;           /* 1: orthographic, `focal` in pixels per unit; only for drawing */
+    int32_t is_parallel;           /* 1: orthographic camera, for drawing only */
     int32_t is_antialiased;        /* 1: opacities compensate the dilation (Yu et al. 2024) */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0] and y = Y - centre[1]:
    u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level) if level <= limit, else 0.
-   In a block of 4x4 pixels, u is the sum of u at its first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
+   In a block of 4x4 pixels, u is the sum of u at the first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
     /* The slightly enlarged ellipse that selects the splat's tiles. radius2: squared radius in u and v; half_y: half
-       the height; tip: y of the rightmost point. radius2 < 0: a square of +-half_y selects tiles, and all their
-       pixels. */
+       the height; tip: y of the rightmost point. radius2 < 0: a square of +-half_y instead. */
     float radius2, half_y, tip;
-    float tiles;                   /* number of selected tiles */
-    uint32_t slot;                 /* slot of the sums over the first tile; other tiles follow row by row */
+    float tiles;
+    uint32_t slot;                 /* place of the splat's sums over its first tile */
 } fxs_fit_splat;
 
 /* An entry of a tile's list. slot: place of the splat's sums over this tile. blocks: bit set of the 4x4 blocks that
-   the splat changes, row by row. */
+   the splat changes. */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums of a splat over the pixels of a tile, with h = -alpha dL/dalpha. Order of addition: in a block of 16 pixels p
-   and p + 8, then p + 4, p + 2, p + 1; then blocks row by row; then tiles row by row. */
+/* Sums of a splat over the pixels of a tile, with h = -alpha dL/dalpha. Order of addition in a block of 16 pixels: p
+   and p + 8, then p + 4, p + 2 and p + 1; then blocks, then tiles row by row. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
@@ -85,11 +85,11 @@ typedef struct fxs_fit_tile_gradient {
 /* A plane of pixels: rows of `stride` floats, with a margin of FXS_FIT_MARGIN floats or rows beyond each edge. */
 #define FXS_FIT_MARGIN 16
 typedef struct fxs_fit_plane {
-    float *first;                  /* pixel (0, 0) */
+    float *first;
     ptrdiff_t stride;
 } fxs_fit_plane;
 
-/* Data of the loss for one colour channel. `rows`: row sums of SSIM's windows, later row sums of the derivatives. */
+/* Data of the loss for one colour channel. */
 enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
     fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
@@ -97,7 +97,7 @@ typedef struct fxs_fit_loss {
     const uint8_t *photograph;     /* bytes, `step` apart; rows are `pitch` apart */
     ptrdiff_t step, pitch;
     int32_t width, height;
-    const uint8_t *mask;           /* null, or a byte per pixel, rows without gaps; 0: pixel is ignored */
+    const uint8_t *mask;           /* null, or a byte per pixel; 0: pixel is ignored */
     int has_exposure;              /* 1: white in the photograph counts as saturated */
 } fxs_fit_loss;
 
@@ -110,14 +110,13 @@ typedef struct fxs_fit_far {
 typedef struct fxs_fit_adam {
     float rate[FXS_FIT_PARAMETERS];        /* learning rates / bias correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
-    float epsilon;                 /* in units of the gradient */
-    float by_opacity, by_scale;    /* added to dL/dopacity and dL/dscale */
-    fxs_fit_far far;               /* unit of scales for by_scale */
+    float epsilon;                 /* Adam's epsilon, in units of the gradient */
+    float by_opacity, by_scale;    /* regularisers, added to dL/dopacity and dL/dscale */
+    fxs_fit_far far;
 } fxs_fit_adam;
 
 /* The exposure of a photograph (exposure.h). at: log2 gains of all colours, of red and of blue; or an affine map of
-   colours. mean, square: Adam's moments, with one second moment for all numbers. of_one: moments of a constant
-   gradient of 1. */
+   colours. mean, square: Adam's moments. of_one: moments of a constant gradient of 1. */
 enum { FXS_FIT_GAIN = 12 };
 typedef struct fxs_fit_gain {
     float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
@@ -129,9 +128,8 @@ typedef struct fxs_fit_gains {
     int is_affine;
 } fxs_fit_gains;
 
-/* A correction of a camera's pose (pose.h). at: rotation, then translation. mean, square: Adam's moments, with a
-   second moment for each three numbers. of_one: moments of a constant gradient of 1. depth: typical depth of the
-   photograph's content. */
+/* A correction of a camera's pose (pose.h). at: rotation, then translation. mean, square: Adam's moments. of_one:
+   moments of a constant gradient of 1. depth: typical depth of the photograph's content. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
     float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;
@@ -148,21 +146,20 @@ typedef struct fxs_fit_cameras {
     uint32_t count;
 } fxs_fit_cameras;
 
-/* Quantisation of a chunk of FXS_FIT_CHUNK Gaussians: the numbers of fxs_chunk in the units of the parameters.
-   *_inverse: 1 / step, or 0 if the step is 0. */
+/* Quantisation of a chunk of Gaussians, in units of the parameters. *_inverse: 1 / step, or 0 if the step is 0. */
 typedef struct fxs_fit_chunk {
-    float low[3], step[3], inverse[3];              /* positions */
-    float scale, scale_step, scale_inverse;         /* log2(sigma) */
+    float low[3], step[3], inverse[3];
+    float scale, scale_step, scale_inverse;
     float colour[3], colour_step[3], colour_inverse[3];
     float sh_step[3], sh_inverse[3];
-    float opacity_range, opacity_inverse;           /* 0: opacity law 0 */
+    float opacity_range, opacity_inverse;
 } fxs_fit_chunk;
 
 typedef struct fxs_fit_grid {
     int position_bits, scale_bits[3], rotation_bits;
-    int axis_bits_least, axis_bits_most;   /* see fxs_axis_bits */
+    int axis_bits_least, axis_bits_most;
     int colour_bits[3];
-    int sh_degree;                 /* highest degree quantised by sh_step; 0 with a palette */
+    int sh_degree;                 /* highest SH degree that is quantised; 0 with a palette */
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;
 
@@ -174,14 +171,13 @@ typedef struct fxs_fit_noise {
     fxs_fit_far far;
 } fxs_fit_noise;
 
-/* The stages for one instruction set. noise, smooth and quantise run after update if needed; pose runs before update
-   if poses are fitted. */
+/* The stages for one instruction set. */
 typedef struct fxs_fit_stages {
     const char *name;
-    /* Projects Gaussians first..first + count. `first` and `count` must be multiples of FXS_FIT_GROUP. */
+    /* Projects Gaussians first..first + count; `first` and `count` are multiples of FXS_FIT_GROUP. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* Writes the tiles of splats first..first + count to their slots. `first` and `count` must be multiples of
+    /* Writes the tiles of splats first..first + count to their slots; `first` and `count` are multiples of
        FXS_FIT_GROUP. */
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
@@ -190,7 +186,7 @@ typedef struct fxs_fit_stages {
        later. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       float light, fxs_fit_tile *tile);
-    /* Writes the sums of the first `count` entries to their slots. count: result of blend. */
+    /* Writes the sums of the first `count` entries to their slots. */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
     /* Passes of loss, each for one row, with picture a and photograph b: row sums of a, b, a^2, b^2, ab; SSIM and
@@ -199,34 +195,30 @@ typedef struct fxs_fit_stages {
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_backward_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Computes the gradients of Gaussians first..first + count, at most FXS_FIT_PART, and makes a step of Adam on
-       the masters. sums: FXS_FIT_SUMS planes of FXS_FIT_PART floats for each camera of the batch. masters:
-       parameters before quantisation.
-       Moments below 2^-100 become 0. by_centre accumulates |dL/dcentre| of the mean loss, in half sides of the
-       picture. A camera's gradient with a component that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as
-       0. Scales and opacities are clamped to FXS_FIT_FARTHEST. A parameter that would exceed FXS_FIT_FARTHEST_PLACE
-       or become NaN stays unchanged. */
+    /* Computes the gradients of at most FXS_FIT_PART Gaussians, and makes a step of Adam on the masters. sums:
+       FXS_FIT_SUMS planes for each camera of the batch. masters: parameters before quantisation. by_centre
+       accumulates |dL/dcentre| of the mean loss, in half sides of the picture.
+       A camera's gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities
+       are clamped to FXS_FIT_FARTHEST. A parameter that would exceed FXS_FIT_FARTHEST_PLACE stays unchanged. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, float *by_centre);
-    /* Moves Gaussians first..first + count by noise. Moves beyond FXS_FIT_FARTHEST_PLACE are skipped. */
+    /* Moves Gaussians by noise. Moves beyond FXS_FIT_FARTHEST_PLACE are skipped. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
-    /* Raises the scales of Gaussians first..first + count to their lower limit (smooth.h), for photographs reduced
-       by `divisor`. */
+    /* Raises scales to their lower limit (smooth.h), for photographs reduced by `divisor`. */
     void (*smooth)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride, size_t first,
                    size_t count);
-    /* Sets the parameters of Gaussians first..first + count to the quantised masters. */
+    /* Sets parameters to the quantised masters. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
-    /* Sums the gradient by a camera's pose over Gaussians first..first + count: dL/dposition, then dL/dtheta. first:
-       a multiple of FXS_FIT_PART; count: FXS_FIT_PART or all that remain. sums: as in update. Order of addition: p
-       and p + 128, then p and p + 64, and so on. A Gaussian with a component that is not finite or beyond
-       FXS_FIT_FARTHEST_GRADIENT counts as 0. */
+    /* Sums the gradient by a camera's pose over at most FXS_FIT_PART Gaussians: dL/dposition, then dL/dtheta of a
+       rotation about the eye. Order of addition: p and p + 128, then p and p + 64, and so on. Gradients that are not
+       finite or beyond FXS_FIT_FARTHEST_GRADIENT count as 0. */
     void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                  size_t count, const float *sums, float out[FXS_FIT_POSE]);
 } fxs_fit_stages;
 
-/* Returns the fastest stages for the instruction sets in `cpu` (enum fxs_cpu) that the processor supports. */
+/* Returns the fastest stages for the instruction sets in `cpu` that the processor supports. */
 const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 extern const fxs_fit_stages fxs_fit_stages_c;
 

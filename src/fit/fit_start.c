@@ -1,4 +1,4 @@
-/* Sets the up direction and the start view of a fitted scene. The start view is that of the camera nearest to
+/* Sets the up direction and start view of a fitted scene. The start view is that of the camera nearest to
  * horizontal. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>

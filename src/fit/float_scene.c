@@ -16,8 +16,8 @@
 #include "random.h"
 
 struct fxs_float_scene {
-    fxs_fit_model model;           /* parameters only; positions relative to the eye */
-    float *places;                 /* 3 planes: positions relative to `origin` */
+    fxs_fit_model model;
+    float *places;
     double origin[3];
     fxs_fit_stepper *stepper;
     double nudge;                  /* largest random displacement per axis; 0: none */
@@ -79,7 +79,6 @@ static int make_room(fxs_float_scene *s, const fxs_scene_file_info *info, fxs_me
     return 0;
 }
 
-/* Fills up the last group of FXS_FIT_GROUP Gaussians. */
 static void fill_rest(const fxs_float_scene *s)
 {
     for (size_t i = s->model.count; i < s->model.stride; i++)

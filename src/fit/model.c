@@ -1,4 +1,4 @@
-/* The Gaussians of a fit (model.h): memory, initial Gaussians, and order along a Morton curve. */
+/* The Gaussians of a fit: memory, initial Gaussians, and order along a Morton curve. */
 #include "model.h"
 
 #include <math.h>
@@ -152,7 +152,6 @@ static int set_stride(float **planes, size_t old, size_t stride)
     return 0;
 }
 
-/* After an error the stride is unchanged. */
 static int make_room(fxs_fit_model *m, size_t stride)
 {
     float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
@@ -183,7 +182,6 @@ typedef struct gathering {
     float *spare;
 } gathering;
 
-/* New Gaussians get moments of 0. */
 static void gather(const gathering *g, float *planes, int moments, float *spare, uint32_t job)
 {
     const fxs_fit_origin *const origins = g->origins;

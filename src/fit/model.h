@@ -11,8 +11,8 @@ extern "C" {
 /* Makes a model of `count` Gaussians with all numbers 0. Returns 0, or FXS_ERR_MEMORY and an empty model. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
-/* Sets the number of Gaussians; the caller then fills the planes. A model with masters must keep its number. Returns
-   0, or FXS_ERR_MEMORY and an unchanged model. */
+/* Sets the number of Gaussians; the caller then fills the planes. A quantised model must keep its number. Returns 0,
+   or FXS_ERR_MEMORY and an unchanged model. */
 int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 
 /* Creates a Gaussian at each point, with sigma the root mean square of the distances to the three nearest points.
@@ -33,17 +33,16 @@ typedef struct fxs_fit_origin {
     uint32_t kind;                 /* FXS_FIT_KEPT keeps Adam's moments; other kinds start with 0 */
 } fxs_fit_origin;
 
-/* Replaces the Gaussians by copies of the origins. `run` runs jobs with `pool`. Returns 0, or FXS_ERR_MEMORY and an
-   unchanged model. */
+/* Replaces the Gaussians by copies of the origins. Returns 0, or FXS_ERR_MEMORY and an unchanged model. */
 int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count, fxs_run_fn *run,
                           void *pool);
 
 typedef struct fxs_fit_densify {
     float gradient;                /* smallest mean |dL/dcentre| for a clone or split */
-    float small, large;            /* Gaussians with a largest scale up to `small` are cloned, others split; above
-                                      `large` they are removed */
+    float small, large;            /* limits of the largest scale: clones up to `small`, splits above; removes above
+                                      `large` */
     float opacity;                 /* Gaussians with less opacity are removed */
-    size_t most;                   /* limit of the number of Gaussians; largest gradients come first */
+    size_t most;                   /* limit of the number of Gaussians */
     fxs_fit_far far;               /* unit of `small` and `large` */
 } fxs_fit_densify;
 

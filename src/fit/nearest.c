@@ -1,4 +1,4 @@
-/* Nearest neighbours of points. Uses a binary tree with bounding boxes, split at the median along the widest axis. */
+/* Nearest neighbours of points, by a binary tree with bounding boxes, split at the median along the widest axis. */
 #include "nearest.h"
 
 #include <math.h>
@@ -23,7 +23,6 @@ typedef struct tree {
     box *boxes;
 } tree;
 
-/* Compares by a coordinate, then by number, so that no two points are equal. */
 static int is_before(const item *a, const item *b, int axis)
 {
     return a->at[axis] != b->at[axis] ? a->at[axis] < b->at[axis] : a->point < b->point;
@@ -36,8 +35,8 @@ static void swap_items(item *a, item *b)
     *b = swap;
 }
 
-/* Moves the item of rank `middle` to its place and smaller items before it (Hoare's quickselect). Pivots are random,
-   so that sorted input is not slow. */
+/* Moves the item of rank `middle` to its place and smaller items before it (Hoare's quickselect). Random pivots
+   avoid the slow case of sorted input. */
 static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;

@@ -31,7 +31,6 @@ static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
     return (whole_to_real((whole)sum) - 393216.0f) * 0x1p-16f;
 }
 
-/* `index`: number of the first of LANES Gaussians. */
 static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t stride, uint32_t index)
 {
     real q[4], r[3][3], along[3];

@@ -23,7 +23,7 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
-/* Joins a folder and a name. Returns 0 if the path is too long. */
+/* Returns 0 if the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = fxs_path_is_whole(name) || !*folder;
@@ -122,7 +122,6 @@ static void find_beside(fxs_photo_list *list, const char *folder, const char *po
     find_points(list, &points, 1);
 }
 
-/* Paths in transforms.json are relative to the camera file's folder. */
 static void find_of_transforms(fxs_photo_list *list, const char *folder)
 {
     strcpy(list->images, folder);
@@ -161,7 +160,7 @@ static int compare_images(const void *a, const void *b)
 #define FAR 65536.0                 /* scene units; floats are 1/128 apart there */
 #define FAR_OF_EXTENT 16
 
-/* Checks that the cameras are near enough to the origin for single precision. Geographic coordinates are not. */
+/* Cameras in geographic coordinates are too far from the origin for single precision. */
 static int check_place(const fxs_view_list *views)
 {
     double far = 0, extent = 0;
@@ -192,8 +191,8 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return check_place(views);
 }
 
-/* Divides the views into views to fit, held out, and unused. n = 0 holds out none. Otherwise views that the file
-   marks for testing are held out or, if there are none, every n-th view. */
+/* n = 0 holds out no view. Otherwise views that the file marks for testing are held out or, if there are none, every
+   n-th view. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;
@@ -222,8 +221,8 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
                                list->cameras, count);
 }
 
-/* Looks for an image, also with common endings. Of an absolute path, which often comes from another machine, also
-   tries the last part. Returns 0 if no file exists. */
+/* Looks for an image, also with common endings. An absolute path often comes from another machine, so its last part
+   is also tried. */
 static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
 {
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
@@ -254,8 +253,7 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Changes an image's name to that of an existing file. Tries / for \, the ending in the other case, and Windows
-   paths without drive. */
+/* Tries / for \, the ending in the other case, and Windows paths without drive. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
     char path[FXS_PHOTO_PATH], own[8] = "";
@@ -367,14 +365,14 @@ enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };   /* SHOWN_MOST: characters of the
 typedef struct names {
     char **names;
     size_t count, room;
-    int incomplete;                /* memory ran out */
+    int incomplete;
 } names;
 
 /* known: names with a camera; found: files of one folder without a camera. */
 typedef struct others {
     names known, found;
-    size_t folder;                 /* length of the folder's name in `of` */
-    const char *of;                /* a known name in the folder */
+    size_t folder;
+    const char *of;
 } others;
 
 static int compare_names(const void *a, const void *b)
@@ -427,7 +425,7 @@ static void add_known(names *known, const fxs_view_list *views)
         add_name(known, "", 0, fxs_without_dots(views->views[i].image));
 }
 
-/* Records a file without a camera. Known names may lack the file's ending. */
+/* A name with a camera may lack the file's ending. */
 static void look_at(void *argument, const char *name)
 {
     others *o = argument;
@@ -471,7 +469,7 @@ static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *
         return;
     fxs_folder_each(*path ? path : ".", look_at, o);
     sort_names(&o->found);
-    path[strlen(path) - (strlen(path) > 1)] = 0;     /* removes the slash at the end */
+    path[strlen(path) - (strlen(path) > 1)] = 0;
     if (o->found.count)
         say_found(o, path, say, argument);
     free_names(&o->found);

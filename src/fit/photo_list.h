@@ -11,10 +11,10 @@ typedef struct fxs_photo_list {
     char cameras[FXS_PHOTO_PATH];
     char test[FXS_PHOTO_PATH];     /* camera file of held-out photographs, or empty */
     char images[FXS_PHOTO_PATH];
-    char masks[FXS_PHOTO_PATH];    /* folder, or empty */
-    char points[FXS_PHOTO_PATH];   /* file of points (.ply or the cameras' format), or empty */
+    char masks[FXS_PHOTO_PATH];    /* folder of masks, or empty */
+    char points[FXS_PHOTO_PATH];   /* .ply or the cameras' format; empty: no points */
     fxs_view_list fit, held_out;   /* sorted by name */
-    fxs_view_list rest;            /* excluded by the camera file */
+    fxs_view_list rest;            /* views excluded by the camera file */
 } fxs_photo_list;
 
 /* Finds the files and reads the cameras. hold_out n: every n-th photograph by name, unless the files mark
@@ -23,7 +23,6 @@ typedef struct fxs_photo_list {
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t hold_out, fxs_message *message);
 void fxs_photo_list_free(fxs_photo_list *list);
 
-/* Keeps only the views with kept[i] != 0. */
 void fxs_photo_list_keep(fxs_view_list *views, const uint8_t *kept);
 
 /* Reports the images without a camera in each folder of photographs. */

@@ -5,7 +5,7 @@
 #include "photo_list.h"
 
 typedef struct fxs_photo_masking {
-    char path[FXS_PHOTO_PATH];     /* mask file, or empty */
+    char path[FXS_PHOTO_PATH];     /* path of the mask file, or empty */
     int is_inverse;                /* 1: white pixels are ignored */
     int ignores_transparent;       /* 1: pixels with less than half opacity are ignored */
 } fxs_photo_masking;
@@ -24,8 +24,7 @@ int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_
 /* True if the options, the list or the camera file name masks. */
 int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_options *options);
 
-/* Checks masks before photographs are read. Returns FXS_ERR_FILE and a message if the options' folder does not exist
-   or has no mask of any photograph. */
+/* Returns FXS_ERR_FILE and a message if the options' folder does not exist or has no mask of any photograph. */
 int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *options, fxs_message *message);
 
 /* Finds the mask of the photograph at path `image`. Returns 0, or an error and a message. */

@@ -1,5 +1,6 @@
-/* Prepares a photograph in one pass over its rows. Each row is composed over the background, resampled bilinearly to
- * undo lens distortion, and added to weighted sums for the smaller picture (box filter). Colours are integers. */
+/* Prepares a photograph row by row: composes it over the background, resamples it bilinearly to undo lens
+ * distortion,
+ * and adds it to weighted sums for the smaller picture (box filter). Colours are integers. */
 #include "photo_pixels.h"
 
 #include <math.h>
@@ -59,8 +60,7 @@ static int is_turned(const fxs_listed_view *listed, int width, int height, int o
            same_proportion(&listed->view, height, width);
 }
 
-/* Rotates a photograph upright. EXIF orientation tells where the stored first row and column belong: 5 left and top,
-   6 right and top, 7 right and bottom, 8 left and bottom. Returns null if memory runs out. */
+/* Rotates a photograph upright, for EXIF orientations 5 to 8. Returns null if memory runs out. */
 static uint8_t *turned(const uint8_t *rgba, int width, int height, int orientation)
 {
     uint8_t *out = malloc(4 * (size_t)width * (size_t)height), *to = out;
@@ -103,8 +103,7 @@ static void plain_row(const picture *p, int y, uint16_t *row)
             row[c] = (uint16_t)on_background(p, rgba, c);
 }
 
-/* Returns the first of the two pixels around a coordinate; *part: distance from its centre in 1/256 pixels. Clamps
-   to the outermost centres. */
+/* Returns the first of the two pixels around a coordinate; *part: distance from its centre in 1/256 pixels. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);
@@ -135,7 +134,6 @@ static int sample(const picture *p, const double at[2], uint16_t out[3])
     return counts[0] && counts[beside] && counts[under] && counts[under + beside];
 }
 
-/* Computes a row of the undistorted picture, sampled through the lens. */
 static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                      const fxs_file_view *pinhole, int y, uint16_t *row, uint8_t *counts)
 {
@@ -177,7 +175,7 @@ static void add_row(uint64_t *sums, const uint64_t *columns, size_t values, int 
         sums[i] += columns[i] * (uint64_t)covered;
 }
 
-/* Rounds half up. */
+/* Divides sums by the area, rounding half up. */
 static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *out)
 {
     const uint64_t whole = area * 255;
@@ -198,9 +196,9 @@ static void ignore_row(const picture *p, int y, const uint8_t *counts, int width
 }
 
 typedef struct work {
-    uint16_t *row;                 /* photograph's width */
+    uint16_t *row;
     uint8_t *counts;
-    uint64_t *columns, *sums;      /* smaller picture's width */
+    uint64_t *columns, *sums;
 } work;
 
 static int work_allocate(work *w, int width, int smaller)
@@ -220,8 +218,7 @@ static void work_free(work *w)
     free(w->sums);
 }
 
-/* Averages down in both directions. pinhole null: no distortion. mask null: all pixels count; else it is 1
-   everywhere on entry. */
+/* pinhole null: no distortion. mask null: all pixels count; else it is 1 everywhere on entry. */
 static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                     const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
 {
@@ -248,7 +245,7 @@ static void average(const picture *p, const fxs_lens *lens, const fxs_file_view 
     }
 }
 
-/* Limits the longer side to `resolution` and keeps the aspect ratio, rounded. */
+/* Limits the longer side to `resolution` and keeps the aspect ratio. */
 static void smaller_size(const picture *p, int resolution, int size[2])
 {
     const int longer = p->width > p->height ? p->width : p->height;

@@ -1,5 +1,5 @@
-/* Prepares a photograph for a fit: rotates it by EXIF, removes lens distortion, composes it over the background, and
- * averages it down. Its mask is treated likewise. */
+/* Prepares a photograph and its mask for a fit: rotates them by EXIF, removes lens distortion, and averages them
+ * down. */
 #ifndef FXS_FIT_PHOTO_PIXELS_H
 #define FXS_FIT_PHOTO_PIXELS_H
 
@@ -12,9 +12,8 @@ typedef struct fxs_photo_pixels {
     double exposure;               /* relative exposure; 0: unknown */
 } fxs_photo_pixels;
 
-/* Reads a photograph. resolution: limit of the longer side in pixels. The photograph is rotated if only then its
-   size matches the camera's; its mask must match the rotated size. Returns 0, or an error and a message with null
-   pixels and mask. */
+/* Reads a photograph. resolution: limit of the longer side in pixels. Rotates the photograph if only then its size
+   matches the camera's. Returns 0, or an error and a message with null pixels and mask. */
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message);
 

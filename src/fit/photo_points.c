@@ -13,7 +13,7 @@
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
 #define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */
 #define RANDOM_POINTS 100000
-#define RANDOM_STEP UINT64_MAX     /* differs from all step numbers */
+#define RANDOM_STEP UINT64_MAX     /* differs from all step numbers of a fit */
 #define GREY 128
 
 static int add_point(fxs_photo_points *p, const char *path, const double position[3], const double colour[3],
@@ -44,12 +44,12 @@ static int read_binary(fxs_photo_points *p, const fxs_text *text, fxs_message *m
     fxs_colmap_cursor in = fxs_colmap_begin(text);
     for (uint64_t count = fxs_colmap_take(&in, 8); count && !in.short_of; count--) {
         double position[3], colour[3];
-        fxs_colmap_take(&in, 8);   /* id */
+        fxs_colmap_take(&in, 8);   /* skips the point's id */
         fxs_colmap_take_doubles(&in, position, 3);
         for (int i = 0; i < 3; i++)
             colour[i] = (double)fxs_colmap_take(&in, 1);
-        fxs_colmap_take(&in, 8);   /* error */
-        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* images that see the point */
+        fxs_colmap_take(&in, 8);   /* skips the reprojection error */
+        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* skips the images that see the point */
         if (!in.short_of)
             FXS_TRY(add_point(p, text->path, position, colour, message));
     }
@@ -60,7 +60,7 @@ static int read_plain(fxs_photo_points *p, const fxs_text *text, fxs_message *me
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[7];          /* id, position, colour */
+        double values[7];          /* id, position, colour of a point */
         if (!fxs_colmap_numbers(&line, values, 7))
             return fxs_fail(message, "%s: point %zu: not a number, a position and a colour", text->path, p->count);
         FXS_TRY(add_point(p, text->path, values + 1, values + 4, message));

@@ -30,7 +30,7 @@ typedef struct reading {
     const fxs_photo_list *list;
     const fxs_view_list *views;
     const fxs_photos_options *options;
-    size_t first;                  /* first photograph of the batch */
+    size_t first;
     result *results;
 } reading;
 
@@ -86,7 +86,6 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     return error;
 }
 
-/* Reads the photographs of a list. For progress: `done` of `count` photographs were read before. */
 static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **photos, size_t *kept, fxs_photos *all,
                     size_t done, size_t count, fxs_message *message)
 {

@@ -2,7 +2,7 @@
  * the
  * last three shift it along its uncorrected axes. R is the rotation of the normalised quaternion (1, a / 2), W the
  * given
- * rotation. A point x is at R (W (x - eye) - shift) in the camera's frame. Compiled for the CPU and for CUDA. */
+ * rotation. A point x is at R (W (x - eye) - shift) in the camera's frame. */
 #ifndef FXS_FIT_POSE_H
 #define FXS_FIT_POSE_H
 
@@ -46,10 +46,9 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
     }
 }
 
-/* Adam's step. sums: sums over Gaussians / (pixels * channels). rate: radians; shifts use rate * depth, which moves
-   the picture about as far. Rotation and shift have one second moment each, for the squared length of the gradient.
-   Moments are divided by those of a constant gradient of 1, as photographs differ in their number of steps. Too
-   large gradients change nothing. */
+/* Adam's step. sums: means over pixels and channels, summed over Gaussians. rate: radians; shifts use rate * depth,
+   which moves the picture about as far. Rotation and shift have one second moment each, for the squared length of
+   the gradient. Moments are divided by those of a constant gradient of 1. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

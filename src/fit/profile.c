@@ -1,6 +1,6 @@
-/* Quantises a fit as the packed scene does: orders the Gaussians like packing, computes chunk headers and the
- * palette
- * from the exact parameters (masters), and packs with these codes. A chunk is 256 Gaussians of a packed scene. */
+/* Quantises a fit as the packed scene does: orders the Gaussians, computes the headers of chunks of 256 Gaussians
+ * and
+ * the palette from the exact parameters (masters), and packs with these codes. */
 #include "profile.h"
 
 #include <math.h>
@@ -132,8 +132,7 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
 }
 
 /* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion q becomes q (1
-   + k) for axis 0 and q (1 + i) for axis 1, normalised. Adam's moments rotate too; second moments as if components
-   were independent. */
+   + k) for axis 0 and q (1 + i) for axis 1, normalised. Adam's moments rotate too. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};
@@ -167,7 +166,7 @@ static void order_axes(const fxs_fit_model *m, size_t i)
 typedef struct coding {
     fxs_fit_profile *profile;
     const fxs_fit_model *model;
-    fxs_sh_item *items;            /* null without a palette */
+    fxs_sh_item *items;
 } coding;
 
 static void code_header(const coding *c, size_t chunk)

@@ -1,8 +1,6 @@
-/* The last steps of a fit optimise the packed scene. Adam changes exact parameters, the masters, with the gradient
- * at
- * the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013). Ranges, code steps and
- * palette
- * are updated from time to time, all other codes in every step. */
+/* Quantisation in the last steps of a fit, which optimises the packed scene. Adam changes exact parameters, the
+ * masters,
+ * with the gradient at the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013). */
 #ifndef FXS_FIT_PROFILE_H
 #define FXS_FIT_PROFILE_H
 
@@ -13,7 +11,7 @@
 typedef struct fxs_fit_profile {
     enum fxs_profile profile;
     int sh_degree;
-    size_t count;                  /* number of Gaussians */
+    size_t count;
     fxs_chunk *chunks;
     fxs_fit_chunk *steps;          /* code steps of each chunk of 256 Gaussians */
     fxs_fit_grid grid;
@@ -21,14 +19,13 @@ typedef struct fxs_fit_profile {
     unsigned char *records;        /* palette codes of each Gaussian's SH */
 } fxs_fit_profile;
 
-/* Orders the Gaussians and gives them masters and codes. Uses profile, run (not null) and pool of `options`. `model`
-   and `profile` must not move in memory afterwards. Returns 0, or an error and a message, with a model without
-   masters. */
+/* Orders the Gaussians and gives them masters and codes. `model` and `profile` must not move in memory afterwards.
+   Returns 0, or an error and a message, with a model without masters. */
 int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, int sh_degree,
                           const fxs_pack_options *options, fxs_message *message);
 
-/* Finds ranges, code steps and palette anew from the masters; the caller must then quantise. Writes to the model
-   only with a palette, which temporarily needs 64 bytes per Gaussian. Returns 0, or an error and a message. */
+/* Finds ranges, code steps and palette anew from the masters; the caller must then quantise. Returns 0, or an error
+   and a message. */
 int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const fxs_pack_options *options,
                          fxs_message *message);
 
@@ -40,13 +37,12 @@ int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *mo
                          const fxs_gaussian_source *gaussians, fxs_packed_scene *scene, fxs_pack_report *report,
                          const fxs_pack_options *options, fxs_message *message);
 
-/* Calls a visitor for each block of the state except the model's planes, to save or read it. masters gets floats;
-   others gets bytes with the same layout on every machine. Returns 0 or a visitor's error. */
+/* Calls a visitor for each block of the state, to save or read it. masters gets floats; others gets bytes with the
+   same layout on every machine. Returns 0 or a visitor's error. */
 typedef int fxs_fit_visit_fn(void *argument, void *block, size_t bytes);
 int fxs_fit_profile_walk(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_visit_fn *masters,
                          fxs_fit_visit_fn *others, void *argument);
 
-/* Allocates a state to be read, for the model's Gaussians. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_profile_allocate(fxs_fit_profile *profile, fxs_fit_model *model, enum fxs_profile which, int sh_degree);
 
 /* Must be called after reading a state. Returns an error if the state is invalid. */

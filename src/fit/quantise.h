@@ -18,7 +18,7 @@ static inline real spread_code(whole code, int width, int wide)
     return whole_to_real(shifted_left(code, wide - width) | (code >> (2 * width - wide)));
 }
 
-/* low + code step */
+/* Quantises x to low + code * step. */
 static inline real quantise_evenly(real x, float low, float step, float inverse_step, int width, int wide, whole *code)
 {
     *code = code_of((x - low) * inverse_step, (1 << width) - 1);
@@ -31,7 +31,7 @@ static inline real spread_scale(whole code, int width, int i)
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
 }
 
-/* log2(sigma) = high - code^2 step, of axis i; input and output are ln(sigma) */
+/* Quantises ln(sigma) of axis i: log2(sigma) = high - code^2 step. */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;
@@ -115,7 +115,7 @@ static inline real part_above(real code, real count)
     return choose(below(code, all(0)), code + count, code) / count;
 }
 
-/* cos and sin of pi/2 roll, approximated as in fxs_tilt_roll */
+/* Approximates cos and sin of pi/2 roll. */
 static inline void roll_of(real roll, real *cosine, real *sine)
 {
     const real square = roll * roll;
@@ -140,8 +140,8 @@ static inline real find_roll(const real b[3], real x, real y)
     return roll;
 }
 
-/* Decodes a quaternion from X, Y and the roll. Of the four quaternions that differ only in signs of axes, returns
-   the one nearest to `from`, so that gradients apply to the master. */
+/* Decodes a quaternion. Of the four that differ only in signs of axes, returns the one nearest to `from`, so that
+   gradients apply to the master. */
 static inline void quaternion_near(const real from[4], real x, real y, real roll, real to[4])
 {
     real cosine, sine;
@@ -167,8 +167,7 @@ static inline void quaternion_near(const real from[4], real x, real y, real roll
     }
 }
 
-/* Codes a quaternion. codes: n, X, Y, roll; the last three in two's complement. n: bits of X and of Y; all_bits:
-   bits of the rotation. */
+/* Codes a quaternion. codes: n, X, Y, roll; the last three in two's complement. n: bits of X and of Y. */
 static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
 {
     const real w = from[0], i = from[1], j = from[2], k = from[3];
@@ -205,8 +204,7 @@ static inline void quantise_rotation(const real from[4], whole n, int all_bits, 
     codes[3] = real_to_whole(roll_code);
 }
 
-/* from, to: the Gaussians' first parameter; parameters are `stride` apart. codes: a number per parameter, without
-   SH. */
+/* codes: a number per parameter, without SH. */
 static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c, const float *from, float *to,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {

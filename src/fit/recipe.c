@@ -42,7 +42,7 @@ float fxs_fit_first_scale(enum fxs_fit_recipe recipe)
     return recipe == FXS_FIT_REFERENCE ? 1.0f : 0.1f;
 }
 
-/* first * 100^-(step / steps) */
+/* Returns first * 100^-(step / steps). */
 static float position_rate(float first, uint32_t step, uint32_t steps)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -79,8 +79,7 @@ static int is_reset(const fxs_fit_options *options, uint32_t step)
 }
 
 /* The exposures' rate falls as 10^-(step / steps), that of poses as 100^-(step / steps). Both rise from 0 over the
-   500 steps after the beginning and after each reset, when pictures do not yet match. Blocks of a large set keep
-   exposures and poses. */
+   500 steps after the beginning and after each reset, when pictures do not yet match. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -129,8 +128,8 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
-/* Step 1, as Gaussians smaller than a pixel would start too faint; every 100 steps; before the last tenth, which
-   chooses the ranges of scales; and the last step. */
+/* Limits scales in step 1, as Gaussians smaller than a pixel would start too faint; every 100 steps; before the last
+   tenth, which chooses ranges of scales; and at the end. */
 static int is_smoothed(const fxs_fit_options *options, uint32_t step)
 {
     const uint32_t steps = options->steps;

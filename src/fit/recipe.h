@@ -13,17 +13,17 @@ typedef struct fxs_fit_plan {
     float gain_part;               /* factor of the exposures' learning rate, 0 to 1 */
     float pose_way;                /* total movement of poses in radians, divided by the steps per photograph */
     float noise;
-    int smooths;                   /* `divisor`: limits scales from below after the update; 0: no limit */
-    int densify, relocate, order;  /* 1: done after the step */
+    int smooths;                   /* lower limit of scales for photographs reduced by this; 0: no limit */
+    int densify, relocate, order;
     float large;                   /* densify removes Gaussians with a larger scale */
-    int reset;                     /* 1: finally resets opacities */
+    int reset;                     /* 1: resets opacities after all other changes */
 } fxs_fit_plan;
 
 /* step: from 1. least_side: the photograph's shorter side in pixels. */
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan);
 
-/* First opacity, and first scale relative to the distance of neighbours. */
+/* Initial opacity, and initial scale relative to the distance of neighbouring points. */
 float fxs_fit_first_opacity(enum fxs_fit_recipe recipe);
 float fxs_fit_first_scale(enum fxs_fit_recipe recipe);
 

@@ -1,15 +1,12 @@
-/* Refines the levels of detail of a packed scene. Leaves of its tree are the chunks of 256 Gaussians; a node is a
- * merged
- * chunk for two children. A node's level is one above its higher child's, leaves have level 0. The cover of level L
- * is
- * the coarsest set of chunks up to level L that stands for all leaves. From the leaves up, each cover is fitted to
- * pictures of the leaves; only nodes change.
+/* Refines the levels of detail of a packed scene. The leaves of its tree are chunks of 256 Gaussians; a node is one
+ * merged chunk for two children. Leaves have level 0, a node one more than its higher child. The cover of level L is
+ * the
+ * coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each cover are
+ * fitted to pictures of the leaves.
  *
- * A node's error in a view is its share of the squared difference from the picture of the leaves, by blending
- * weights.
- * The gain of opening a node is its error minus its children's errors, times (distance / focal length)^2, averaged
- * over
- * the views that see the node. */
+ * A node's error is its share of the squared difference from these pictures, by blending weights. The gain of
+ * opening a
+ * node is its error minus its children's errors, times (distance / focal length)^2, averaged over views. */
 #include <fixsplat/refine.h>
 
 #include <math.h>
@@ -37,15 +34,15 @@
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
-    uint8_t *levels;                   /* per chunk: leaves, then nodes */
-    uint32_t *parents;                 /* per chunk; 0: none */
+    uint8_t *levels;                   /* level of each chunk: leaves, then nodes */
+    uint32_t *parents;                 /* parent of each chunk; 0: none */
     uint32_t chunks, leaves;
-    int highest;                       /* level of the root */
+    int highest;
     const fxs_refine_options *options;
     fxs_refine_views views;
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
-    float *errors;                     /* per node and view, pixels * colours^2; below 0: not visible */
+    float *errors;                     /* error of each node and view, pixels * colours^2; below 0: not visible */
     fxs_fit_model model;               /* Gaussians of the cover: its nodes, then its leaves */
     uint32_t *cover, *starts;          /* chunks of the cover; first Gaussian of each */
     uint32_t cover_count, cover_nodes;
@@ -58,7 +55,7 @@ static int fail_memory(const refiner *r, size_t bytes)
     return fxs_fail_memory(r->message, "levels of detail", bytes);
 }
 
-/* Reads and checks all nodes. Each node has two children, so the graph is a tree if no chunk has two parents. */
+/* The graph is a tree if no chunk has two parents. */
 static int read_tree(refiner *r)
 {
     r->leaves = r->scene.chunk_count;
@@ -98,7 +95,6 @@ static int is_in_cover(const refiner *r, uint32_t chunk, int level)
     return r->levels[chunk] <= level && (chunk == r->leaves || r->levels[r->parents[chunk]] > level);
 }
 
-/* Lists the cover of a level, nodes first. */
 static void find_cover(refiner *r, int level)
 {
     r->cover_count = 0;
@@ -129,7 +125,7 @@ static void take(const fxs_fit_model *m, size_t i, fxs_gaussian *g)
         g->rotation[k] = (float)(g->rotation[k] / sqrt(square));
 }
 
-/* Copies a chunk's Gaussians to the model from `at` on, and returns their number. model null: only counts. */
+/* model null: only counts the chunk's Gaussians. */
 static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_model *model, size_t at)
 {
     const unsigned char *rows = fxs_rows(&r->scene, number);
@@ -202,7 +198,7 @@ static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
                                                      : 0.001f);
 }
 
-/* Returns each view once in a random order, then in another one (Fisher and Yates). */
+/* Each view comes once in a random order, then in another one (Fisher and Yates). */
 static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t number)
 {
     const uint32_t count = r->views.count, at = number % count;
@@ -283,7 +279,6 @@ static double square_distance(const refiner *r, uint32_t number, const float eye
     return square;
 }
 
-/* Returns 0 for leaves and where the chunk is not visible. */
 static double error_in(const refiner *r, uint32_t chunk, uint32_t view)
 {
     return chunk < r->leaves ? 0 : fmax((double)errors_of(r, chunk - r->leaves)[view], 0);

@@ -1,7 +1,5 @@
 /* Views for refining levels of detail. Without given cameras, views look from a spiral about the up axis, a golden
- * angle apart (Vogel 1979). Their distances are fractions (`parts`) of the distance from which the scene is
- * completely
- * visible. Closer cameras look at points farther from the middle. */
+ * angle apart (Vogel 1979), at several distances. Closer cameras look at points farther from the middle. */
 #include "refine_views.h"
 
 #include <math.h>
@@ -45,7 +43,6 @@ static uint32_t most_views(const fxs_refine_options *o)
     return o->steps ? FXS_REFINE_VIEWS : FXS_REFINE_MEASURED;
 }
 
-/* Returns a random number in -1..1. */
 static double random_between(uint32_t view, uint32_t axis)
 {
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
@@ -118,7 +115,6 @@ static int is_usable(const fxs_file_view *view)
     return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, &small, &unwanted);
 }
 
-/* Chooses evenly spaced given cameras. */
 static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_options *o)
 {
     size_t usable = 0, seen = 0;

@@ -6,7 +6,7 @@
 #include "random.h"
 
 enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are clamped */
-#define DEAD UINT32_MAX            /* instead of a count of draws: faint Gaussian, to be moved */
+#define DEAD UINT32_MAX            /* marks a faint Gaussian instead of a number of draws */
 
 /* Returns the chance of being drawn: opacity in Q24, 0 up to least_opacity. */
 static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)
@@ -15,7 +15,6 @@ static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, si
     return opacity > least_opacity ? (uint64_t)(opacity * 16777216.0f) : 0;
 }
 
-/* Returns the index of the first sum above `at`. */
 static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
 {
     size_t first = 0, end = count - 1;

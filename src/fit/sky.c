@@ -14,16 +14,14 @@ enum {
 #define TIMES 1000.0               /* radius of the sphere / extent of the scene */
 #define FARTHEST 67108864.0        /* largest radius, half of the renderer's limit */
 
-/* Votes on a direction. */
 typedef struct tally {
     uint32_t seen, is_free;        /* numbers of photographs */
     uint64_t colour[3];            /* sums over photographs where the direction is free */
 } tally;
 
-/* Cells of a picture with points in or next to them. */
 typedef struct cells {
     uint8_t is_near[CELLS][CELLS];
-    double size;                   /* pixels */
+    double size;                   /* cell size in pixels */
 } cells;
 
 /* Projects a place to pixels. Returns true if it is at most `beyond` pixels outside of the picture. */

@@ -1,6 +1,5 @@
-/* Limits each scale from below by the pixel size of the sharpest photograph that sees the Gaussian. Photographs do
- * not
- * determine smaller scales. This is the 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
+/* Limits each scale from below by the pixel size of the sharpest photograph that sees the Gaussian. This is the 3D
+ * smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 
@@ -9,8 +8,7 @@
 #define FXS_FIT_SMOOTH 0.447213595f    /* sqrt(0.2) pixels */
 #define FXS_FIT_BESIDE 0.15f       /* centres up to this part of the picture's size outside count as seen */
 
-/* Returns min(least_so_far, depth / focal) if the camera sees the place, else least_so_far. depth / focal is the
-   size of a pixel at the place. */
+/* Returns min(least_so_far, depth / focal) if the camera sees the place, else least_so_far. */
 static inline real finest_of(const fxs_fit_camera *c, const real place[3], real least_so_far)
 {
     const int32_t size[2] = {c->width, c->height};

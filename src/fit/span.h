@@ -24,8 +24,7 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
 }
 
 /* Finds columns first..end of a row of tiles. With u = r cos, v = r sin: x = (u - uy y) / ux, y = v / vy. x is
-   largest at the y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. Empty beyond the last
-   row. */
+   largest at the y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. */
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);

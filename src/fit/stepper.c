@@ -1,8 +1,6 @@
-/* A step of the fit on the CPU: project, bin, blend, loss, backward, update. Stages run as jobs on the thread pool.
- * Sums
- * have a fixed order, so results do not depend on the number of threads. bin sorts the visible splats by depth
- * (radix
- * sort, 3 digits of 11 bits) and appends them to the tiles' lists. */
+/* A step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The
+ * stage
+ * bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles' lists. */
 #include "stepper.h"
 
 #include <math.h>
@@ -30,25 +28,24 @@ struct fxs_fit_stepper {
     block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered,
         by_pose;
 
-    /* current step */
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
-    const uint8_t *photograph;     /* at the camera's size */
+    const uint8_t *photograph;     /* photograph at the camera's size */
     const uint8_t *errors_of;      /* photograph for fxs_fit_find_errors */
-    const uint8_t *mask;           /* at the camera's size, or null */
+    const uint8_t *mask;           /* mask at the camera's size, or null */
     float *errors;
     fxs_fit_camera posed[FXS_FIT_BATCH];   /* cameras with pose corrections */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
-    uint32_t batch, view;          /* views in the batch; current view */
-    float factors[FXS_FIT_GAIN];   /* exposure of the current photograph */
-    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* per view: sums for gain_gradient */
+    uint32_t batch, view;
+    float factors[FXS_FIT_GAIN];
+    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
-    int plane_count;               /* planes per channel */
+    int plane_count;
     uint32_t tile_count, visible;
     size_t entry_count;
-    int digit;                     /* current digit of the sort by depth */
+    int digit;
 };
 
 static void *room(block *b, size_t bytes)
@@ -117,7 +114,6 @@ typedef struct seen {
     size_t entries;
 } seen;
 
-/* End of the job's Gaussians, at most the model's `count`. */
 static size_t job_end(const fxs_fit_stepper *s, uint32_t job)
 {
     const size_t first = (size_t)job * JOB, end = first + job_count(s, job);
@@ -147,7 +143,6 @@ typedef struct key {
 
 enum { DIGITS = 3, DIGIT_BITS = 11, DIGIT_VALUES = 1 << DIGIT_BITS };
 
-/* Start of a range of splats, one range per thread. */
 static uint32_t range_start(const fxs_fit_stepper *s, uint32_t range)
 {
     return (uint32_t)((uint64_t)s->visible * range / s->threads);
@@ -166,7 +161,7 @@ static void add_jobs(fxs_fit_stepper *s)
     }
 }
 
-/* Writes keys and tiles of visible splats. Depths are positive, so their bits sort as integers. */
+/* Depths are positive, so their bits sort as integers. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -185,7 +180,6 @@ static void cover_job(void *argument, uint32_t job)
     s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
-/* Half of `keys` that is the input of the current digit. */
 static const key *keys_from(const fxs_fit_stepper *s)
 {
     return (const key *)s->keys.memory + (size_t)(s->digit % 2) * s->model->stride;
@@ -217,7 +211,7 @@ static void move_digits_job(void *argument, uint32_t range)
 }
 
 /* Replaces each range's count of each value (digit or tile) by the place of its first key. Order: by value, then by
-   range. starts not null: gets the first place of each value. */
+   range. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -317,8 +311,7 @@ static int32_t least_of(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* Returns the initial transmittance. Pictures outside of a step use 16, so that pixels close later, at
-   FXS_FIT_CLOSED / 16. */
+/* Pictures outside of a step start with a transmittance of 16, so that pixels close later. */
 static float light_of(const fxs_fit_stepper *s)
 {
     return s->photograph ? 1 : 16;
@@ -466,7 +459,6 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
         }
 }
 
-/* Converts the gradient by exposed colours to the gradient by colours before exposure. */
 static void pass_exposure(const fxs_fit_stepper *s, fxs_fit_tile_gradient *g)
 {
     for (int i = 0; i < FXS_FIT_PIXELS; i++) {
@@ -498,7 +490,6 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
         pass_exposure(s, g);
 }
 
-/* Writes the gradient sums of a tile's splats. */
 static void pass_back(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile_gradient *g)
 {
     const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
@@ -536,13 +527,11 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
     }
 }
 
-/* Plane of a view's sums, for the whole model. */
 static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
 {
     return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
 }
 
-/* End of a job's Gaussians that the step changes; may be before the job's first Gaussian. */
 static size_t changed_end(const fxs_fit_stepper *s, uint32_t job)
 {
     const size_t end = (size_t)job * JOB + job_count(s, job);
@@ -581,7 +570,6 @@ static size_t part_count(const fxs_fit_stepper *s)
     return (s->model->stride + FXS_FIT_PART - 1) / FXS_FIT_PART;
 }
 
-/* A view's gradient by number k of its pose, as a term per FXS_FIT_PART Gaussians. */
 static float *by_pose_of(const fxs_fit_stepper *s, uint32_t view, int k)
 {
     return (float *)s->by_pose.memory + (view * FXS_FIT_POSE + (size_t)k) * part_count(s);
@@ -666,7 +654,6 @@ static float sum_numbers(const float *numbers, size_t step, size_t count, double
     return gain_sum(parts, divisor);
 }
 
-/* Sums a row for gain_gradient in 16 partial sums. */
 static void gain_rows_job(void *argument, uint32_t row)
 {
     const fxs_fit_stepper *s = argument;
@@ -763,7 +750,7 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-/* Squared colour difference of each pixel; backward distributes it over splats by their weights. */
+/* Backward distributes each pixel's squared colour difference over splats by their weights. */
 static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;
@@ -818,7 +805,6 @@ int fxs_fit_find_errors(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_
     return 0;
 }
 
-/* Each pixel is the mean of divisor x divisor pixels. */
 static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
 {
     const int divisor = from->divisor, all_of_them = divisor * divisor;

@@ -14,8 +14,7 @@ typedef struct fxs_fit_stepper fxs_fit_stepper;
 typedef struct fxs_fit_photograph {
     const uint8_t *pixels;         /* red, green, blue; rows without gaps */
     int32_t width, height;         /* size of `pixels` */
-    int32_t divisor;               /* a pixel of the camera is the mean of divisor x divisor pixels; remainders at
-                                      right and bottom are unused */
+    int32_t divisor;               /* a pixel of the camera is the mean of divisor x divisor pixels */
     fxs_fit_camera camera;         /* without pose correction */
     uint32_t number;               /* index of the photograph's exposure and pose */
     const uint8_t *mask;           /* null, or a byte per pixel of `pixels`; 0: ignored */
@@ -27,8 +26,8 @@ typedef struct fxs_fit_photograph {
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
-    float *by_centre, *views;      /* by_centre: sums of |dL/dcentre|; views: number of views that saw the Gaussian */
-    float *masters;                /* exact parameters, which `grid` quantises to `parameters`; null: not quantised */
+    float *by_centre, *views;      /* sums of |dL/dcentre|; number of views that saw the Gaussian */
+    float *masters;                /* parameters before quantisation by `grid`; null: not quantised */
     const fxs_fit_grid *grid;
     fxs_fit_gains *gains;          /* null: exposures are not fitted */
     fxs_fit_poses *poses;          /* null: poses are not fitted */
@@ -39,17 +38,15 @@ typedef struct fxs_fit_step_options {
     int sh_degree;
     float background[3];
     float rate[FXS_FIT_PARAMETERS];
-    uint32_t number;               /* from 1 */
+    uint32_t number;               /* number of the step, from 1 */
     float gain_rate;               /* learning rate of exposures, log2 units; 0: fixed */
     float gain_decay;              /* decay of exposures per step */
     float pose_rate;               /* learning rate of poses, radians; 0: fixed */
     float by_opacity, by_scale;    /* weights of mean opacity and mean scale in the loss */
-    int smooths;                   /* divisor of the photographs: limits scales from below after the update; 0: no
-                                      limit */
-    fxs_fit_far far;               /* unit of scales for by_scale */
-    fxs_fit_noise noise;           /* amount 0: none */
-    size_t changed;                /* CPU only: changes only the first `changed` Gaussians, rounded down to
-                                      FXS_FIT_GROUP; 0: all */
+    int smooths;                   /* lower limit of scales for photographs reduced by this; 0: no limit */
+    fxs_fit_far far;
+    fxs_fit_noise noise;           /* noise of positions; amount 0: none */
+    size_t changed;                /* CPU only: changes only the first `changed` Gaussians; 0: all */
 } fxs_fit_step_options;
 
 /* run, pool: as in fxs_config. Returns null if memory runs out. */
@@ -67,7 +64,7 @@ int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_
 
 /* Draws the model over black with a photograph's camera, and distributes each pixel's squared difference from the
    photograph over Gaussians by blending weights. errors: sum per Gaussian. Increments the model's `views` of visible
-   Gaussians. Ignores the divisor. Returns 0 or FXS_ERR_MEMORY. */
+   Gaussians. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
                         const fxs_fit_step_options *options, float *errors);
 

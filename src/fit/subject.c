@@ -46,7 +46,7 @@ static int find_middle(const fxs_fit *f, double middle[3])
 }
 
 /* Returns the distance from the optical axis to the nearer edge of the picture, at a place's depth. 0: the place is
-   not in the middle half of the picture's width and height. */
+   not in the middle half of the picture. */
 static double reach_at(const fxs_fit_camera *c, const double place[3])
 {
     double at[3] = {0, 0, 0};
@@ -57,7 +57,6 @@ static double reach_at(const fxs_fit_camera *c, const double place[3])
     return fabs(at[0]) <= across / 2 && fabs(at[1]) <= down / 2 ? fmin(across, down) : 0;
 }
 
-/* The radius is the median over the cameras of reach_at. */
 int fxs_fit_find_subject(const fxs_fit *f, fxs_fit_subject *subject, fxs_message *message)
 {
     memset(subject, 0, sizeof *subject);

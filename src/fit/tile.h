@@ -1,5 +1,5 @@
 /* Blending and backward pass for one tile: from a list of splats to pixels, and from gradients of pixels to sums per
- * splat. A block is 4x4 pixels. */
+ * splat. */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
@@ -56,7 +56,6 @@ static inline void find_places(const fxs_fit_splat *s, int place, real *u, real 
     *v = y * s->vy;
 }
 
-/* Returns true if any pixel changes. */
 static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
 {
     const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;
@@ -70,7 +69,7 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-/* Blends a splat into a bit set of 4x4 blocks. Returns the blocks that change. */
+/* Returns the bit set of 4x4 blocks that the splat changes. */
 static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
@@ -145,7 +144,7 @@ static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient
     sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
-/* Sums the 16 numbers of each row: p and p + 8 first, then p + 4, p + 2 and p + 1. */
+/* Sums 16 numbers as a binary tree: p and p + 8 first, then p + 4, p + 2 and p + 1. */
 #if LANES == 1
 static inline void add_places(const float (*rows)[PLACES], float *sums)
 {
@@ -172,7 +171,6 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* Adds p and p + 2, then p + 1, for four rows of four numbers. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);
@@ -231,7 +229,6 @@ static inline void backward_splat(const fxs_fit_splat *from, uint32_t blocks, co
     memcpy(sums, all_sums, sizeof all_sums);
 }
 
-/* Writes the sums of the first `count` entries of a list to the entries' slots. */
 static inline void backward(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {

@@ -1,6 +1,6 @@
-/* Projects the Gaussians of a view, computes their colours, and lists the splats of each tile. Slots, one per pair
- * of
- * splat and tile, are written in the order of the Gaussians, moved to the tiles' lists, and sorted there by depth. */
+/* Projects a view's Gaussians to splats, colours them, and lists the splats of each tile, sorted by depth. A slot is
+ * a
+ * pair of a splat and a tile that it touches. */
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 
@@ -16,8 +16,8 @@ namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* Load balance: a splat with more than FEW_TILES tiles gets a warp, with more than MANY_TILES a block. Blocks below
-   LARGE_BLOCKS handle only these splats. */
+/* Load balance: a splat with more than FEW_TILES tiles gets a warp, one with more than MANY_TILES a block of
+   threads. */
 const uint32_t FEW_TILES = 16, MANY_TILES = 256, LARGE_BLOCKS = 264;
 
 __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint32_t tiles)
@@ -31,8 +31,6 @@ __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint
         b.large[large] = gaussian;
 }
 
-/* For blocks below LARGE_BLOCKS. Calls by_block(Gaussian) with the whole block for each huge Gaussian,
-   by_warp(Gaussian) with a warp for each large one. */
 template <class ByBlock, class ByWarp>
 __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWarp by_warp)
 {
@@ -43,8 +41,7 @@ __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWa
         by_warp(b.large[i]);
 }
 
-/* Returns a thread's Gaussian for blocks from LARGE_BLOCKS on. Groups of four go to different blocks, as
-   neighbouring Gaussians are alike in size. */
+/* Neighbouring Gaussians are alike in size, so groups of four go to different blocks of threads. */
 __device__ inline uint32_t spread_over_blocks(uint32_t thread)
 {
     return (thread / 4 * (gridDim.x - LARGE_BLOCKS) + (blockIdx.x - LARGE_BLOCKS)) * 4 + thread % 4;
@@ -55,7 +52,7 @@ inline uint32_t bin_grid(uint64_t threads)
     return (uint32_t)((threads + BIN_THREADS - 1) / BIN_THREADS);
 }
 
-/* Calls launch(degree) with a compile-time degree, which keeps a kernel's SH in registers. */
+/* Calls launch(degree) with the SH degree as a compile-time constant. */
 template <class Launch>
 void by_degree(int degree, Launch launch)
 {
@@ -80,7 +77,6 @@ __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_spla
     to[3] = make_float4(numbers[12], numbers[13], numbers[14], 0);
 }
 
-/* Computes the splats except their colours. `posed`: the camera's fitted pose, if IsPosed. */
 template <bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
     project_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
@@ -131,7 +127,6 @@ __global__ void __launch_bounds__(BIN_THREADS)
         find_colours(&camera, Degree, m.parameters + i, m.stride, &splat->limit, splat->colour);
 }
 
-/* posed null: poses are not fitted. */
 cudaError_t launch_project(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                            const posed_camera *posed, cudaStream_t stream)
 {
@@ -140,7 +135,7 @@ cudaError_t launch_project(const step_buffers *b, const device_model *m, const f
     return cudaGetLastError();
 }
 
-/* Runs parallel to launch_bin, which needs no colours. */
+/* Runs on a second stream, parallel to launch_bin, which needs no colours. */
 cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                          const posed_camera *posed, int degree, cudaStream_t stream, const side_stream *beside)
 {
@@ -161,7 +156,7 @@ struct add_saturated {
     }
 };
 
-/* Counts the step's slots. Returns true if they fit into the buffers. */
+/* Counts the step's slots. Returns true if they fit into memory. */
 __device__ inline bool has_room(const step_buffers &b, uint32_t total)
 {
     if (!blockIdx.x && !threadIdx.x) {
@@ -196,7 +191,7 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
     b.splat_of[slot] = gaussian;
 }
 
-/* A warp's slots, staged so that writes to global memory are consecutive. */
+/* Staging a warp's slots makes the writes to global memory consecutive. */
 struct staged_slots {
     uint32_t tiles[BIN_THREADS / WARP][WARP * FEW_TILES];
     uint8_t lanes[BIN_THREADS / WARP][WARP * FEW_TILES];
@@ -215,7 +210,6 @@ __device__ inline void stage_small(const fxs_fit_camera *camera, const ellipses 
     }
 }
 
-/* For splats with at most FEW_TILES tiles, one per thread of a warp. */
 __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
                                  uint32_t tiles, uint32_t gaussian, staged_slots *staged)
 {
@@ -237,8 +231,7 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* For one splat, by warp n of `warps`. Each thread finds the columns of one row of tiles; then all threads fill the
-   rows together. */
+/* Each thread finds the tiles of one row; then all threads of the warp write the rows together. */
 __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, uint32_t gaussian, uint32_t n,
                                  uint32_t warps)
 {
@@ -282,10 +275,10 @@ __global__ void __launch_bounds__(BIN_THREADS)
     put_small(b, &camera, e, slot, tiles <= FEW_TILES ? tiles : 0, gaussian, &staged);
 }
 
-const uint32_t START_THREADS = 1024, START_TILES = 4;      /* threads per block; tiles per thread and round */
-const uint32_t CLASSES = 64;       /* classes of list length: two per power of 2, longest first */
-const uint32_t LONG_LIST = 256;    /* lists with at least this many entries are sorted by a block, shorter ones by a
-                                      warp */
+const uint32_t START_THREADS = 1024, START_TILES = 4;
+const uint32_t CLASSES = 64;       /* number of classes of list length, two per power of 2 */
+const uint32_t LONG_LIST = 256;    /* lists with at least this many entries are sorted by a block of threads, shorter
+                                      lists by a warp */
 
 __device__ inline uint32_t class_of(uint32_t count)
 {
@@ -293,7 +286,6 @@ __device__ inline uint32_t class_of(uint32_t count)
     return CLASSES - 1 - (bits < 2 ? bits : 2 * bits - 2 + (count >> (bits - 2) & 1));
 }
 
-/* A single block replaces list lengths by list starts, and orders the tiles by length class. */
 __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uint32_t tile_count)
 {
     typedef cub::BlockScan<uint32_t, START_THREADS> scan;
@@ -355,7 +347,7 @@ __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32
 
 const uint32_t SORT_THREADS = 256;
 
-/* Sorts lists with a group of T threads. Lists longer than Room are first split into 2^Bits bins. */
+/* Sorts tile lists. Lists longer than Room are first split into 2^Bits bins by key. */
 template <uint32_t T, uint32_t Room, int Bits>
 struct list_sorter {
     typedef group_keys<Room, Bits> keys_type;
@@ -366,8 +358,7 @@ struct list_sorter {
     {
         const uint64_t *list = b.keys + start;
         uint32_t *ends = nullptr, *slots = b.slots + start;
-        if (count > Room) {                /* `sums` is still unused here: its 36 bytes per entry hold a key, and the
-                                              ends of the bins */
+        if (count > Room) {                /* `sums` is not in use yet, so its memory holds the bins */
             uint64_t *moved = (uint64_t *)(((uintptr_t)(b.sums + (size_t)start * FXS_FIT_SUMS) + 7) / 8 * 8);
             auto visit_all = [&](auto visit) { visit_keys(list, count, &g, visit); };
             const key_range r = range_of_list(&keys, &g, visit_all);
@@ -396,7 +387,6 @@ union sort_shared {
     list_sorter<WARP, LONG_LIST, 8> warps[SORT_THREADS / WARP];
 };
 
-/* A block sorts each long list, longest first; a warp sorts each shorter list. */
 __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint32_t tile_count)
 {
     __shared__ sort_shared shared;
@@ -415,7 +405,6 @@ __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint3
         shared.warps[warp].sort(b, start, count, {0, lane_index()});
 }
 
-/* Computes exclusive prefix sums of `bases` in place. scratch null: only sets *bytes. */
 cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
 {
     return cub::DeviceScan::ExclusiveScan(scratch, *bytes, b->bases, b->bases, add_saturated(), 0u, count + 1, stream);

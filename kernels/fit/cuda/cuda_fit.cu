@@ -1,8 +1,7 @@
-/* The fit's engine on NVIDIA GPUs: transfers photographs, launches a step's kernels on each device, and exchanges
- * gradients between devices. All devices make the same update from the gradients of all photographs, so their models
- * stay equal. Steps are asynchronous: up to PENDING of them run before the host waits. If a step's tile lists
- * overflow,
- * this step and all later ones change nothing; finish then repeats them with more memory. */
+/* The fit's engine on NVIDIA GPUs. Each device computes the gradients of its share of a batch's photographs, then
+ * receives all other gradients and makes the same update, so that all models stay equal. Steps are asynchronous. If
+ * the
+ * tile lists of a step overflow, this step and all later ones change nothing; finish repeats them with more memory. */
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
@@ -17,37 +16,36 @@ namespace {
 
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE, STAGES };
 
-const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;    /* gradient sums, then visibility */
+const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;
 const uint32_t PENDING = 64;       /* largest number of steps in flight */
-const uint32_t PHOTOGRAPHS = 3;    /* one in use, two in transfer */
+const uint32_t PHOTOGRAPHS = 3;    /* photographs in memory: one in use, two in transfer */
 
-/* A photograph in transfer, in pinned host memory and in device memory. The mask follows the pixels. */
+/* A photograph in transfer to a device. The mask follows the pixels. */
 struct photograph_slot {
     host_block sent;
     block pixels;
     cudaEvent_t ready, is_free;
 };
 
-/* All devices hold the same model, bit for bit. */
+/* A GPU. All devices hold the same model, bit for bit. */
 struct device {
     int number;
-    cudaStream_t stream, copies;   /* `copies`: transfers of photographs */
-    side_stream beside;            /* colours and SH updates, parallel to `stream` */
+    cudaStream_t stream, copies;
+    side_stream beside;            /* second stream, for colours and SH */
     budget memory;
     device_model model;
     step_buffers buffers;
-    fxs_fit_gains gains;           /* device memory; count 0: exposures are not fitted */
-    fxs_fit_poses poses;           /* device memory; count 0: poses are not fitted */
-    fxs_fit_cameras cameras;       /* device memory; count 0: scales have no lower limit */
-    posed_camera *posed;           /* a batch's cameras with fitted poses; null: not fitted */
+    fxs_fit_gains gains;           /* count 0: exposures are not fitted */
+    fxs_fit_poses poses;           /* count 0: poses are not fitted */
+    fxs_fit_cameras cameras;       /* count 0: scales have no lower limit */
+    posed_camera *posed;           /* null: poses are not fitted */
     block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts,
         all_cameras;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
-    float *views[FXS_FIT_BATCH];   /* per photograph: gradient sums of all Gaussians */
-    cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: gradient sums of the device's own photographs
-                                                              are complete; received: those of other devices have
-                                                              arrived */
+    float *views[FXS_FIT_BATCH];   /* gradient sums of all Gaussians, per photograph */
+    cudaEvent_t stages[STAGES + 1], gathered, received;    /* own gradient sums are complete; those of other devices
+                                                              have arrived */
 };
 
 struct step_order {
@@ -60,17 +58,17 @@ struct step_order {
 struct engine {                    /* pinned, for asynchronous copies to `statuses` */
     fxs_fit_model *model;
     fxs_run_fn *run;               /* null: single-threaded */
-    void *pool;                    /* argument of run */
+    void *pool;
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
-    step_order pending[PENDING];   /* started since the host last waited */
+    step_order pending[PENDING];   /* steps started since the host last waited */
     uint32_t pending_count;
-    uint64_t entries_most;         /* largest number of tile list entries of a step so far */
+    uint64_t entries_most;
     step_status statuses[FXS_FIT_BATCH];
-    host_block rows[FXS_FIT_BATCH];    /* row sums of the loss per photograph, for a report */
+    host_block rows[FXS_FIT_BATCH];
 };
 
-/* Divides `memory` into buffers. Returns the size in bytes; memory may be null. */
+/* Divides `memory` into buffers. Returns their size in bytes; memory may be null. */
 uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
     unsigned char *at = memory;
@@ -153,7 +151,6 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-/* Returns a view's buffer size in floats: sums per Gaussian, an overflow flag, and sums for exposure and pose. */
 uint64_t view_numbers(const device *d)
 {
     return VIEW_PLANES * (uint64_t)d->model.stride + 64;
@@ -198,8 +195,7 @@ void copy_part(void *argument, uint32_t job)
     memcpy(c->to + first, c->from + first, left < COPIED ? left : COPIED);
 }
 
-/* Copies with all threads. Photographs are rarely in the cache, so a single thread would be slower than the rest of
-   a step. */
+/* Copies with all threads, as a single thread would be slower than the rest of a step. */
 void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
 {
     copying c = {(uint8_t *)to, from, bytes};
@@ -209,8 +205,7 @@ void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
         memcpy(to, from, bytes);
 }
 
-/* Starts a photograph's transfer and makes later kernels wait for its end. The caller's memory is never pinned,
-   because its pages may also hold other data. */
+/* Starts a photograph's transfer. The caller's memory is not pinned, because its pages may hold other data. */
 int send_photograph(const engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
@@ -358,7 +353,6 @@ struct flags {
     const float *of_views[FXS_FIT_BATCH];
 };
 
-/* Marks this device as overflowed if any device overflowed. */
 __global__ void hear_full(step_status *status, flags f, uint32_t views)
 {
     for (uint32_t v = 0; v < views; v++)
@@ -394,7 +388,7 @@ fxs_fit_adam adam_of(const engine *e, const step_order *s)
     return adam;
 }
 
-/* Waits until other devices have copied the sums that the update overwrites. */
+/* Waits until other devices have copied the gradient sums, which the update overwrites. */
 void wait_for_receivers(const engine *e, const device *d)
 {
     for (uint32_t i = 0; i < e->device_count; i++)
@@ -470,7 +464,6 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
     return error;
 }
 
-/* Clears the counts, so that a report covers a single step. */
 int clear_counts(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -513,8 +506,7 @@ int wait(engine *e, fxs_message *why)
     return 0;
 }
 
-/* If the longest tile lists so far fill more than 8/9 of the capacity, makes room for 5/4 of their entries. Discards
-   the lists. */
+/* Grows tile lists if the longest so far fill more than 8/9 of the memory. Discards their contents. */
 int widen_lists(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -527,7 +519,6 @@ int widen_lists(engine *e, fxs_message *why)
     return error;
 }
 
-/* Reads and clears the devices' statuses. *is_full: true if tile lists overflowed. */
 int take_statuses(engine *e, bool *is_full, fxs_message *why)
 {
     int error = 0;
@@ -543,7 +534,7 @@ int take_statuses(engine *e, bool *is_full, fxs_message *why)
     return error;
 }
 
-/* Completes the pending steps. Repeats the first step with an overflow, and all later ones, with more memory. */
+/* Completes the pending steps. Repeats steps from the first overflow on, with more memory. */
 int finish(engine *e, fxs_message *why)
 {
     uint32_t first = 0;
@@ -601,8 +592,7 @@ int step(void *self, const fxs_fit_photograph *photographs, uint32_t count, cons
     return error;
 }
 
-/* Completes the pending steps, then calls change(device) for each device. The result must be the same on all
-   devices. */
+/* Completes the pending steps, then changes the model alike on all devices. */
 template <class Change>
 int change_model(engine *e, fxs_message *why, Change change)
 {

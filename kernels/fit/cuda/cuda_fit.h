@@ -1,5 +1,4 @@
-/* Fit on NVIDIA GPUs: an engine (src/fit/engine.h) that keeps the model in device memory. Results equal those of the
- * CPU engine byte for byte. */
+/* Fit on NVIDIA GPUs. Results equal those of the CPU byte for byte. */
 #ifndef FXS_CUDA_FIT_H
 #define FXS_CUDA_FIT_H
 

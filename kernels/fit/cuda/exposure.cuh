@@ -1,5 +1,4 @@
-/* Exposures of photographs on a device (src/fit/exposure.h): factors, gradients, update. The order of floating-point
- * operations is that of the CPU engine. */
+/* Exposures of photographs on a device (src/fit/exposure.h), with the CPU's order of floating-point operations. */
 #ifndef FXS_CUDA_FIT_EXPOSURE_CUH
 #define FXS_CUDA_FIT_EXPOSURE_CUH
 
@@ -53,7 +52,6 @@ add_gain_rows(step_buffers b, fxs_fit_camera camera, float *out)
         out[k] = gain_sum(parts[k], 3.0 * camera.width * camera.height);
 }
 
-/* Computes an exposure's gradient from the gradients of the pixels. */
 cudaError_t launch_by_gain(const step_buffers *b, const fxs_fit_camera *camera, int is_affine, float out[FXS_FIT_GAIN],
                            cudaStream_t stream)
 {
@@ -63,7 +61,6 @@ cudaError_t launch_by_gain(const step_buffers *b, const fxs_fit_camera *camera, 
     return cudaGetLastError();
 }
 
-/* Photographs of a batch in order, and the gradients of their exposures. */
 struct gain_batch {
     uint32_t count, numbers[FXS_FIT_BATCH];
     const float *by_gain[FXS_FIT_BATCH];

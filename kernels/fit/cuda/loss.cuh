@@ -10,8 +10,8 @@ namespace {
 #include "src/fit/loss.h"
 #undef static
 
-/* A block of threads computes SQUARE x SQUARE pixels from a patch with a margin of REACH pixels for SSIM's windows.
-   A thread computes RUN adjacent outputs, so that each input is loaded only once. */
+/* A block of threads computes SQUARE x SQUARE pixels, with a margin of REACH pixels for SSIM's windows. A thread
+   computes RUN adjacent outputs, so that each input is loaded once. */
 const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
 const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* odd pitches avoid bank conflicts */
 const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
@@ -19,9 +19,8 @@ const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
 typedef float patch[PATCH][PITCH];
 typedef float column_sums[PATCH][COLUMNS_PITCH];
 
-/* A thread's run of outputs, down a column. */
 struct loss_place {
-    int x, y;                      /* first output of the run, relative to the square */
+    int x, y;                      /* first output of the thread, relative to the square */
     int left, top;                 /* first pixel of the square */
 };
 
@@ -31,7 +30,7 @@ __device__ inline loss_place place_of_run()
             (int)blockIdx.y * SQUARE};
 }
 
-/* Photograph in device memory: red, green and blue bytes; a mask byte per pixel, or null. */
+/* Photograph in device memory: RGB bytes; a mask byte per pixel, or null. */
 struct loss_photograph {
     const uint8_t *pixels, *mask;
 };
@@ -41,21 +40,20 @@ __device__ inline float level_of_byte(uint8_t byte)
     return (float)byte / 255.0f;
 }
 
-/* True if the mask lets a pixel count in the loss. Without a mask the check compiles away. */
+/* True if the mask lets a pixel count in the loss. */
 template <bool HAS_MASK>
 __device__ inline bool counts(const loss_photograph &photograph, size_t at)
 {
     return !HAS_MASK || photograph.mask[at];
 }
 
-/* With exposures, saturates `a` at white, as a photograph does. */
+/* With exposures, values saturate at white, as in a photograph. */
 __device__ inline float recorded_of(const step_buffers &b, float a, float level)
 {
     return b.factors ? recorded(a, level) : a;
 }
 
-/* Calls visit(patch row, patch column, picture index, is_inside) for each pixel of the patch. is_inside: the pixel
-   is inside the picture. */
+/* Calls visit(row, column, index, is_inside) for each pixel of the square and its margin. */
 template <class Visit>
 __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
 {
@@ -66,7 +64,7 @@ __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p,
     }
 }
 
-/* Sums RUN windows with consecutive starts. */
+/* Sums RUN windows of SSIM with consecutive starts. */
 template <class Number>
 __device__ inline void window_sums(Number number, float out[RUN])
 {
@@ -79,7 +77,6 @@ __device__ inline void window_sums(Number number, float out[RUN])
         out[k] = window_sum(numbers + k + REACH, 1);
 }
 
-/* Calls put(row, first column) for each run of RUN outputs in a patch. */
 template <class Put>
 __device__ inline void visit_runs(Put put)
 {
@@ -142,7 +139,6 @@ find_derivatives(step_buffers b, loss_photograph photograph, fxs_fit_camera came
     }
 }
 
-/* Sums windows over a channel's SSIM derivatives for the thread's run. */
 __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_camera &camera, const loss_place &p,
                                        size_t channel, patch *derivatives, column_sums *rows,
                                        float sums[FXS_FIT_DERIVATIVES][RUN])
@@ -191,8 +187,7 @@ find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_came
     }
 }
 
-/* Sums a row with half a warp. Each thread sums every 16th number; then partial sums c and c + 8 are added, then c +
-   4, c + 2 and c + 1. */
+/* Sums a row with half a warp: 16 partial sums of every 16th number, then a binary tree. */
 template <class Number>
 __device__ inline float row_sum(int32_t width, Number number)
 {
@@ -248,7 +243,6 @@ cudaError_t launch_loss(const step_buffers *b, loss_photograph photograph, const
                            : launch_loss_of<false>(b, photograph, camera, has_report, stream);
 }
 
-/* Averages squares of divisor x divisor pixels, rounding to nearest. */
 __global__ void average_down(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                              uint8_t *out)
 {
@@ -264,7 +258,7 @@ __global__ void average_down(const uint8_t *full, int32_t full_width, int diviso
     out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
 }
 
-/* A reduced pixel counts if all its divisor x divisor pixels count. */
+/* A reduced pixel counts if all its full-size pixels count. */
 __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                             uint8_t *out)
 {
@@ -279,7 +273,7 @@ __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor
     out[(size_t)y * (size_t)width + (size_t)x] = is_counted;
 }
 
-/* Averages a photograph down to the camera's size, into b->photograph. Points *photograph at the result. */
+/* Averages a photograph down to the camera's size, and points *photograph at the result. */
 cudaError_t launch_reduce(const step_buffers *b, loss_photograph *photograph, int32_t full_width, int divisor,
                           const fxs_fit_camera *camera, cudaStream_t stream)
 {

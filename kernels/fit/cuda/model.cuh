@@ -1,6 +1,6 @@
 /* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal those of the
  * CPU
- * functions in src/fit/model.c, densify.c and relocate.c bit by bit; both share the code for a single Gaussian. */
+ * bit by bit; the code for a single Gaussian is shared. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -20,9 +20,9 @@ namespace {
 #undef static
 
 const uint32_t MODEL_THREADS = 256;
-const uint32_t SPARE = 8;          /* planes gathered at once */
+const uint32_t SPARE = 8;
 
-/* The pointers stay in device memory. */
+/* All pointers stay in device memory. */
 fxs_fit_model as_host(const device_model *m)
 {
     fxs_fit_model out = {};
@@ -99,8 +99,7 @@ cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride,
     return cudaSuccess;
 }
 
-/* Moves planes back from the larger stride to `old`. Pieces are no longer than the distance, so source and
-   destination never overlap. */
+/* Moves planes back to the smaller stride `old`, in pieces that do not overlap their destination. */
 void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     for (uint64_t k = 1; k < count; k++)
@@ -111,7 +110,7 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* Widens one set of planes after another, so that at most one is allocated twice. On error, restores the old stride. */
+/* Widens one set of planes after another, so that at most one set is allocated twice. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -135,8 +134,8 @@ uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussia
     return m->stride && wide < UINT32_MAX && (!taken->most || needed <= taken->most) ? wide : least;
 }
 
-/* Makes room for `gaussians` Gaussians and keeps the contents. The model must have no masters. Waits for the stream.
-   On error the model is unchanged. */
+/* Makes room for `gaussians` Gaussians. The model must not be quantised. Waits for the stream. After an error the
+   model is unchanged. */
 int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream_t stream, fxs_message *why)
 {
     if (gaussians <= m->stride)
@@ -214,7 +213,7 @@ int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cuda
 {
     if (!from->masters || from->count > m->stride)
         free_masters(m, taken);
-    m->count = 0;                  /* old contents are not kept */
+    m->count = 0;                  /* model_reserve then drops the old contents */
     int error = model_reserve(m, taken, from->count, stream, why);
     if (!error && from->masters)
         error = reserve_masters(m, taken, why);
@@ -233,7 +232,6 @@ int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream
     return copy_model(to, m, false, stream, why);
 }
 
-/* The host model must have the same number of Gaussians. */
 int download_masters(const device_model *m, const fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
 {
     const plane_pair masters[] = {{to->masters, m->masters, FXS_FIT_PARAMETERS}};
@@ -281,7 +279,7 @@ int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint6
     return check(why, error, cudaStreamSynchronize(stream));
 }
 
-/* to[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is k. */
+/* to[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is the plane k. */
 __global__ void gather_planes(const float *from, size_t stride, float *to, const uint32_t *sources, uint32_t count,
                               uint32_t kept)
 {
@@ -290,7 +288,6 @@ __global__ void gather_planes(const float *from, size_t stride, float *to, const
         to[(size_t)blockIdx.y * count + i] = i < kept ? from[blockIdx.y * stride + sources[i]] : 0;
 }
 
-/* Gathers planes in place, SPARE planes at once. */
 cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources, uint32_t count, uint32_t kept,
                            float *spare, cudaStream_t stream)
 {
@@ -306,8 +303,7 @@ cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources
     return error;
 }
 
-/* Replaces the model by copies of the Gaussians sources[0..count). The first `kept` keep Adam's moments; the rest
-   get 0. */
+/* Replaces the Gaussians by copies of sources[0..count). Only the first `kept` keep Adam's moments. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
@@ -338,7 +334,7 @@ __global__ void find_fates(fxs_fit_model m, fxs_fit_densify d, float least_logit
     }
 }
 
-/* Sort keys: Gaussians to be cloned or split by descending gradient, then all other Gaussians. */
+/* Sort keys: Gaussians to be cloned or split by descending gradient, then all others. */
 __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *keys, uint32_t *indices)
 {
     const uint32_t i = gaussian_of_thread();
@@ -348,7 +344,6 @@ __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *key
     indices[i] = i;
 }
 
-/* Cancels the growth of Gaussians `from` to `end` - 1 in sorted order, for which there is no room. */
 __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *indices, uint32_t from, uint32_t end,
                           uint8_t *fates)
 {
@@ -400,7 +395,6 @@ struct densify_memory {
     size_t scratch_bytes;
 };
 
-/* Divides `memory` into the buffers of find_next. Returns the size in bytes; memory may be null. */
 uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -436,7 +430,6 @@ int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d,
     return check(why, error, cudaGetLastError());
 }
 
-/* Decides which Gaussians stay, go or grow, then sums up the counts of count_next. *last: the total. */
 int find_next(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint64_t *last,
               cudaStream_t stream, fxs_message *why)
 {
@@ -467,7 +460,7 @@ int make_next(device_model *m, const densify_memory *d, uint32_t kept, uint32_t 
     return check(why, first_of(error, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* On error the model is unchanged. */
+/* If memory is short, the model is unchanged. */
 int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory fates(taken), places(taken);
@@ -531,7 +524,6 @@ uint64_t cut_relocate(relocate_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Computes each Gaussian's chance of being drawn. dead null: not needed. */
 __global__ void find_chances(fxs_fit_model m, fxs_fit_relocate r, float least_opacity, uint64_t *chances,
                              uint64_t *dead)
 {
@@ -569,7 +561,7 @@ __global__ void share_places(fxs_fit_model m, const uint32_t *times)
     forget(&m, i);
 }
 
-/* Replaces each dead Gaussian by a copy of the Gaussian drawn for it. blockIdx.y is the plane. */
+/* Replaces each dead (faint) Gaussian by a copy of the Gaussian drawn for it. */
 __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_t *times, const uint32_t *sources)
 {
     const uint32_t i = gaussian_of_thread();
@@ -580,7 +572,6 @@ __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_
     m.means[at + i] = m.squares[at + i] = 0;
 }
 
-/* blockIdx.y is the plane. */
 __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t added)
 {
     const uint32_t k = gaussian_of_thread();
@@ -591,7 +582,6 @@ __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t ad
     m.means[to] = m.squares[to] = 0;
 }
 
-/* Draws Gaussians. Splits each drawn Gaussian's opacity and scale between itself and its copies. */
 cudaError_t start_draws(const fxs_fit_model *m, const fxs_fit_relocate *how, uint64_t number, uint32_t draws,
                         const relocate_memory *d, cudaStream_t stream)
 {
@@ -637,7 +627,7 @@ int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const reloc
     return check(why, first_of(failure, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* On error the model is unchanged. */
+/* If memory is short, the model is unchanged. */
 int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);
@@ -658,13 +648,11 @@ int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, 
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* The Morton curve that orders the Gaussians, and sums for its middle and spread. */
 struct order_state {
     curve of;
     double sums[3];
 };
 
-/* Sums positions for the curve's middle, or with is_spread for its spread. One block per axis. */
 __global__ void __launch_bounds__(CURVE_SUMS) sum_planes(fxs_fit_model m, order_state *state, int is_spread)
 {
     __shared__ double sums[CURVE_SUMS];
@@ -715,7 +703,7 @@ uint64_t cut_order(order_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* On error the model is unchanged. */
+/* If memory is short, the model is unchanged. */
 int model_order(device_model *m, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);

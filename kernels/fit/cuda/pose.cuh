@@ -1,6 +1,4 @@
-/* Poses of photographs on a device (src/fit/pose.h): corrected cameras, gradients, update. The order of
- * floating-point
- * operations is that of the CPU engine. */
+/* Poses of photographs on a device (src/fit/pose.h), with the CPU's order of floating-point operations. */
 #ifndef FXS_CUDA_FIT_POSE_CUH
 #define FXS_CUDA_FIT_POSE_CUH
 
@@ -14,7 +12,6 @@ namespace {
 
 const uint32_t POSE_THREADS = FXS_FIT_POSE * GAIN_PARTS;
 
-/* Photographs of a batch in order, their cameras before correction, and the gradients of their poses. */
 struct pose_batch {
     uint32_t count, numbers[FXS_FIT_BATCH];
     fxs_fit_camera given[FXS_FIT_BATCH];
@@ -94,7 +91,7 @@ __global__ void __launch_bounds__(POSE_THREADS)
         out[k] = gain_sum(parts[k], values);
 }
 
-/* Computes the gradient by a camera's pose. `parts`: room for FXS_FIT_POSE floats per FXS_FIT_PART Gaussians. */
+/* parts: room for FXS_FIT_POSE floats per FXS_FIT_PART Gaussians. */
 cudaError_t launch_by_pose(const step_buffers *b, const device_model *m, const float *planes,
                            const fxs_fit_camera *given, const posed_camera *posed, int degree, float *parts,
                            float out[FXS_FIT_POSE], cudaStream_t stream)

@@ -21,8 +21,8 @@ namespace {
 #include "src/fit/fit_lanes.h"
 #include "src/fit/fit_gaussian.h"
 
-/* Returns alpha / (1 - alpha) for alpha in 2^-8..0.99, correctly rounded, without a division's range checks: a
-   Newton step for 1 / (1 - alpha), then a correction by the remainder (Markstein 1990). */
+/* Returns alpha / (1 - alpha), correctly rounded, for alpha in 2^-8..0.99. Faster than a division: a Newton step for
+   the reciprocal, then a correction by the remainder (Markstein 1990). */
 #define FXS_FIT_ODDS
 static inline float odds_of(float alpha)
 {
@@ -52,55 +52,51 @@ struct step_seen {
     uint32_t visible;
 };
 
-/* Status of the steps since the host last read it. */
 struct step_status {
     uint32_t done;
     uint32_t is_full;              /* 1: tile lists overflowed; this step and all later ones change nothing */
-    uint32_t updates_sh;           /* 1: not full at the last update. The SH update on the side stream reads it, when
-                                      is_full may be the next step's. */
-    uint32_t entries_most;         /* largest number of tile list entries of a step */
-    uint32_t large_count[2], huge_count[2];    /* lengths of `large` and `huge`, indexed by `turn` */
-    uint32_t long_lists;           /* the first long_lists tiles in `order` have long lists */
+    uint32_t updates_sh;           /* 1: the last update took place; for SH, which a second stream updates later */
+    uint32_t entries_most;
+    uint32_t large_count[2], huge_count[2];    /* lengths of `large` and `huge` */
+    uint32_t long_lists;           /* number of long lists, first in `order` */
     step_seen seen;
 };
 
 /* Device memory of a step, for one view. Slots are numbered by Gaussian, then by tile. */
 struct step_buffers {
     step_status *status;
-    fxs_fit_splat *splats;         /* per Gaussian; depth 0: not visible; `slot` is not set */
-    uint32_t *bases;               /* per Gaussian, plus one: number of tiles, later first slot */
-    uint32_t *large, *huge;        /* Gaussians with more than FEW_TILES and more than MANY_TILES tiles, unordered */
-    uint32_t turn;                 /* index of large_count and huge_count, 0 or 1 */
-    uint32_t *splat_of;            /* Gaussian per slot */
-    uint32_t *tiles;               /* tile per slot; shares memory with `sums` */
-    uint64_t *keys;                /* per list entry: depth above, slot below; unsorted within a tile */
-    uint32_t *slots, *gaussians;   /* per list entry, sorted from near to far */
-    uint32_t capacity;             /* room in slots */
-    uint32_t *starts;              /* per tile, plus one: list length, later list start */
-    uint32_t *next;                /* per tile: place of the next list entry */
+    fxs_fit_splat *splats;         /* depth 0: Gaussian is not visible */
+    uint32_t *bases;               /* number of tiles of each Gaussian, later its first slot */
+    uint32_t *large, *huge;        /* Gaussians with more than FEW_TILES and MANY_TILES tiles */
+    uint32_t turn;
+    uint32_t *splat_of;
+    uint32_t *tiles;               /* tile of each slot; shares memory with `sums` */
+    uint64_t *keys;                /* unsorted tile lists: depth above, slot below */
+    uint32_t *slots, *gaussians;   /* tile lists, sorted from near to far */
+    uint32_t capacity;             /* capacity in slots */
+    uint32_t *starts;              /* list length of each tile, later list start */
+    uint32_t *next;                /* next list entry of each tile */
     uint32_t *order;               /* tiles by descending list length, for load balance */
-    uint16_t *blocks;              /* per list entry: bit set of the 4x4-pixel blocks that the splat changes */
-    uint32_t *needed;              /* per tile: list entries up to the last one with any effect */
-    float *sums;                   /* per slot: FXS_FIT_SUMS gradient sums; 0 beyond `needed` */
-    /* Planes of width * height pixels. */
-    float *picture;                /* 3 planes, with background and exposure */
-    float *derivatives;            /* 9 planes: SSIM's derivatives by mean, square and product per channel */
-    float *dissimilar;             /* 3 planes: 1 - SSIM; only for a report */
-    float *gradient;               /* 3 planes: dL/dcolour of `picture` */
-    float *rows;                   /* for a report, per channel: row sums of |a - b|, then of 1 - SSIM */
-    float *factors;                /* FXS_FIT_GAIN numbers of the exposure; null: not fitted */
-    float *gain_rows;              /* row sums for the exposure's gradient */
-    uint8_t *photograph;           /* photograph at the camera's size, then its mask, if any */
+    uint16_t *blocks;              /* bit set of 4x4-pixel blocks that each list entry changes */
+    uint32_t *needed;              /* list entries of each tile up to the last with any effect */
+    float *sums;                   /* FXS_FIT_SUMS gradient sums of each slot; 0 beyond `needed` */
+    float *picture;                /* 3 planes of pixels, with background and exposure */
+    float *derivatives;            /* 9 planes of pixels: SSIM's derivatives */
+    float *dissimilar;             /* 3 planes of pixels: 1 - SSIM, for a report */
+    float *gradient;               /* 3 planes of pixels: dL/dcolour */
+    float *rows;                   /* row sums of |a - b| and of 1 - SSIM, for a report */
+    float *factors;                /* exposure of the photograph; null: not fitted */
+    float *gain_rows;
+    uint8_t *photograph;           /* photograph at the camera's size, then its mask */
     void *scratch;
     size_t scratch_bytes;
 };
 
-/* A plane of floats per parameter, as in fxs_fit_model. */
 struct device_model {
     uint32_t count, stride;        /* stride: capacity, a multiple of FXS_FIT_CHUNK */
     float *parameters, *means, *squares, *by_centre, *views;
-    float *masters;                /* parameters before quantisation; null: no quantisation */
-    fxs_fit_chunk *chunks;         /* quantisation ranges; null without masters */
+    float *masters;                /* parameters before quantisation; null: not quantised */
+    fxs_fit_chunk *chunks;
 };
 
 /* The camera members that a fitted pose changes. */
@@ -116,12 +112,11 @@ __device__ inline fxs_fit_camera with_pose(const fxs_fit_camera &given, const po
     return camera;
 }
 
-/* Runs from event `begin` on the step's stream to event `end`. */
+/* A second stream, from event `begin` on the step's stream to event `end`. */
 struct side_stream {
     cudaStream_t stream;
     cudaEvent_t begin, end;
 
-    /* Makes the side stream wait for all work so far on the step's stream. */
     cudaError_t start(cudaStream_t of_step) const
     {
         const cudaError_t failure = cudaEventRecord(begin, of_step);
@@ -129,8 +124,7 @@ struct side_stream {
     }
 };
 
-/* Launches with programmatic dependent launch. The kernel must begin with is_stopped, which waits for the previous
-   kernel. */
+/* Uses programmatic dependent launch. The kernel must begin with is_stopped, which waits for the previous kernel. */
 template <class... Parameters>
 cudaError_t launch_early(void (*kernel)(Parameters...), dim3 blocks, uint32_t threads, size_t shared,
                          cudaStream_t stream, const Parameters &...parameters)
@@ -148,7 +142,7 @@ cudaError_t launch_early(void (*kernel)(Parameters...), dim3 blocks, uint32_t th
     return cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
-/* Must be the first call of a kernel: waits for the previous kernel. Returns true if tile lists overflowed. */
+/* Waits for the previous kernel. Returns true if tile lists overflowed. */
 __device__ inline bool is_stopped(const step_status *status)
 {
     wait_for_last_kernel();

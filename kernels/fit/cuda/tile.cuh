@@ -10,23 +10,21 @@ namespace {
 const uint32_t HALF = WARP / 2;    /* half a warp: the 16 pixels of a 4x4 block */
 const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* splats loaded at once */
 const uint32_t GROUP = HALF / 2;   /* splats that half a warp sums at once */
-const uint32_t BACKWARD_PAIRS = 448;   /* capacity for pairs of splat and 4x4 block; enough for 28 splats */
+const uint32_t BACKWARD_PAIRS = 448;   /* pairs of splat and 4x4 block that fit; enough for 28 splats */
 
-/* Splats loaded from a tile's list. */
 template <uint32_t Splats>
 struct tile_splats {
-    float4 shape[Splats];          /* ux, uy, vy, offset */
-    float4 colour[Splats];         /* limit, red, green, blue */
-    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* u and v at the first pixel of each 4x4 block;
-                                                                       v per row of blocks */
-    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* per 4x4 block: a bit for each splat that may touch it */
+    float4 shape[Splats];          /* ux, uy, vy and offset of each splat */
+    float4 colour[Splats];         /* limit and colour of each splat */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* u and v at the first pixel of each 4x4 block */
+    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* bit set of the splats that may touch each 4x4 block */
 };
 
 struct tile_place {
     uint32_t block, lane;          /* block: 4x4 block in the tile; lane: pixel in the block */
-    float along, down;             /* pixels from the first pixel of the 4x4 block */
+    float along, down;
     int32_t left, top;             /* first pixel of the tile */
-    int32_t x, y;                  /* pixel in the picture */
+    int32_t x, y;
     bool is_inside;
 };
 
@@ -45,13 +43,11 @@ __device__ inline tile_place place_of_thread(const fxs_fit_camera &c, uint32_t t
     return p;
 }
 
-/* Returns the ballot of the caller's half-warp in bits 0 to 15. */
 __device__ inline uint32_t half_ballot(bool x)
 {
     return __ballot_sync(ALL_LANES, x) >> (threadIdx.x & HALF) & 0xffffu;
 }
 
-/* Same arithmetic as find_corners in src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &s, const tile_place &p)
 {
@@ -85,8 +81,7 @@ __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fx
     return s.radius2 < 0 ? (1u << FXS_FIT_BLOCKS) - 1 : blocks;
 }
 
-/* Called by whole warps with a splat per thread. Transposes the splats' bit sets of 4x4 blocks to bit sets of splats
-   per block. */
+/* Transposes bit sets of 4x4 blocks per splat to bit sets of splats per block. Called by whole warps. */
 template <uint32_t Splats>
 __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
 {
@@ -101,7 +96,7 @@ __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
         to->words[lane][threadIdx.x / WARP] = own;
 }
 
-/* Calls put(index, splat) for each splat that may touch the half-warp's 4x4 block. Returns the number of splats. */
+/* Calls put(index, splat) for each splat that may touch the half-warp's 4x4 block. */
 template <uint32_t Splats, class Put>
 __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile_place &p, Put put)
 {
@@ -132,8 +127,7 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* Computes u, v and level = u^2 + v^2 + offset of a splat at the thread's pixel. Same order of operations as
-   src/fit/tile.h. */
+/* Computes level = u^2 + v^2 + offset of a splat at the thread's pixel. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {
@@ -260,11 +254,11 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* per splat: bit set of its 4x4 blocks; its
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks of each splat; its
                                                                         first pair */
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
-    float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue */
-    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* h and weight per pixel; + 2 avoids bank conflicts */
+    float4 gradient[FXS_FIT_PIXELS];
+    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* + 2 avoids bank conflicts */
     float sums[BACKWARD_PAIRS][FXS_FIT_SUMS];
 };
 
@@ -288,10 +282,10 @@ __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, co
 
 /* One of two lanes that share the 16 pixels of a 4x4 block for a splat. */
 struct backward_lane {
-    const float2 *staged;          /* h and weight per pixel */
-    const float4 *gradient;        /* gradient per pixel */
+    const float2 *staged;
+    const float4 *gradient;
     uint32_t parity;               /* 0: even pixels; 1: odd pixels */
-    float along[2], down[4], v[4]; /* ux x per column and uy y per row; v per row */
+    float along[2], down[4], v[4];
     float corner_u;
 };
 
@@ -314,7 +308,6 @@ __device__ inline backward_lane begin_lane(const backward_shared *s, const tile_
     return l;
 }
 
-/* Computes the terms of the splat's sums at the lane's n-th pixel. */
 __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     const uint32_t place = 2 * (uint32_t)n + l.parity;
@@ -324,8 +317,7 @@ __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_F
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
-/* Sums the lane's pixels n, n + Apart / 2, n + Apart, ... as a binary tree. Pixels p and p + 8 are added first, as
-   in src/fit/tile.h. */
+/* Sums every second pixel of a 4x4 block as a binary tree, in the order of src/fit/tile.h. */
 template <int Apart>
 __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
@@ -340,7 +332,6 @@ __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_
     }
 }
 
-/* Sums GROUP splats over the half-warp's 4x4 block, two lanes per splat. */
 __device__ inline void add_group(backward_shared *s, const tile_place &p, uint32_t first, uint32_t count)
 {
     const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0];
@@ -373,8 +364,8 @@ __device__ inline void backward_batch(backward_shared *s, const tile_place &p, b
     }
 }
 
-/* Numbers the pairs of splat and 4x4 block, as far as BACKWARD_PAIRS allows. s->splats: number of splats that fit.
-   All threads must call. */
+/* Numbers the pairs of splat and 4x4 block, as far as they fit. s->splats: number of splats that fit. All threads
+   must call. */
 __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
 {
     const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);
@@ -400,7 +391,6 @@ __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
     turn_bits(blocks, s);
 }
 
-/* Sums each splat over its 4x4 blocks in order, into its slot. */
 __device__ inline void add_blocks(const backward_shared *s, uint32_t count, float *sums)
 {
     for (uint32_t i = threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS) {

@@ -33,8 +33,7 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* Sums over many tiles with a warp or a block, loading `Tiles` tiles at once. The first FXS_FIT_SUMS threads return
-   a sum each. */
+/* The first FXS_FIT_SUMS threads return a sum each. */
 template <uint32_t Threads, uint32_t Tiles, class Sync>
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
@@ -54,8 +53,6 @@ __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged
     return total;
 }
 
-/* Sums each Gaussian's gradients over its tiles in order. FXS_FIT_SUMS threads per Gaussian; more for Gaussians with
-   many tiles. */
 __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b, device_model m, float *planes)
 {
     __shared__ union {
@@ -100,15 +97,14 @@ __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b,
         planes[(size_t)row * m.stride + gaussian] = shared.totals[row][column];
 }
 
-/* Writes a view's sums to FXS_FIT_SUMS planes of m->stride floats, then a plane with 1 for visible Gaussians, else
-   0. */
+/* Writes planes of m->stride floats: FXS_FIT_SUMS gradient sums, then 1 for visible Gaussians, else 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
     return launch_early(gather_view, LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream, *b,
                         *m, planes);
 }
 
-/* Gradient of the loss by a Gaussian's parameters, for one view. The gradient by the SH is the SH basis times g. */
+/* A Gaussian's gradient from one view. The gradient by the SH is the SH basis times g. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
@@ -122,7 +118,7 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* Sets the gradient to 0 if any component is not finite or too large. `at`: the Gaussian's first parameter. */
+/* A gradient that is not finite or too large counts as 0. */
 template <int Degree>
 __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
                                           const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
@@ -142,7 +138,6 @@ __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const fl
         memset(out, 0, sizeof *out);
 }
 
-/* Adds the gradients of mean opacity and mean scale, as regularisers. */
 __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride,
                                         real gradient[FXS_FIT_SH])
 {
@@ -178,7 +173,7 @@ __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, 
     *number_at(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
 }
 
-/* Adam's step for `Count` parameters from `first` on. All loads precede the first store, so that many are in flight. */
+/* All loads precede the first store, so that many are in flight. */
 template <int Count, class Gradient>
 __device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
                                  Gradient gradient_of)
@@ -195,27 +190,26 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         move_one(adam, first + k, gradient_of(first + k), number[k], mean[k], square[k], m, to, i);
 }
 
-/* Planes of a view. Once the gradient sums are read, g and the view direction overwrite them. */
+/* After the gradient sums are read, g and the view direction overwrite their planes. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
     uint32_t count;
     float *planes[FXS_FIT_BATCH];
     fxs_fit_camera cameras[FXS_FIT_BATCH];
-    const posed_camera *posed;     /* fitted poses, if IsPosed */
+    const posed_camera *posed;
 };
 
 const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;      /* blocks per multiprocessor; limits the registers per
                                                               thread */
 
-/* Shared memory for a block's Gaussians, whose parameters and moments exceed a thread's registers. */
+/* Parameters and moments of a block's Gaussians in shared memory, as they exceed a thread's registers. */
 template <int Degree>
 struct shape_rows {
     float parameters[FXS_FIT_SH + 3 * SH_COUNT(Degree)][SHAPE_THREADS];
     float means[FXS_FIT_SH][SHAPE_THREADS], squares[FXS_FIT_SH][SHAPE_THREADS];
 };
 
-/* Starts asynchronous copies of the block's Gaussians in `count` planes. Called by all threads. */
 __device__ inline void fetch_rows(float (*rows)[SHAPE_THREADS], const float *planes, uint32_t stride, uint32_t count)
 {
     for (uint32_t row = threadIdx.x / WARP; row < count; row += SHAPE_THREADS / WARP)
@@ -247,7 +241,6 @@ __device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views 
     __syncthreads();
 }
 
-/* Adds a view's gradient. Overwrites its gradient sums with g and the view direction. */
 template <int Degree, bool IsPosed>
 __device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
                                 const shape_rows<Degree> &rows, real total[FXS_FIT_SH])
@@ -306,7 +299,7 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
                  m.masters ? m.masters : m.parameters, i);
 }
 
-const int SH_AT_ONCE = 2;          /* SH coefficients at once, of three colours each */
+const int SH_AT_ONCE = 2;          /* SH coefficients at once */
 
 template <int Degree, int First>
 __device__ inline void update_some_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
@@ -365,7 +358,6 @@ __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, 
         *number_at(m.parameters, m, k, i) = to[k];
 }
 
-/* blockIdx.y + 1 is the SH degree. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_sh(device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -386,7 +378,6 @@ fxs_fit_grid grid_on_device(const device_model *m, const fxs_fit_grid *grid)
     return there;
 }
 
-/* Sets the parameters to the masters rounded to the grid, except SH above degree 0. */
 cudaError_t launch_quantise_shapes(const device_model *m, const fxs_fit_grid *grid, cudaStream_t stream)
 {
     quantise_shapes<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*m, grid_on_device(m, grid));
@@ -401,8 +392,8 @@ cudaError_t launch_quantise_sh(const device_model *m, const fxs_fit_grid *grid, 
     return cudaGetLastError();
 }
 
-/* Updates the model from the gradient sums of `count` views, in order. posed null: poses are not fitted; grid null:
-   no quantisation. The side stream updates SH above degree 0. */
+/* Updates the model from the gradient sums of `count` views, in order. posed, grid: may be null. The second stream
+   updates SH above degree 0. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
                           const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
                           const fxs_fit_adam *adam, const fxs_fit_grid *grid, cudaStream_t stream,
@@ -444,7 +435,7 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
     return cudaGetLastError();
 }
 
-/* `cameras` is in device memory. */
+/* cameras.of is in device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART)
     smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras, int divisor)
 {
