@@ -1,5 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for AVX-512, with 16 lanes. Adds lanes of several vectors at
- * once. */
+/* Compiles the stages of the fit in src/fit/fit_isa.h for AVX-512, with 16 lanes. */
 #include <immintrin.h>
 #define ISA avx512
 #define LANES 16

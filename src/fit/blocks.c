@@ -1,7 +1,7 @@
-/* Divides a large set of photographs into blocks that are fitted separately. The bounds of blocks come from repeated
- * splits of the points' bounding box along its widest axis. A block gets the photographs that see its points and
- * stand
- * near them, or that see at least 1/20 of them. */
+/* Divides a large set of photographs into blocks that are fitted separately. Bounds of blocks come from repeated
+ * splits
+ * of the points' bounding box along its widest axis. A block gets the photographs that see its points and stand near
+ * them, or that see at least 1/20 of them. */
 #include <fixsplat/blocks.h>
 
 #include <math.h>
@@ -295,8 +295,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse
-   fit suffices there. */
+/* Sets the bounds of all blocks together. The space beyond looks about the same from all cameras, so the coarse fit
+   suffices there. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;

@@ -116,7 +116,6 @@ static uint32_t version_of(const fxs_fit_options *o)
            12 * (uint32_t)(o->sky > 0);
 }
 
-/* Returns true if the version is valid. */
 static int take_version(fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
@@ -192,7 +191,6 @@ static void walk_options(archive *a, fxs_fit_options *o)
         o->sky = within(a, o->sky, 1, FXS_FIT_SKY_MOST);
 }
 
-/* Checks ranges that later computations rely on. */
 static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
 {
     for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
@@ -341,7 +339,7 @@ static void walk_end(archive *a)
         damaged(a, "its checksum is not right");
 }
 
-/* `f` stays unchanged, because `a` has an output. */
+/* Only writes, so the fit stays unchanged. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);

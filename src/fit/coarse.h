@@ -1,4 +1,6 @@
-/* A coarse fit of a complete set of photographs, from which the fits of its blocks continue. */
+/* A coarse fit of a complete set of photographs, from which the fits of its blocks continue. Functions return 0, or
+ * an
+ * error and a message. */
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H
 
@@ -13,7 +15,7 @@ typedef struct fxs_fit_coarse_camera {
 
 struct fxs_fit_coarse {
     fxs_fit *fit;
-    fxs_fit_coarse_camera *cameras;    /* sorted by key and number */
+    fxs_fit_coarse_camera *cameras;    /* cameras of the photographs, sorted by key */
     size_t camera_count;
     uint64_t number;               /* checksum that identifies the file */
 };

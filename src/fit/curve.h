@@ -30,7 +30,6 @@ static inline float curve_middle(double sum, size_t count)
     return (float)(sum / (double)count);
 }
 
-/* Returns the mean of |centre - middle| over axes and Gaussians. */
 static inline float curve_spread(const double sums[3], size_t count)
 {
     return (float)((sums[0] + sums[1] + sums[2]) / (3 * (double)count) + 1e-6);

@@ -18,7 +18,6 @@ static int by_gradient(const void *a, const void *b)
                                       : (p->index > q->index) - (p->index < q->index);
 }
 
-/* Lets only the `room` candidates with the largest gradients grow. Of equal gradients, the lower index wins. */
 static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fates, size_t grown, size_t room)
 {
     wanted *all_wanted = malloc(grown * sizeof *all_wanted);

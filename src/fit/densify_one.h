@@ -5,7 +5,7 @@
 #include "distant.h"
 #include "planes.h"
 
-#define SPLIT_SHARE 0.707106781f    /* a child's longest sigma / its parent's */
+#define SPLIT_SHARE 0.707106781f    /* a child's longest sigma relative to its parent's */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {

@@ -19,8 +19,8 @@ static inline float gain_neutral(int is_affine, int k)
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* diagonal of M */
 }
 
-/* Returns the factor of Adam's step for number k. Off M's diagonal 1/4, so that a brighter photograph does not
-   become greyer. For m 1/32, because its gradients in black areas are very large. */
+/* Returns the factor of Adam's step for number k. Off M's diagonal 1/4, so that brighter photographs do not become
+   greyer. For m 1/32, because its gradients in black areas are very large. */
 static inline float gain_unit(int is_affine, int k)
 {
     return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
@@ -111,8 +111,8 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
 }
 
 /* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by those of a
-   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight
-   decay, Loshchilov and Hutter 2019). */
+   constant gradient of 1. decay: share of the difference from neutral to subtract (decoupled weight decay,
+   Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

@@ -138,7 +138,7 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Beyond max_gaussians, takes evenly spaced points. */
+/* Of more than max_gaussians points, takes evenly spaced ones. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -478,7 +478,6 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     return error;
 }
 
-/* Like pose_camera, in double precision. */
 static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
 {
     fxs_fit_camera own = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};

@@ -6,14 +6,15 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Values of the projection that the gradients need again. The covariance in the picture is T T^t + 0.3 I, with T = M
-   R S and M = J W. J: Jacobian; W: world to camera; R: rotation; S: scales. Row i of M is f / z (W_i - slope_i W_2). */
+/* Values of the projection that the gradients need again. The covariance in the picture is T T^t + 0.3 I, with T = V
+   S, V = M R and M = J W. J: Jacobian; W: world to camera; R: rotation; S: scales. Row i of M is f / z (W_i -
+   slope_i W_2). */
 typedef struct shape {
     real offset[3];                /* position - eye; orthographic camera: view direction */
     real in_camera[3], inverse_z;
     real slope[2], cut_slope[2];   /* x / z, y / z; cut_slope: clamped for the Jacobian */
     real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / |quaternion|; unit: normalised quaternion */
-    real scale[3], v[2][3], t[2][3];    /* V = M R, T = M R S */
+    real scale[3], v[2][3], t[2][3];
     real ux, uy, vy, a, b, c;
     real share;                    /* determinant of the covariance / determinant without dilation; 1 if not
                                       antialiased */
@@ -286,7 +287,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     shape s;
     real by_t[2][3], along[3];
     find_shape(&s, camera, at, stride);
-    /* dL/dcentre = -sum of h U^t (u, v) */
+    /* dL/dcentre = -sum of h U^t (u, v), with h = -alpha dL/dalpha */
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);
@@ -299,7 +300,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
         gradient[FXS_FIT_COLOUR + i] = 0.282094792f * g[i];
     }
-    /* dL/dlogit = -(sum of h / o) o (1 - o) with opacity o */
+    /* dL/dlogit = -(sum of h / o) o (1 - o), with h = -alpha dL/dalpha and opacity o */
     const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     gradient[FXS_FIT_OPACITY] = -sums[FXS_FIT_SUM] * (1.0f - opacity);
 }
@@ -315,9 +316,9 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
             gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
 }
 
-/* One Gaussian's share of the gradient by the camera's pose. out[0..2]: dL/dposition, as the picture depends on
-   position - eye only. out[3..5]: dL/dtheta for a rotation of the Gaussian by theta about the eye, the inverse of a
-   rotation of the camera. The rotation changes position - eye and the quaternion q, by dq = (0, theta) q / 2. */
+/* One Gaussian's share of the gradient by the camera's pose. out[0..2]: dL/dposition. out[3..5]: dL/dtheta for a
+   rotation of the Gaussian by theta about the eye, which changes position - eye and the quaternion q, by dq = (0,
+   theta) q / 2. */
 static inline void find_pose_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                       const real sums[FXS_FIT_SUMS], real out[FXS_FIT_POSE])
 {

@@ -1,4 +1,4 @@
-/* The state of a fit. */
+/* The state of a fit. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_INTERNAL_H
 #define FXS_FIT_INTERNAL_H
 
@@ -33,20 +33,16 @@ void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_file_view *view);
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
 
-/* Hands a new model to the engine. Returns 0, or an error and a message. */
 int fxs_fit_hand_over(fxs_fit *fit, fxs_message *message);
 
 extern const fxs_fit_engine fxs_fit_engine_cpu;
 
-/* Sets the engine for the fit's options. Returns 0, or an error and a message. */
 int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
 
-/* Must be called before each step. Starts, refreshes or ends quantisation, which takes the last tenth of the steps.
-   Returns 0 or an error. */
+/* Must be called before each step. Starts, refreshes or ends quantisation, which takes the last tenth of the steps. */
 int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
-/* Keeps only the Gaussians in `origins` (all FXS_FIT_KEPT, at least one). Returns 0, or an error and a message;
-   after an error the fit can only be freed. */
+/* Keeps only the Gaussians in `origins` (all FXS_FIT_KEPT, at least one). After an error the fit can only be freed. */
 int fxs_fit_keep(fxs_fit *fit, const fxs_fit_origin *origins, size_t count, fxs_message *message);
 
 /* Sets `order` to the permutation that contains this number in the endless sequence of photographs. */

@@ -27,17 +27,17 @@
 
 /* Planes of parameters, with a float per Gaussian each. */
 enum {
-    FXS_FIT_POSITION = 0,          /* 3 planes: scene units */
+    FXS_FIT_POSITION = 0,          /* 3 planes: position in scene units */
     FXS_FIT_SCALE = 3,             /* 3 planes: ln of the standard deviation */
     FXS_FIT_ROTATION = 6,          /* 4 planes: quaternion w, x, y, z, not normalised */
-    FXS_FIT_OPACITY = 10,          /* logit */
+    FXS_FIT_OPACITY = 10,          /* logit of the opacity */
     FXS_FIT_COLOUR = 11,           /* 3 planes: SH degree 0 */
     FXS_FIT_SH = 14,               /* 45 planes: red, green, blue of each SH coefficient */
     FXS_FIT_PARAMETERS = 59
 };
 
 typedef struct fxs_fit_camera {
-    float rotation[9];             /* world to camera, row by row */
+    float rotation[9];             /* 3x3 matrix from world to camera, row by row */
     float eye[3];
     float focal[2], middle[2];     /* focal length and principal point, pixels */
     float slope_most[2];           /* limit of |x / z| and |y / z| in the Jacobian */
@@ -108,8 +108,8 @@ typedef struct fxs_fit_far {
 } fxs_fit_far;
 
 typedef struct fxs_fit_adam {
-    float rate[FXS_FIT_PARAMETERS];        /* learning rates / bias correction of the first moment */
-    float correction;              /* 1 / (1 - 0.999^step) */
+    float rate[FXS_FIT_PARAMETERS];        /* learning rates, with the bias correction of Adam's first moment */
+    float correction;              /* bias correction of Adam's second moment, 1 / (1 - 0.999^step) */
     float epsilon;                 /* Adam's epsilon, in units of the gradient */
     float by_opacity, by_scale;    /* regularisers, added to dL/dopacity and dL/dscale */
     fxs_fit_far far;
@@ -177,13 +177,11 @@ typedef struct fxs_fit_stages {
     /* Projects Gaussians first..first + count; `first` and `count` are multiples of FXS_FIT_GROUP. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* Writes the tiles of splats first..first + count to their slots; `first` and `count` are multiples of
-       FXS_FIT_GROUP. */
+    /* Writes the tiles of splats first..first + count to their slots. */
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
-    /* Blends a list into the tile at (left, top), and sets the blocks of its entries. Returns the number of entries
-       up to the last one that changed a pixel. light: initial transmittance, 1 in a fit; larger values close pixels
-       later. */
+    /* Blends a list into the tile at (left, top). Returns the number of entries up to the last one that changed a
+       pixel. light: initial transmittance, 1 in a fit. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       float light, fxs_fit_tile *tile);
     /* Writes the sums of the first `count` entries to their slots. */
@@ -195,11 +193,10 @@ typedef struct fxs_fit_stages {
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_backward_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Computes the gradients of at most FXS_FIT_PART Gaussians, and makes a step of Adam on the masters. sums:
-       FXS_FIT_SUMS planes for each camera of the batch. masters: parameters before quantisation. by_centre
-       accumulates |dL/dcentre| of the mean loss, in half sides of the picture.
-       A camera's gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities
-       are clamped to FXS_FIT_FARTHEST. A parameter that would exceed FXS_FIT_FARTHEST_PLACE stays unchanged. */
+    /* Computes the gradients of at most FXS_FIT_PART Gaussians, and makes a step of Adam on the masters (parameters
+       before quantisation). sums: FXS_FIT_SUMS planes for each camera. by_centre accumulates |dL/dcentre|. A
+       gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities are clamped
+       to FXS_FIT_FARTHEST. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, float *by_centre);
@@ -212,8 +209,7 @@ typedef struct fxs_fit_stages {
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
     /* Sums the gradient by a camera's pose over at most FXS_FIT_PART Gaussians: dL/dposition, then dL/dtheta of a
-       rotation about the eye. Order of addition: p and p + 128, then p and p + 64, and so on. Gradients that are not
-       finite or beyond FXS_FIT_FARTHEST_GRADIENT count as 0. */
+       rotation about the eye. Order of addition: p and p + 128, then p and p + 64, and so on. */
     void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                  size_t count, const float *sums, float out[FXS_FIT_POSE]);
 } fxs_fit_stages;

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Returns the sine of a camera's elevation angle, without sign. */
 static double slope_of(const fxs_file_view *view, const double up[3])
 {
     const double *forward = view->rotation + 6;

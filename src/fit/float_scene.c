@@ -124,13 +124,11 @@ void fxs_float_scene_nudge(fxs_float_scene *s, double distance)
     s->nudge = distance;
 }
 
-/* Returns a random number from -1 to 1 for Gaussian i and an axis. */
 static double by_chance(uint64_t axis, uint64_t i)
 {
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(1, axis, i)) - 1;
 }
 
-/* Computes positions relative to the eye in double precision. */
 static void place_from(const fxs_float_scene *s, const double eye[3])
 {
     for (int k = 0; k < 3; k++) {

@@ -16,7 +16,6 @@ static inline mask is_beyond_white(real a, real b)
     return both(below(all(1), a), at_most(all(1), b));
 }
 
-/* Returns the picture's value as the photograph would record it. */
 static inline real recorded(real a, real b)
 {
     return choose(is_beyond_white(a, b), all(1), a);

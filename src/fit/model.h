@@ -1,4 +1,4 @@
-/* The Gaussians of a fit (the model), and changes of their number. */
+/* The Gaussians of a fit (the model), and changes of their number. Functions return 0 or FXS_ERR_MEMORY. */
 #ifndef FXS_FIT_MODEL_H
 #define FXS_FIT_MODEL_H
 
@@ -8,15 +8,14 @@
 extern "C" {
 #endif
 
-/* Makes a model of `count` Gaussians with all numbers 0. Returns 0, or FXS_ERR_MEMORY and an empty model. */
+/* Makes a model of `count` Gaussians with all numbers 0. After an error the model is empty. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
-/* Sets the number of Gaussians; the caller then fills the planes. A quantised model must keep its number. Returns 0,
-   or FXS_ERR_MEMORY and an unchanged model. */
+/* Sets the number of Gaussians; the caller then fills the planes. A quantised model must keep its number. After an
+   error the model is unchanged. */
 int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 
-/* Creates a Gaussian at each point, with sigma the root mean square of the distances to the three nearest points.
-   Returns 0 or FXS_ERR_MEMORY. */
+/* Creates a Gaussian at each point, with sigma the root mean square of the distances to the three nearest points. */
 int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity);
 
 void fxs_fit_model_widen(fxs_fit_model *model, float factor);
@@ -33,7 +32,7 @@ typedef struct fxs_fit_origin {
     uint32_t kind;                 /* FXS_FIT_KEPT keeps Adam's moments; other kinds start with 0 */
 } fxs_fit_origin;
 
-/* Replaces the Gaussians by copies of the origins. Returns 0, or FXS_ERR_MEMORY and an unchanged model. */
+/* Replaces the Gaussians by copies of the origins. After an error the model is unchanged. */
 int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count, fxs_run_fn *run,
                           void *pool);
 
@@ -46,7 +45,7 @@ typedef struct fxs_fit_densify {
     fxs_fit_far far;               /* unit of `small` and `large` */
 } fxs_fit_densify;
 
-/* Clones, splits and removes Gaussians. If all would be removed, nothing changes. Returns 0 or FXS_ERR_MEMORY. */
+/* Clones, splits and removes Gaussians. If all would be removed, nothing changes. */
 int fxs_fit_model_densify(fxs_fit_model *model, const fxs_fit_densify *densify);
 
 /* Clamps opacities to at most `opacity` and clears their Adam moments. */
@@ -58,11 +57,10 @@ typedef struct fxs_fit_relocate {
     uint64_t seed, step;
 } fxs_fit_relocate;
 
-/* Moves faint Gaussians to the places of others drawn by opacity, and adds new ones there (Kheradmand et al. 2024).
-   Returns 0 or FXS_ERR_MEMORY. */
+/* Moves faint Gaussians to the places of others drawn by opacity, and adds new ones there (Kheradmand et al. 2024). */
 int fxs_fit_model_relocate(fxs_fit_model *model, const fxs_fit_relocate *relocate);
 
-/* Sorts the Gaussians along a Morton curve, so that neighbours are adjacent in memory. Returns 0 or FXS_ERR_MEMORY. */
+/* Sorts the Gaussians along a Morton curve, so that neighbours are adjacent in memory. */
 int fxs_fit_model_order(fxs_fit_model *model);
 
 #ifdef __cplusplus

@@ -35,8 +35,7 @@ static void swap_items(item *a, item *b)
     *b = swap;
 }
 
-/* Moves the item of rank `middle` to its place and smaller items before it (Hoare's quickselect). Random pivots
-   avoid the slow case of sorted input. */
+/* Moves the item of rank `middle` to its place and smaller items before it (Hoare's quickselect, random pivots). */
 static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;

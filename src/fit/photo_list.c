@@ -253,7 +253,7 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Tries / for \, the ending in the other case, and Windows paths without drive. */
+/* Tries other spellings of an image's name: / for \, the ending in the other case, and Windows paths without drive. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
     char path[FXS_PHOTO_PATH], own[8] = "";

@@ -1,4 +1,6 @@
-/* The list of photographs with their cameras, and the paths of images, masks and points. Pixels are read later. */
+/* The list of photographs with their cameras, and the paths of images, masks and points. Functions return 0, or an
+ * error
+ * and a message. */
 #ifndef FXS_FIT_PHOTO_LIST_H
 #define FXS_FIT_PHOTO_LIST_H
 
@@ -13,13 +15,12 @@ typedef struct fxs_photo_list {
     char images[FXS_PHOTO_PATH];
     char masks[FXS_PHOTO_PATH];    /* folder of masks, or empty */
     char points[FXS_PHOTO_PATH];   /* .ply or the cameras' format; empty: no points */
-    fxs_view_list fit, held_out;   /* sorted by name */
+    fxs_view_list fit, held_out;   /* views, sorted by name of the photograph */
     fxs_view_list rest;            /* views excluded by the camera file */
 } fxs_photo_list;
 
 /* Finds the files and reads the cameras. hold_out n: every n-th photograph by name, unless the files mark
-   photographs for testing; 0: none. Returns 0, or an error and a message. fxs_photo_list_free frees the list, which
-   must not move in memory. */
+   photographs for testing; 0: none. fxs_photo_list_free frees the list, which must not move in memory. */
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t hold_out, fxs_message *message);
 void fxs_photo_list_free(fxs_photo_list *list);
 
@@ -28,11 +29,10 @@ void fxs_photo_list_keep(fxs_view_list *views, const uint8_t *kept);
 /* Reports the images without a camera in each folder of photographs. */
 void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, void *argument);
 
-/* Finds the path of a view's image, also with other endings. Returns 0, or an error and a message. */
+/* Finds the path of a view's image, also with other endings. */
 int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
                          fxs_message *message);
 
-/* Finds the path of a file named in the camera file. Returns 0, or an error and a message. */
 int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH], fxs_message *message);
 
 #endif

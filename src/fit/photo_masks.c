@@ -43,7 +43,6 @@ int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_optio
     return *folder_of(list, options) || (!options->masks && (names_masks(&list->fit) || names_masks(&list->held_out)));
 }
 
-/* Returns a photograph's name relative to its folder, or its last part if it is elsewhere. */
 static const char *name_in(const char *folder, const char *image)
 {
     const char *slash = strrchr(image, '/'), *last = slash ? slash + 1 : image;

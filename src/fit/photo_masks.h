@@ -1,4 +1,4 @@
-/* Masks of photographs, which tell the pixels that count in the fit. */
+/* Masks of photographs, which tell the pixels that count in the fit. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_PHOTO_MASKS_H
 #define FXS_FIT_PHOTO_MASKS_H
 
@@ -24,16 +24,14 @@ int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_
 /* True if the options, the list or the camera file name masks. */
 int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_options *options);
 
-/* Returns FXS_ERR_FILE and a message if the options' folder does not exist or has no mask of any photograph. */
+/* Fails if the options' folder does not exist or has no mask of any photograph. */
 int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *options, fxs_message *message);
 
-/* Finds the mask of the photograph at path `image`. Returns 0, or an error and a message. */
 int fxs_photo_mask_find(const fxs_photo_list *list, const fxs_photos_options *options, const fxs_listed_view *view,
                         const char *image, fxs_photo_masking *masking, fxs_message *message);
 
 /* Reads a mask. *counts: a byte per pixel, 0 or 1, freed by the caller; null: all pixels count. With
-   ignores_transparent, counted pixels become opaque. Returns 0, or an error and a message; FXS_ERR_FILE if the mask
-   cannot be read, differs in size, or is grey without any white. */
+   ignores_transparent, counted pixels become opaque. Fails if the mask differs in size or is grey without any white. */
 int fxs_photo_mask_read(const fxs_photo_masking *masking, const char *image, uint8_t *rgba, int width, int height,
                         uint8_t **counts, fxs_message *message);
 

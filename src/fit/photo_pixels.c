@@ -21,7 +21,6 @@ typedef struct picture {
     const uint8_t *counts;         /* a byte per pixel, 0: ignored; null: all count */
 } picture;
 
-/* True if the photograph has the camera's aspect ratio, at any size. */
 static int same_proportion(const fxs_file_view *view, int width, int height)
 {
     const double by_width = (double)view->width * height, by_height = (double)view->height * width;
@@ -245,7 +244,6 @@ static void average(const picture *p, const fxs_lens *lens, const fxs_file_view 
     }
 }
 
-/* Limits the longer side to `resolution` and keeps the aspect ratio. */
 static void smaller_size(const picture *p, int resolution, int size[2])
 {
     const int longer = p->width > p->height ? p->width : p->height;

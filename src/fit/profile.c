@@ -38,7 +38,6 @@ static double opacity_at(float logit)
     return (double)(1.0f / (1.0f + exp_e(fminf(-logit, 80.0f))));
 }
 
-/* Returns the product of the two largest sigmas and the opacity. */
 static double weight_of(const fxs_gaussian *g)
 {
     const float *s = g->scale, least_scale = fminf(fminf(s[0], s[1]), s[2]);
@@ -152,7 +151,6 @@ static void swap_axes(const fxs_fit_model *m, size_t i, int k)
     }
 }
 
-/* Orders a Gaussian's axes by length, longest first, as packing does. */
 static void order_axes(const fxs_fit_model *m, size_t i)
 {
     const float *s = m->masters + FXS_FIT_SCALE * m->stride + i;

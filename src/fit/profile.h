@@ -1,6 +1,8 @@
 /* Quantisation in the last steps of a fit, which optimises the packed scene. Adam changes exact parameters, the
  * masters,
- * with the gradient at the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013). */
+ * with the gradient at the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013).
+ * Functions
+ * return 0, or an error and a message. */
 #ifndef FXS_FIT_PROFILE_H
 #define FXS_FIT_PROFILE_H
 
@@ -19,13 +21,11 @@ typedef struct fxs_fit_profile {
     unsigned char *records;        /* palette codes of each Gaussian's SH */
 } fxs_fit_profile;
 
-/* Orders the Gaussians and gives them masters and codes. `model` and `profile` must not move in memory afterwards.
-   Returns 0, or an error and a message, with a model without masters. */
+/* Orders the Gaussians and gives them masters and codes. `model` and `profile` must not move in memory afterwards. */
 int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, int sh_degree,
                           const fxs_pack_options *options, fxs_message *message);
 
-/* Finds ranges, code steps and palette anew from the masters; the caller must then quantise. Returns 0, or an error
-   and a message. */
+/* Finds ranges, code steps and palette anew from the masters; the caller must then quantise. */
 int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const fxs_pack_options *options,
                          fxs_message *message);
 
@@ -38,14 +38,14 @@ int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *mo
                          const fxs_pack_options *options, fxs_message *message);
 
 /* Calls a visitor for each block of the state, to save or read it. masters gets floats; others gets bytes with the
-   same layout on every machine. Returns 0 or a visitor's error. */
+   same layout on every machine. */
 typedef int fxs_fit_visit_fn(void *argument, void *block, size_t bytes);
 int fxs_fit_profile_walk(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_visit_fn *masters,
                          fxs_fit_visit_fn *others, void *argument);
 
 int fxs_fit_profile_allocate(fxs_fit_profile *profile, fxs_fit_model *model, enum fxs_profile which, int sh_degree);
 
-/* Must be called after reading a state. Returns an error if the state is invalid. */
+/* Must be called after reading a state. Fails if the state is invalid. */
 int fxs_fit_profile_restore(fxs_fit_profile *profile, fxs_fit_model *model);
 
 void fxs_fit_profile_free(fxs_fit_profile *profile);

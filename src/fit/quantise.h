@@ -83,7 +83,6 @@ static inline whole smaller(whole a, whole b)
     return b + ((a - b) & ((a - b) >> 31));
 }
 
-/* Computes fxs_axis_bits from scale codes. */
 static inline whole axis_bits(const fxs_fit_grid *g, const fxs_fit_chunk *c, const whole codes[3])
 {
     const int step = (int)(c->scale_step * 16777216.0f);
@@ -227,7 +226,6 @@ static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c,
     store(to + at, quantise_opacity(c, load(from + at), &codes[FXS_FIT_OPACITY]));
 }
 
-/* Quantises SH of a degree to codes in -127..127. */
 static inline real quantise_band(const fxs_fit_chunk *c, int degree, real x, whole *code)
 {
     *code = code_of(x * c->sh_inverse[degree - 1] + 127.0f, 254) - 127;

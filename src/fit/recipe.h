@@ -13,7 +13,7 @@ typedef struct fxs_fit_plan {
     float gain_part;               /* factor of the exposures' learning rate, 0 to 1 */
     float pose_way;                /* total movement of poses in radians, divided by the steps per photograph */
     float noise;
-    int smooths;                   /* lower limit of scales for photographs reduced by this; 0: no limit */
+    int smooths;                   /* divisor of the photographs, for the lower limit of scales; 0: no limit */
     int densify, relocate, order;
     float large;                   /* densify removes Gaussians with a larger scale */
     int reset;                     /* 1: resets opacities after all other changes */

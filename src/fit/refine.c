@@ -4,9 +4,9 @@
  * coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each cover are
  * fitted to pictures of the leaves.
  *
- * A node's error is its share of the squared difference from these pictures, by blending weights. The gain of
- * opening a
- * node is its error minus its children's errors, times (distance / focal length)^2, averaged over views. */
+ * The gain of opening a node is its squared error in these pictures minus its children's errors, times (distance /
+ * focal
+ * length)^2. */
 #include <fixsplat/refine.h>
 
 #include <math.h>
@@ -198,7 +198,7 @@ static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
                                                      : 0.001f);
 }
 
-/* Each view comes once in a random order, then in another one (Fisher and Yates). */
+/* Visits all views in a random order, then in another random order (Fisher and Yates). */
 static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t number)
 {
     const uint32_t count = r->views.count, at = number % count;

@@ -129,7 +129,6 @@ static double distance_of(const fxs_fit_point *points, size_t count, const doubl
     return distance;
 }
 
-/* Keeps directions that are free in more than half of the photographs that see them. */
 static size_t choose(fxs_fit_point *points, const tally *tallies, uint32_t count)
 {
     size_t kept = 0;

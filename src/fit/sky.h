@@ -13,9 +13,8 @@ typedef struct fxs_fit_sky {
 } fxs_fit_sky;
 
 /* Spreads `directions` points over a sphere about the mean of the cameras. Its radius is 1000 times the extent or,
-   if larger, 1000 times the distance that contains 19 of 20 points. Keeps a point if no point of the reconstruction
-   is projected near it in more than half of the photographs that see it. Returns 0 and points that the caller frees,
-   or FXS_ERR_MEMORY. */
+   if larger, the distance that contains 19 of 20 points. Keeps points without any projected point nearby in more
+   than half of the photographs that see them. Returns 0 and points that the caller frees, or FXS_ERR_MEMORY. */
 int fxs_fit_sky_find(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points, size_t point_count,
                      uint32_t directions, float extent, fxs_fit_sky *sky);
 

@@ -39,7 +39,7 @@ static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, fl
     for (uint32_t i = 0; i < cameras->count; i++)
         finest = finest_of(&cameras->of[i], place, finest);
     const mask is_seen = below(finest, farthest);
-    const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* -37.6..29 */
+    const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* range: -37.6..29 */
     for (int i = 0; i < 3; i++) {
         float *to = at + (FXS_FIT_SCALE + i) * (ptrdiff_t)stride;
         const real scale = load(to);

@@ -5,7 +5,7 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* radius2: squared radius in u and v; first, end: rows of tiles, empty for hidden splats. */
+/* Ellipses of LANES splats. radius2: squared radius in u and v; first, end: rows of tiles, empty for hidden splats. */
 typedef struct ellipses {
     real x, y, ux, uy, vy, radius2, half_y, tip, first, end;
 } ellipses;

@@ -32,10 +32,10 @@ struct fxs_fit_stepper {
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
     const uint8_t *photograph;     /* photograph at the camera's size */
-    const uint8_t *errors_of;      /* photograph for fxs_fit_find_errors */
+    const uint8_t *errors_of;
     const uint8_t *mask;           /* mask at the camera's size, or null */
     float *errors;
-    fxs_fit_camera posed[FXS_FIT_BATCH];   /* cameras with pose corrections */
+    fxs_fit_camera posed[FXS_FIT_BATCH];
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;
     float factors[FXS_FIT_GAIN];
@@ -238,7 +238,6 @@ static void sort_keys(fxs_fit_stepper *s)
     }
 }
 
-/* Prefetches tiles of the key AHEAD places later. */
 enum { AHEAD = 8 };
 static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
 {

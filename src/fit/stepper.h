@@ -1,4 +1,6 @@
-/* Makes a step of the fit on the CPU. Working memory is kept between steps and grows as needed. */
+/* Makes a step of the fit on the CPU. Working memory is kept between steps and grows as needed. Functions return 0
+ * or
+ * FXS_ERR_MEMORY. */
 #ifndef FXS_FIT_STEPPER_H
 #define FXS_FIT_STEPPER_H
 
@@ -43,28 +45,28 @@ typedef struct fxs_fit_step_options {
     float gain_decay;              /* decay of exposures per step */
     float pose_rate;               /* learning rate of poses, radians; 0: fixed */
     float by_opacity, by_scale;    /* weights of mean opacity and mean scale in the loss */
-    int smooths;                   /* lower limit of scales for photographs reduced by this; 0: no limit */
+    int smooths;                   /* divisor of the photographs, for the lower limit of scales; 0: no limit */
     fxs_fit_far far;
     fxs_fit_noise noise;           /* noise of positions; amount 0: none */
     size_t changed;                /* CPU only: changes only the first `changed` Gaussians; 0: all */
 } fxs_fit_step_options;
 
-/* run, pool: as in fxs_config. Returns null if memory runs out. */
+/* Returns null if memory runs out. */
 fxs_fit_stepper *fxs_fit_stepper_create(const fxs_fit_stages *stages, fxs_run_fn *run, void *pool, uint32_t threads,
                                   fxs_clock_fn *clock);
 void fxs_fit_stepper_free(fxs_fit_stepper *step);
 
-/* Draws the model into planes of red, green and blue. Returns 0 or FXS_ERR_MEMORY. */
+/* Draws the model into planes of red, green and blue. */
 int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fit_camera *camera,
                  const fxs_fit_step_options *options, fxs_fit_plane planes[3]);
 
-/* Makes a step with a batch of photographs. Returns 0 or FXS_ERR_MEMORY. */
+/* Makes a step with a batch of photographs. */
 int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photographs,
                          uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report);
 
 /* Draws the model over black with a photograph's camera, and distributes each pixel's squared difference from the
    photograph over Gaussians by blending weights. errors: sum per Gaussian. Increments the model's `views` of visible
-   Gaussians. Returns 0 or FXS_ERR_MEMORY. */
+   Gaussians. */
 int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
                         const fxs_fit_step_options *options, float *errors);
 

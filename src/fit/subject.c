@@ -8,7 +8,7 @@
 #include "fit_internal.h"
 #include "fit_lanes.h"
 
-/* Least determinant of the mean of 1 - d d^T over view directions d; axes some 6 degrees apart. */
+/* smallest determinant of mean (1 - d d^T), with viewing directions d; some 6 degrees apart */
 #define LEAST_SPREAD 0.01
 
 static int ascending(const void *a, const void *b)

@@ -7,8 +7,8 @@
 
 enum {
     PLACES = 16,                   /* pixels of a 4x4 block */
-    BATCH = 16,                    /* entries processed at once */
-    EARLY = 8                 /* prefetch distance in entries */
+    BATCH = 16,
+    EARLY = 8
 };
 
 /* u and v of a splat at the first pixel of each 4x4 block. */

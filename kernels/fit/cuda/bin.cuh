@@ -135,7 +135,6 @@ cudaError_t launch_project(const step_buffers *b, const device_model *m, const f
     return cudaGetLastError();
 }
 
-/* Runs on a second stream, parallel to launch_bin, which needs no colours. */
 cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                          const posed_camera *posed, int degree, cudaStream_t stream, const side_stream *beside)
 {
@@ -231,7 +230,8 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* Each thread finds the tiles of one row; then all threads of the warp write the rows together. */
+/* Writes the slots of a large splat. Each thread finds the tiles of one row; then all threads of the warp write the
+   rows together. */
 __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, uint32_t gaussian, uint32_t n,
                                  uint32_t warps)
 {

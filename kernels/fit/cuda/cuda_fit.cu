@@ -1,7 +1,6 @@
 /* The fit's engine on NVIDIA GPUs. Each device computes the gradients of its share of a batch's photographs, then
- * receives all other gradients and makes the same update, so that all models stay equal. Steps are asynchronous. If
- * the
- * tile lists of a step overflow, this step and all later ones change nothing; finish repeats them with more memory. */
+ * receives all other gradients and makes the same update, so that all models stay equal. If the tile lists of a step
+ * overflow, this step and all later ones change nothing; finish repeats them with more memory. */
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
@@ -37,15 +36,15 @@ struct device {
     step_buffers buffers;
     fxs_fit_gains gains;           /* count 0: exposures are not fitted */
     fxs_fit_poses poses;           /* count 0: poses are not fitted */
-    fxs_fit_cameras cameras;       /* count 0: scales have no lower limit */
+    fxs_fit_cameras cameras;
     posed_camera *posed;           /* null: poses are not fitted */
     block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts,
         all_cameras;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
     float *views[FXS_FIT_BATCH];   /* gradient sums of all Gaussians, per photograph */
-    cudaEvent_t stages[STAGES + 1], gathered, received;    /* own gradient sums are complete; those of other devices
-                                                              have arrived */
+    cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: the device's own gradient sums are complete;
+                                                              received: those of other devices have arrived */
 };
 
 struct step_order {
@@ -562,7 +561,6 @@ void fill_report(const engine *e, const step_order *s, fxs_fit_report *report)
         report->entries += e->statuses[i].seen.entries;
         report->visible += e->statuses[i].seen.visible;
     }
-    /* times of the last photograph on the first device */
     for (int i = 0; i < STAGES; i++) {
         float milliseconds = 0;
         if (cudaEventElapsedTime(&milliseconds, e->devices[0].stages[i], e->devices[0].stages[i + 1]))

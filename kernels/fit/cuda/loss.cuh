@@ -40,14 +40,13 @@ __device__ inline float level_of_byte(uint8_t byte)
     return (float)byte / 255.0f;
 }
 
-/* True if the mask lets a pixel count in the loss. */
 template <bool HAS_MASK>
 __device__ inline bool counts(const loss_photograph &photograph, size_t at)
 {
     return !HAS_MASK || photograph.mask[at];
 }
 
-/* With exposures, values saturate at white, as in a photograph. */
+/* If exposures are fitted, values saturate at white, as in a photograph. */
 __device__ inline float recorded_of(const step_buffers &b, float a, float level)
 {
     return b.factors ? recorded(a, level) : a;
@@ -273,7 +272,6 @@ __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor
     out[(size_t)y * (size_t)width + (size_t)x] = is_counted;
 }
 
-/* Averages a photograph down to the camera's size, and points *photograph at the result. */
 cudaError_t launch_reduce(const step_buffers *b, loss_photograph *photograph, int32_t full_width, int divisor,
                           const fxs_fit_camera *camera, cudaStream_t stream)
 {

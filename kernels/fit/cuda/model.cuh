@@ -1,6 +1,6 @@
 /* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal those of the
  * CPU
- * bit by bit; the code for a single Gaussian is shared. */
+ * bit by bit. If memory is short, a change leaves the Gaussians as they are. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -22,7 +22,7 @@ namespace {
 const uint32_t MODEL_THREADS = 256;
 const uint32_t SPARE = 8;
 
-/* All pointers stay in device memory. */
+/* The pointers stay in device memory. */
 fxs_fit_model as_host(const device_model *m)
 {
     fxs_fit_model out = {};
@@ -125,7 +125,6 @@ cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
     return cudaSuccess;
 }
 
-/* A growing model gets 1/8 more than needed, if the memory budget allows. */
 uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussians)
 {
     const uint64_t least = (gaussians + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK * FXS_FIT_CHUNK;
@@ -134,8 +133,7 @@ uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussia
     return m->stride && wide < UINT32_MAX && (!taken->most || needed <= taken->most) ? wide : least;
 }
 
-/* Makes room for `gaussians` Gaussians. The model must not be quantised. Waits for the stream. After an error the
-   model is unchanged. */
+/* Makes room for `gaussians` Gaussians. The model must not be quantised. Waits for the stream. */
 int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream_t stream, fxs_message *why)
 {
     if (gaussians <= m->stride)
@@ -354,7 +352,7 @@ __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *in
 
 enum { IS_CLONE, IS_FIRST_CHILD, IS_SECOND_CHILD };
 
-/* Upper half: 1 if the Gaussian stays. Lower half: number of new Gaussians made from it. */
+/* Upper 32 bits: 1 if the Gaussian stays. Lower 32 bits: number of new Gaussians made from it. */
 __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbers)
 {
     const uint32_t i = gaussian_of_thread();
@@ -460,7 +458,6 @@ int make_next(device_model *m, const densify_memory *d, uint32_t kept, uint32_t 
     return check(why, first_of(error, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* If memory is short, the model is unchanged. */
 int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory fates(taken), places(taken);
@@ -627,7 +624,6 @@ int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const reloc
     return check(why, first_of(failure, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* If memory is short, the model is unchanged. */
 int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);
@@ -703,7 +699,6 @@ uint64_t cut_order(order_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* If memory is short, the model is unchanged. */
 int model_order(device_model *m, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);

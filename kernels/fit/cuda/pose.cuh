@@ -36,7 +36,6 @@ cudaError_t launch_pose_cameras(const pose_batch *batch, const fxs_fit_poses *po
     return cudaGetLastError();
 }
 
-/* Computes one Gaussian's share of the gradient by the camera's pose. */
 template <int Degree>
 __device__ inline void find_own_pose(const fxs_fit_camera *camera, const device_model &m, const float *planes,
                                      uint32_t i, float own[FXS_FIT_POSE])

@@ -21,8 +21,8 @@ namespace {
 #include "src/fit/fit_lanes.h"
 #include "src/fit/fit_gaussian.h"
 
-/* Returns alpha / (1 - alpha), correctly rounded, for alpha in 2^-8..0.99. Faster than a division: a Newton step for
-   the reciprocal, then a correction by the remainder (Markstein 1990). */
+/* Returns alpha / (1 - alpha), correctly rounded, for alpha in 2^-8..0.99: a Newton step for the reciprocal, then a
+   correction by the remainder (Markstein 1990). */
 #define FXS_FIT_ODDS
 static inline float odds_of(float alpha)
 {
@@ -67,7 +67,7 @@ struct step_buffers {
     step_status *status;
     fxs_fit_splat *splats;         /* depth 0: Gaussian is not visible */
     uint32_t *bases;               /* number of tiles of each Gaussian, later its first slot */
-    uint32_t *large, *huge;        /* Gaussians with more than FEW_TILES and MANY_TILES tiles */
+    uint32_t *large, *huge;        /* Gaussians with more than FEW_TILES and with more than MANY_TILES tiles */
     uint32_t turn;
     uint32_t *splat_of;
     uint32_t *tiles;               /* tile of each slot; shares memory with `sums` */
@@ -75,7 +75,7 @@ struct step_buffers {
     uint32_t *slots, *gaussians;   /* tile lists, sorted from near to far */
     uint32_t capacity;             /* capacity in slots */
     uint32_t *starts;              /* list length of each tile, later list start */
-    uint32_t *next;                /* next list entry of each tile */
+    uint32_t *next;                /* place of each tile's next list entry */
     uint32_t *order;               /* tiles by descending list length, for load balance */
     uint16_t *blocks;              /* bit set of 4x4-pixel blocks that each list entry changes */
     uint32_t *needed;              /* list entries of each tile up to the last with any effect */
@@ -99,7 +99,6 @@ struct device_model {
     fxs_fit_chunk *chunks;
 };
 
-/* The camera members that a fitted pose changes. */
 struct posed_camera {
     float rotation[9], eye[3];
 };

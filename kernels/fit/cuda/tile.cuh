@@ -9,7 +9,7 @@ namespace {
 
 const uint32_t HALF = WARP / 2;    /* half a warp: the 16 pixels of a 4x4 block */
 const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* splats loaded at once */
-const uint32_t GROUP = HALF / 2;   /* splats that half a warp sums at once */
+const uint32_t GROUP = HALF / 2;
 const uint32_t BACKWARD_PAIRS = 448;   /* pairs of splat and 4x4 block that fit; enough for 28 splats */
 
 template <uint32_t Splats>
@@ -147,7 +147,6 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Returns true if the splat has any weight at the thread's pixel. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
@@ -254,8 +253,8 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks of each splat; its
-                                                                        first pair */
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks and first pair of
+                                                                        each splat */
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
     float4 gradient[FXS_FIT_PIXELS];
     float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* + 2 avoids bank conflicts */
@@ -267,7 +266,7 @@ struct backward_pixel {
     float red, green, blue;
 };
 
-/* Passes the thread's pixel back through a splat. Returns h = -alpha dL/dalpha and the weight. */
+/* Returns h = -alpha dL/dalpha and the weight of a splat at the thread's pixel. */
 __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     backward_pixel *pixel)
 {
@@ -447,7 +446,7 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
         add_blocks(s, here, b.sums);
         __syncthreads();
     }
-    /* list entries without any effect */
+    /* zeroes the sums of list entries without any effect */
     for (uint32_t i = needed * FXS_FIT_SUMS + threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS)
         b.sums[(size_t)b.slots[start + i / FXS_FIT_SUMS] * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0;
 }

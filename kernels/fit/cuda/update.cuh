@@ -225,7 +225,6 @@ __device__ inline bool is_seen(const batch_views &views, const device_model &m, 
     return found;
 }
 
-/* Loads the SH only if a view sees any of the block's Gaussians. */
 template <int Degree>
 __device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views &views, const device_model &m,
                                     uint32_t i)
@@ -299,7 +298,7 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
                  m.masters ? m.masters : m.parameters, i);
 }
 
-const int SH_AT_ONCE = 2;          /* SH coefficients at once */
+const int SH_AT_ONCE = 2;
 
 template <int Degree, int First>
 __device__ inline void update_some_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
