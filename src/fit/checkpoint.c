@@ -15,7 +15,7 @@
 #define END 0x646e6578u            /* "xend" in ASCII */
 
 /* Must increase with every change to a fit's computation, because a resumed fit would end differently. */
-#define VERSION 13u                /* a file's version also encodes options, see version_of */
+#define VERSION 13u                /* also encodes options, see version_of */
 
 typedef struct archive {
     fxs_output *output;
@@ -100,7 +100,6 @@ static void floats(archive *a, float *values, size_t count)
     }
 }
 
-/* Before an allocation: checks that the file has `count` more items of `words` words. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
     const uint64_t passed = a->fetched - (a->end - a->at);

@@ -1,5 +1,4 @@
-/* A coarse fit of all photographs: reads it from a file, finds its cameras, and starts the fits of blocks from its
- * Gaussians. */
+/* Reads coarse fits, and starts the fits of blocks from their Gaussians, exposures and poses. */
 #include "coarse.h"
 
 #include <stdlib.h>

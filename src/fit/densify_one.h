@@ -75,7 +75,6 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;
 }
 
-/* Returns a Gaussian's fate if the limit on the number of Gaussians is reached. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return looked_at_scale(m, d, i) > d->large ? GOES : STAYS;

@@ -21,7 +21,6 @@ typedef struct fxs_fit_engine {
     int (*fetch_masters)(void *self, fxs_message *message);
     /* Takes over the model's planes after the host changed them. */
     int (*give)(void *self, fxs_message *message);
-    /* Quantises the masters again after a change of the model's grid. */
     int (*quantise)(void *self, fxs_message *message);
     void (*free)(void *self);
 } fxs_fit_engine;

@@ -16,7 +16,7 @@ static inline int gain_numbers(int is_affine)
 /* Returns number k of an exposure without effect. */
 static inline float gain_neutral(int is_affine, int k)
 {
-    return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* diagonal of M */
+    return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;
 }
 
 /* Returns the factor of Adam's step for number k. Off M's diagonal 1/4, so that brighter photographs do not become

@@ -62,7 +62,6 @@ static int is_within(const double place[3])
     return fabs(place[0]) <= farthest && fabs(place[1]) <= farthest && fabs(place[2]) <= farthest;
 }
 
-/* True if a place is in front of a camera, inside its picture or not. */
 static int is_before(const fxs_file_view *view, const double place[3])
 {
     double depth = 0;
@@ -380,14 +379,14 @@ static void reduce(fxs_fit_photograph *p, int divisor)
     c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
-/* Returns the learning rate of poses: `way` divided by the number of steps per photograph, at most 0.002 radians. */
+/* Returns the learning rate of poses, at most 0.002 radians: `way` divided by the steps per photograph. */
 static float pose_rate(const fxs_fit *f, float way)
 {
     return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
 }
 
-/* Returns the first learning rate of exposures in log2 units: 4 divided by the number of steps per photograph,
-   clamped to 0.05..0.2, times `part`. */
+/* Returns the first learning rate of exposures in log2 units: 4 / steps per photograph, clamped to 0.05..0.2, times
+   `part`. */
 static float gain_rate(const fxs_fit *f, float part)
 {
     const float share = 4 * (float)f->count / ((float)f->options.steps * (float)f->options.batch);

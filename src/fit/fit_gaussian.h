@@ -228,7 +228,6 @@ static inline void add_share_gradient(const shape *s, const real sums[], real by
     }
 }
 
-/* Gradient by the unit quaternion, then through its normalisation. */
 static inline void rotation_gradient(const shape *s, const real r[3][3], real out[4])
 {
     const real *q = s->unit;

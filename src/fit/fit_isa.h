@@ -97,7 +97,7 @@ static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
     return plane->first + row * plane->stride;
 }
 
-enum { STRIP = 256 };              /* columns processed at once */
+enum { STRIP = 256 };
 
 /* Converts a row of the photograph to 0..1. Columns outside the photograph are 0. */
 static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
@@ -247,7 +247,6 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
-/* Returns the lanes with any nonzero sum. */
 static inline mask load_sums(const float *of_sums, real sums[FXS_FIT_SUMS])
 {
     mask has_any = below(all(1), all(0));

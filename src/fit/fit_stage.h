@@ -17,9 +17,8 @@
 #define FXS_FIT_TILE 16
 #define FXS_FIT_PIXELS 256
 #define FXS_FIT_BLOCKS 16          /* blocks of 4x4 pixels in a tile */
-#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* index of a tile's pixel, block
-                                                                                     by block */
-#define FXS_FIT_GROUP 16           /* jobs process multiples of this many Gaussians */
+#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)
+#define FXS_FIT_GROUP 16
 #define FXS_FIT_PART 256           /* most Gaussians per call of update */
 
 #define FXS_FIT_BATCH 8            /* most photographs per step */
@@ -101,8 +100,7 @@ typedef struct fxs_fit_loss {
     int has_exposure;              /* 1: white in the photograph counts as saturated */
 } fxs_fit_loss;
 
-/* Beyond `radius` from `middle`, sizes are measured in proportion to the distance, so that a sky may have large
-   Gaussians. */
+/* Beyond `radius` from `middle`, sizes are measured in proportion to the distance. */
 typedef struct fxs_fit_far {
     float middle[3], inverse;      /* inverse: 1 / radius; 0: sizes are in scene units everywhere */
 } fxs_fit_far;
@@ -116,7 +114,7 @@ typedef struct fxs_fit_adam {
 } fxs_fit_adam;
 
 /* The exposure of a photograph (exposure.h). at: log2 gains of all colours, of red and of blue; or an affine map of
-   colours. mean, square: Adam's moments. of_one: moments of a constant gradient of 1. */
+   colours. mean, square: Adam's moments. of_one: Adam's moments of a constant gradient of 1. */
 enum { FXS_FIT_GAIN = 12 };
 typedef struct fxs_fit_gain {
     float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
@@ -129,7 +127,7 @@ typedef struct fxs_fit_gains {
 } fxs_fit_gains;
 
 /* A correction of a camera's pose (pose.h). at: rotation, then translation. mean, square: Adam's moments. of_one:
-   moments of a constant gradient of 1. depth: typical depth of the photograph's content. */
+   Adam's moments of a constant gradient of 1. depth: typical depth of the picture. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
     float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;
@@ -171,7 +169,6 @@ typedef struct fxs_fit_noise {
     fxs_fit_far far;
 } fxs_fit_noise;
 
-/* The stages for one instruction set. */
 typedef struct fxs_fit_stages {
     const char *name;
     /* Projects Gaussians first..first + count; `first` and `count` are multiples of FXS_FIT_GROUP. */
@@ -187,8 +184,8 @@ typedef struct fxs_fit_stages {
     /* Writes the sums of the first `count` entries to their slots. */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* Passes of loss, each for one row, with picture a and photograph b: row sums of a, b, a^2, b^2, ab; SSIM and
-       its derivatives; row sums of the derivatives; gradient. */
+    /* Passes of the loss for one row, with picture a and photograph b: row sums of a, b, a^2, b^2, ab; SSIM and its
+       derivatives; row sums of the derivatives; gradient. */
     void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_backward_rows)(const fxs_fit_loss *loss, int32_t row);
@@ -229,8 +226,8 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest |coordinate| */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
-#define FXS_FIT_INVERSE_MOST 1e20f  /* largest 1 / radius of fxs_fit_far */
+#define FXS_FIT_INVERSE_MOST 1e20f
 #define FXS_FIT_TURN_MOST 0.5f     /* largest |component| of a pose's rotation, radians */
-#define FXS_FIT_GAIN_MOST 8.0f     /* largest |number| of an exposure, before subtracting the mean */
+#define FXS_FIT_GAIN_MOST 8.0f     /* largest |number| of an exposure */
 
 #endif

@@ -21,7 +21,6 @@ static inline real recorded(real a, real b)
     return choose(is_beyond_white(a, b), all(1), a);
 }
 
-/* Returns the weighted sum of 11 numbers, `step` apart, centred at `at`. */
 static inline real window_sum(const float *at, ptrdiff_t step)
 {
     const float weights[FXS_FIT_WINDOW] = {0.00102838008f, 0.00759875814f, 0.0360007721f, 0.10936069f, 0.213005538f,

@@ -132,7 +132,6 @@ void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
         memcpy((char *)out + k * sizeof(float), &m->parameters[k * m->stride + i], sizeof(float));
 }
 
-/* Allocates memory only for a larger stride. */
 static int set_stride(float **planes, size_t old, size_t stride)
 {
     if (stride == old)

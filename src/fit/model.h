@@ -20,7 +20,6 @@ int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_
 
 void fxs_fit_model_widen(fxs_fit_model *model, float factor);
 
-/* Sets the scales of the Gaussians from `first` on to `sigma`, scene units. */
 void fxs_fit_model_set_sigma(fxs_fit_model *model, size_t first, float sigma);
 void fxs_fit_model_free(fxs_fit_model *model);
 

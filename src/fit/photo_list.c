@@ -114,7 +114,6 @@ static int find_colmap(fxs_photo_list *list, fxs_message *message)
     return find_colmap_images(list, message);
 }
 
-/* Images are in the folder `images` beside the camera file, or else in the camera file's own folder. */
 static void find_beside(fxs_photo_list *list, const char *folder, const char *points)
 {
     if (!join(list->images, folder, "images") || !is_folder(list->images))
@@ -360,7 +359,7 @@ int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[
     return 0;
 }
 
-enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };   /* SHOWN_MOST: characters of the list in a message */
+enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };
 
 typedef struct names {
     char **names;
@@ -368,7 +367,6 @@ typedef struct names {
     int incomplete;
 } names;
 
-/* known: names with a camera; found: files of one folder without a camera. */
 typedef struct others {
     names known, found;
     size_t folder;

@@ -52,7 +52,6 @@ static int fit_camera(const char *path, const fxs_listed_view *listed, const pic
     return 0;
 }
 
-/* True if the camera's size matches the photograph only after a quarter turn. */
 static int is_turned(const fxs_listed_view *listed, int width, int height, int orientation)
 {
     return orientation > 4 && !listed->sizeless && !same_proportion(&listed->view, width, height) &&

@@ -13,7 +13,7 @@
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
 #define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */
 #define RANDOM_POINTS 100000
-#define RANDOM_STEP UINT64_MAX     /* differs from all step numbers of a fit */
+#define RANDOM_STEP UINT64_MAX
 #define GREY 128
 
 static int add_point(fxs_photo_points *p, const char *path, const double position[3], const double colour[3],
@@ -117,7 +117,7 @@ typedef struct ply {
     fxs_ply_header header;
 } ply;
 
-/* Finds the columns of x, y, z and the colour. *full: value of full brightness; 0: no colour. */
+/* *full: value of full brightness of colours; 0: no colour. */
 static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], double *full, fxs_message *message)
 {
     static const char *const names[3] = {"x", "y", "z"};

@@ -55,7 +55,6 @@ static void read_job(void *argument, uint32_t i)
     made->error = read_one(r, &r->views->views[r->first + i], made);
 }
 
-/* Keeps the batch's photographs up to the first error, and frees the rest. */
 static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t *kept, fxs_photos *all,
                 fxs_message *message)
 {

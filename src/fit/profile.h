@@ -2,7 +2,7 @@
  * masters,
  * with the gradient at the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013).
  * Functions
- * return 0, or an error and a message. */
+ * return 0 or an error. */
 #ifndef FXS_FIT_PROFILE_H
 #define FXS_FIT_PROFILE_H
 
@@ -17,7 +17,7 @@ typedef struct fxs_fit_profile {
     fxs_chunk *chunks;
     fxs_fit_chunk *steps;          /* code steps of each chunk of 256 Gaussians */
     fxs_fit_grid grid;
-    fxs_palette *palette;          /* null: no palette */
+    fxs_palette *palette;
     unsigned char *records;        /* palette codes of each Gaussian's SH */
 } fxs_fit_profile;
 
@@ -32,7 +32,6 @@ int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const f
 /* Makes the masters the parameters, for a finished fit that gets more steps. */
 void fxs_fit_profile_end(fxs_fit_profile *profile, fxs_fit_model *model);
 
-/* Packs the model with its codes. The packed scene has exactly the parameters that `gaussians` returns. */
 int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *model,
                          const fxs_gaussian_source *gaussians, fxs_packed_scene *scene, fxs_pack_report *report,
                          const fxs_pack_options *options, fxs_message *message);

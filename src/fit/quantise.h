@@ -25,7 +25,6 @@ static inline real quantise_evenly(real x, float low, float step, float inverse_
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* Extends a scale code of axis i to 10 bits. */
 static inline real spread_scale(whole code, int width, int i)
 {
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
@@ -203,7 +202,6 @@ static inline void quantise_rotation(const real from[4], whole n, int all_bits, 
     codes[3] = real_to_whole(roll_code);
 }
 
-/* codes: a number per parameter, without SH. */
 static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c, const float *from, float *to,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {

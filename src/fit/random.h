@@ -18,7 +18,6 @@ static inline uint64_t fxs_fit_random(uint64_t seed, uint64_t step, uint64_t ind
     return fxs_fit_mix(fxs_fit_mix(fxs_fit_mix(seed) ^ step) ^ index);
 }
 
-/* Converts random bits to 0 <= number < 1. */
 static inline float fxs_fit_uniform(uint64_t random)
 {
     return (float)(random >> 40) * 0x1p-24f;

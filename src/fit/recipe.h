@@ -9,7 +9,7 @@ typedef struct fxs_fit_plan {
     int sh_degree;
     int divisor;                   /* photographs are averaged down by this factor */
     float rate[FXS_FIT_PARAMETERS];
-    float by_opacity, by_scale;    /* weights of mean opacity and mean scale in the loss */
+    float by_opacity, by_scale;
     float gain_part;               /* factor of the exposures' learning rate, 0 to 1 */
     float pose_way;                /* total movement of poses in radians, divided by the steps per photograph */
     float noise;

@@ -125,7 +125,6 @@ static void take(const fxs_fit_model *m, size_t i, fxs_gaussian *g)
         g->rotation[k] = (float)(g->rotation[k] / sqrt(square));
 }
 
-/* model null: only counts the chunk's Gaussians. */
 static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_model *model, size_t at)
 {
     const unsigned char *rows = fxs_rows(&r->scene, number);
@@ -160,7 +159,7 @@ static int read_cover(refiner *r)
     return 0;
 }
 
-/* Nodes that are new in the cover start as the merge of their refined children. */
+/* New nodes of a cover start as the merge of their refined children. */
 static void merge_again(refiner *r, int level)
 {
     for (uint32_t i = 0; i < r->cover_nodes; i++)

@@ -48,8 +48,7 @@ static double random_between(uint32_t view, uint32_t axis)
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
 }
 
-/* Returns the limit of a picture's longer side in pixels. Scenes with more Gaussians need larger pictures to stay
-   sharp. */
+/* Scenes with more Gaussians need larger pictures to stay sharp. */
 static int longer_of(const fxs_scene *scene, int size)
 {
     const double longer = LEAST * sqrt(scene->count / FEW);

@@ -7,7 +7,6 @@
 #include "src/base/run.h"
 #include "relocate_one.h"
 
-/* sums: prefix sums of opacities (Q24); times: draws per Gaussian; sources: the Gaussian of each draw. */
 typedef struct draws {
     uint64_t *sums;
     uint32_t *times, *sources;

@@ -12,7 +12,7 @@ enum {
     MOST = 1 << 17                 /* most points examined, evenly spaced */
 };
 #define TIMES 1000.0               /* radius of the sphere / extent of the scene */
-#define FARTHEST 67108864.0        /* largest radius, half of the renderer's limit */
+#define FARTHEST 67108864.0
 
 typedef struct tally {
     uint32_t seen, is_free;        /* numbers of photographs */
@@ -64,7 +64,7 @@ static void find_cells(cells *c, const fxs_file_view *view, const fxs_fit_point 
 static int cell_of(const cells *c, double at)
 {
     const int cell = (int)(at / c->size);
-    return cell < CELLS ? cell : CELLS - 1;    /* the quotient may round up */
+    return cell < CELLS ? cell : CELLS - 1;
 }
 
 static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point *point, tally *t)

@@ -15,7 +15,7 @@ typedef struct fxs_fit_stepper fxs_fit_stepper;
 
 typedef struct fxs_fit_photograph {
     const uint8_t *pixels;         /* red, green, blue; rows without gaps */
-    int32_t width, height;         /* size of `pixels` */
+    int32_t width, height;
     int32_t divisor;               /* a pixel of the camera is the mean of divisor x divisor pixels */
     fxs_fit_camera camera;         /* without pose correction */
     uint32_t number;               /* index of the photograph's exposure and pose */
@@ -27,7 +27,7 @@ typedef struct fxs_fit_photograph {
    0, 0), and zeros. */
 typedef struct fxs_fit_model {
     size_t count, stride;
-    float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
+    float *parameters, *means, *squares;
     float *by_centre, *views;      /* sums of |dL/dcentre|; number of views that saw the Gaussian */
     float *masters;                /* parameters before quantisation by `grid`; null: not quantised */
     const fxs_fit_grid *grid;
@@ -42,7 +42,7 @@ typedef struct fxs_fit_step_options {
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* number of the step, from 1 */
     float gain_rate;               /* learning rate of exposures, log2 units; 0: fixed */
-    float gain_decay;              /* decay of exposures per step */
+    float gain_decay;
     float pose_rate;               /* learning rate of poses, radians; 0: fixed */
     float by_opacity, by_scale;    /* weights of mean opacity and mean scale in the loss */
     int smooths;                   /* divisor of the photographs, for the lower limit of scales; 0: no limit */
@@ -60,7 +60,6 @@ void fxs_fit_stepper_free(fxs_fit_stepper *step);
 int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fit_camera *camera,
                  const fxs_fit_step_options *options, fxs_fit_plane planes[3]);
 
-/* Makes a step with a batch of photographs. */
 int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photographs,
                          uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report);
 
@@ -78,7 +77,6 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
 /* Adds a photograph's loss to a report. rows: for each channel, row sums of |a - b|, then of 1 - SSIM. */
 void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t batch, fxs_fit_report *report);
 
-/* Sets the parameters of a model with masters to the quantised masters. */
 void fxs_fit_quantise(fxs_fit_stepper *step, fxs_fit_model *model);
 
 #ifdef __cplusplus

@@ -28,8 +28,7 @@ static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t to
     }
 }
 
-/* Returns the bit set of 4x4 blocks that the splat's ellipse may touch. Within a block, u and v lie between their
-   values at its corners. */
+/* Returns the bit set of 4x4 blocks that the splat's ellipse may touch. */
 static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
 {
     const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
@@ -46,7 +45,6 @@ static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
     return blocks;
 }
 
-/* Offsets of u and v from a 4x4 block's first pixel to LANES pixels, from `place` on. */
 static inline void find_places(const fxs_fit_splat *s, int place, real *u, real *v)
 {
     static const float along[PLACES] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};

@@ -60,7 +60,7 @@ struct engine {                    /* pinned, for asynchronous copies to `status
     void *pool;
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
-    step_order pending[PENDING];   /* steps started since the host last waited */
+    step_order pending[PENDING];
     uint32_t pending_count;
     uint64_t entries_most;
     step_status statuses[FXS_FIT_BATCH];
@@ -179,7 +179,7 @@ int reserve_views(device *d, uint32_t count, fxs_message *why)
     return error;
 }
 
-const size_t COPIED = 1 << 18;     /* bytes per job of the thread pool */
+const size_t COPIED = 1 << 18;
 
 struct copying {
     uint8_t *to;

@@ -259,7 +259,6 @@ uint64_t sort_bytes(uint32_t count)
     return bytes;
 }
 
-/* Stable sort of (keys[0], values[0]) into (keys[1], values[1]). */
 cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t *const values[2], uint32_t count,
                  cudaStream_t stream)
 {
@@ -332,7 +331,6 @@ __global__ void find_fates(fxs_fit_model m, fxs_fit_densify d, float least_logit
     }
 }
 
-/* Sort keys: Gaussians to be cloned or split by descending gradient, then all others. */
 __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *keys, uint32_t *indices)
 {
     const uint32_t i = gaussian_of_thread();

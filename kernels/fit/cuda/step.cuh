@@ -57,8 +57,8 @@ struct step_status {
     uint32_t is_full;              /* 1: tile lists overflowed; this step and all later ones change nothing */
     uint32_t updates_sh;           /* 1: the last update took place; for SH, which a second stream updates later */
     uint32_t entries_most;
-    uint32_t large_count[2], huge_count[2];    /* lengths of `large` and `huge` */
-    uint32_t long_lists;           /* number of long lists, first in `order` */
+    uint32_t large_count[2], huge_count[2];
+    uint32_t long_lists;
     step_seen seen;
 };
 
@@ -73,7 +73,7 @@ struct step_buffers {
     uint32_t *tiles;               /* tile of each slot; shares memory with `sums` */
     uint64_t *keys;                /* unsorted tile lists: depth above, slot below */
     uint32_t *slots, *gaussians;   /* tile lists, sorted from near to far */
-    uint32_t capacity;             /* capacity in slots */
+    uint32_t capacity;
     uint32_t *starts;              /* list length of each tile, later list start */
     uint32_t *next;                /* place of each tile's next list entry */
     uint32_t *order;               /* tiles by descending list length, for load balance */
@@ -84,7 +84,7 @@ struct step_buffers {
     float *derivatives;            /* 9 planes of pixels: SSIM's derivatives */
     float *dissimilar;             /* 3 planes of pixels: 1 - SSIM, for a report */
     float *gradient;               /* 3 planes of pixels: dL/dcolour */
-    float *rows;                   /* row sums of |a - b| and of 1 - SSIM, for a report */
+    float *rows;
     float *factors;                /* exposure of the photograph; null: not fitted */
     float *gain_rows;
     uint8_t *photograph;           /* photograph at the camera's size, then its mask */

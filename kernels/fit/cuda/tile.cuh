@@ -8,7 +8,7 @@
 namespace {
 
 const uint32_t HALF = WARP / 2;    /* half a warp: the 16 pixels of a 4x4 block */
-const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* splats loaded at once */
+const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;
 const uint32_t GROUP = HALF / 2;
 const uint32_t BACKWARD_PAIRS = 448;   /* pairs of splat and 4x4 block that fit; enough for 28 splats */
 
@@ -65,7 +65,6 @@ __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &
     }
 }
 
-/* Returns the bit set of 4x4 blocks that the splat's ellipse may touch. */
 template <uint32_t Splats>
 __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fxs_fit_splat &s)
 {

@@ -15,7 +15,7 @@ inline uint32_t part_count(const device_model *m)
     return (m->count + FXS_FIT_PART - 1) / FXS_FIT_PART;
 }
 
-const uint32_t GATHERED = WARP;    /* Gaussians per block of threads */
+const uint32_t GATHERED = WARP;
 const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
 const uint32_t GATHER_WARPS = GATHER_THREADS / WARP;
 const uint32_t TILES_AT_ONCE = 64; /* tiles that a warp loads at once */
@@ -200,10 +200,9 @@ struct batch_views {
     const posed_camera *posed;
 };
 
-const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;      /* blocks per multiprocessor; limits the registers per
-                                                              thread */
+const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;
 
-/* Parameters and moments of a block's Gaussians in shared memory, as they exceed a thread's registers. */
+/* Parameters and moments of a block's Gaussians are in shared memory, as they exceed a thread's registers. */
 template <int Degree>
 struct shape_rows {
     float parameters[FXS_FIT_SH + 3 * SH_COUNT(Degree)][SHAPE_THREADS];
