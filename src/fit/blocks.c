@@ -14,8 +14,8 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* sides of the cameras' bounding box by which the outermost blocks extend beyond
-                                      it */
+#define FAR 2.0                    /* the outermost blocks extend beyond the cameras' bounding box by this many sides
+                                      of the box */
 
 static int is_in(const float place[3], const double low[3], const double high[3])
 {
@@ -294,8 +294,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. The space beyond looks about the same from all cameras, so the coarse fit
-   suffices there. */
+/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse
+   fit suffices there. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;

@@ -338,7 +338,6 @@ static void walk_end(archive *a)
         damaged(a, "its checksum is not right");
 }
 
-/* Only writes, so the fit stays unchanged. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);

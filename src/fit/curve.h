@@ -35,7 +35,6 @@ static inline float curve_spread(const double sums[3], size_t count)
     return (float)((sums[0] + sums[1] + sums[2]) / (3 * (double)count) + 1e-6);
 }
 
-/* Spreads 10 bits, with two zeros between neighbours. */
 static inline uint32_t spread_bits(uint32_t x)
 {
     x = (x | x << 16) & 0x030000ff;

@@ -59,7 +59,7 @@ static inline int has_rotation(const fxs_fit_model *m, size_t i)
     return square > 1e-20f;
 }
 
-/* Returns the largest scale, beyond the scene's radius as an angle. */
+/* Returns a Gaussian's largest scale; beyond the scene's radius as an angle. */
 static inline float looked_at_scale(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return largest_scale(m, i) / unit_at(&d->far, m->parameters + i, m->stride);

@@ -13,7 +13,7 @@ static inline int gain_numbers(int is_affine)
     return is_affine ? FXS_FIT_GAIN : 3;
 }
 
-/* Returns number k of an exposure without effect. */
+/* Returns number k of the neutral exposure, which changes no colour. */
 static inline float gain_neutral(int is_affine, int k)
 {
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;
@@ -38,14 +38,14 @@ static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float f
     factors[8] = exp_2_minus(-(e + b));
 }
 
-/* Returns a channel of I M + m. */
+/* Returns a channel of the exposed colour I M + m, with colour I, matrix M and offset m. */
 static inline float exposed(const float factors[FXS_FIT_GAIN], const float colour[3], int channel)
 {
     const float *m = factors + channel;
     return ((colour[0] * m[0] + colour[1] * m[3]) + colour[2] * m[6]) + m[9];
 }
 
-/* Returns the gradient by a channel of I from the gradient by I M + m. */
+/* Returns the gradient by a channel of the colour, from the gradient by the exposed colour. */
 static inline float gradient_before(const float factors[FXS_FIT_GAIN], const float gradient[3], int channel)
 {
     const float *m = factors + 3 * channel;
@@ -100,7 +100,7 @@ static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], 
     gradient[2] = 0.693147181f * (blue - green);
 }
 
-/* Returns number k after a step; affine: of M + M W, and of m + m W + w. */
+/* Returns number k of an exposure after a step. An affine exposure M, m becomes M + M W, m + m W + w. */
 static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const float step[FXS_FIT_GAIN], int k)
 {
     const float *of_row = gain->at + k / 3 * 3, *by = step + k % 3;
@@ -111,8 +111,8 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
 }
 
 /* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by those of a
-   constant gradient of 1. decay: share of the difference from neutral to subtract (decoupled weight decay,
-   Loshchilov and Hutter 2019). */
+   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight
+   decay, Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

@@ -286,7 +286,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     shape s;
     real by_t[2][3], along[3];
     find_shape(&s, camera, at, stride);
-    /* dL/dcentre = -sum of h U^t (u, v), with h = -alpha dL/dalpha */
+    /* dL/dcentre = -sum of h U^t (u, v), with h = -alpha dL/dalpha and U^t U the inverse covariance */
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);

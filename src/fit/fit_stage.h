@@ -66,8 +66,8 @@ typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums of a splat over the pixels of a tile, with h = -alpha dL/dalpha. Order of addition in a block of 16 pixels: p
-   and p + 8, then p + 4, p + 2 and p + 1; then blocks, then tiles row by row. */
+/* Sums of a splat over the pixels of a tile, with h = -alpha dL/dalpha. Order of addition in a block of 16 pixels:
+   pixels p and p + 8, then p + 4, p + 2 and p + 1; then blocks, then tiles row by row. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
@@ -93,7 +93,7 @@ enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
     fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
     float *absolute, *dissimilar;  /* per row: sums of |picture - photograph| and of 1 - SSIM */
-    const uint8_t *photograph;     /* bytes, `step` apart; rows are `pitch` apart */
+    const uint8_t *photograph;     /* bytes of the photograph, `step` apart in a row; rows are `pitch` apart */
     ptrdiff_t step, pitch;
     int32_t width, height;
     const uint8_t *mask;           /* null, or a byte per pixel; 0: pixel is ignored */
@@ -206,7 +206,7 @@ typedef struct fxs_fit_stages {
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
     /* Sums the gradient by a camera's pose over at most FXS_FIT_PART Gaussians: dL/dposition, then dL/dtheta of a
-       rotation about the eye. Order of addition: p and p + 128, then p and p + 64, and so on. */
+       rotation about the eye. Order of addition: Gaussians p and p + 128, then p and p + 64, and so on. */
     void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                  size_t count, const float *sums, float out[FXS_FIT_POSE]);
 } fxs_fit_stages;
@@ -216,13 +216,13 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 extern const fxs_fit_stages fxs_fit_stages_c;
 
 #define FXS_FIT_ALPHA_MOST 0.99f
-#define FXS_FIT_CLOSED 0.001f      /* pixels with less transmittance are closed */
+#define FXS_FIT_CLOSED 0.001f      /* pixels with less transmittance take no more splats */
 /* A level is a squared Mahalanobis distance / (2 ln 2). */
 #define FXS_FIT_UNIT 0.849321800f  /* unit of u and v: sqrt(1 / (2 ln 2)) */
 #define FXS_FIT_CUT 6.49212768f    /* level of Mahalanobis distance 3 */
 #define FXS_FIT_FAINT 7.99435344f  /* level of an alpha of 1 / 255 */
 #define FXS_FIT_WIDER 1.01f        /* enlarges squared radii of ellipses for tile lists */
-#define FXS_FIT_DILATION 0.3f      /* added to variances in the picture, pixels^2 */
+#define FXS_FIT_DILATION 0.3f      /* dilation: added to variances in the picture, pixels^2 */
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest |coordinate| */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f

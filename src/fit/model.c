@@ -172,7 +172,6 @@ static void narrow(fxs_fit_model *m, size_t stride)
     m->stride = stride;
 }
 
-/* Each job rearranges one plane after another through its own spare plane. */
 enum { GATHER_JOBS = 4 };
 typedef struct gathering {
     const fxs_fit_model *model;

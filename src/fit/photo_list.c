@@ -23,7 +23,6 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
-/* Returns 0 if the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = fxs_path_is_whole(name) || !*folder;
@@ -423,7 +422,6 @@ static void add_known(names *known, const fxs_view_list *views)
         add_name(known, "", 0, fxs_without_dots(views->views[i].image));
 }
 
-/* A name with a camera may lack the file's ending. */
 static void look_at(void *argument, const char *name)
 {
     others *o = argument;

@@ -182,7 +182,6 @@ static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *ou
     memset(sums, 0, values * sizeof *sums);
 }
 
-/* Ignores pixels of the smaller picture that overlap ignored pixels of the row. */
 static void ignore_row(const picture *p, int y, const uint8_t *counts, int width, int height, uint8_t *mask)
 {
     const int first = (int)((int64_t)y * height / p->height);

@@ -17,8 +17,9 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* half side of the cube for synthetic scenes (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* side of the cube / side of the cameras' bounding box */
+#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half side of their cube (Kerbl et al. 2023) */
+#define OF_CAMERAS 3               /* random points of other scenes: side of their cube / side of the cameras'
+                                      bounding box */
 
 typedef struct result {
     fxs_photo_pixels photo;

@@ -102,7 +102,6 @@ static float inverse_of(double step)
     return step > 0 ? (float)(1 / step) : 0;
 }
 
-/* Returns the step of `bits`-bit codes with the same range as `wide`-bit codes. */
 static double own_step(double step, int bits, int wide)
 {
     return step * ((1 << wide) - 1) / ((1 << bits) - 1);
@@ -130,8 +129,8 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion q becomes q (1
-   + k) for axis 0 and q (1 + i) for axis 1, normalised. Adam's moments rotate too. */
+/* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion is multiplied
+   by 1 + k (axis 0) or 1 + i (axis 1), and normalised. Adam's moments rotate too. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};
@@ -175,7 +174,7 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->palette)              /* only with a palette does the engine receive these changes */
+        if (p->palette)              /* only with a palette does the engine receive changed axes */
             order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);

@@ -121,7 +121,7 @@ static inline void roll_of(real roll, real *cosine, real *sine)
     *sine = roll * (1.56607f - square * (0.62924f - 0.06305f * square));
 }
 
-/* Returns the roll of the second axis, b, about the first axis, which X and Y encode. */
+/* Returns the roll of the second axis, b, about the first axis. X and Y encode the first axis. */
 static inline real find_roll(const real b[3], real x, real y)
 {
     const real s = root(most(2.0f - x * x - y * y, all(0)));
@@ -165,7 +165,8 @@ static inline void quaternion_near(const real from[4], real x, real y, real roll
     }
 }
 
-/* Codes a quaternion. codes: n, X, Y, roll; the last three in two's complement. n: bits of X and of Y. */
+/* Codes a quaternion by its first axis (X, Y) and the roll about this axis. codes: n, X, Y, roll; n: bits of X and
+   of Y. */
 static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
 {
     const real w = from[0], i = from[1], j = from[2], k = from[3];

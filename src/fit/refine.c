@@ -55,7 +55,6 @@ static int fail_memory(const refiner *r, size_t bytes)
     return fxs_fail_memory(r->message, "levels of detail", bytes);
 }
 
-/* The graph is a tree if no chunk has two parents. */
 static int read_tree(refiner *r)
 {
     r->leaves = r->scene.chunk_count;

@@ -5,7 +5,6 @@
 #include <fixsplat/refine.h>
 #include "stepper.h"
 
-/* Sizes of each picture; large ones only if there are steps. */
 enum { FXS_REFINE_LARGE, FXS_REFINE_SMALL, FXS_REFINE_SIZES };
 
 typedef struct fxs_refine_views {

@@ -15,7 +15,7 @@ enum {
 #define FARTHEST 67108864.0
 
 typedef struct tally {
-    uint32_t seen, is_free;        /* numbers of photographs */
+    uint32_t seen, is_free;        /* numbers of photographs that see the direction, and that see it free */
     uint64_t colour[3];            /* sums over photographs where the direction is free */
 } tally;
 

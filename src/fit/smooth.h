@@ -8,7 +8,8 @@
 #define FXS_FIT_SMOOTH 0.447213595f    /* sqrt(0.2) pixels */
 #define FXS_FIT_BESIDE 0.15f       /* centres up to this part of the picture's size outside count as seen */
 
-/* Returns min(least_so_far, depth / focal) if the camera sees the place, else least_so_far. */
+/* Returns min(least_so_far, depth / focal) if the camera sees the place, else least_so_far. depth / focal: size of a
+   pixel. */
 static inline real finest_of(const fxs_fit_camera *c, const real place[3], real least_so_far)
 {
     const int32_t size[2] = {c->width, c->height};

@@ -273,7 +273,7 @@ static void fill_entries_job(void *argument, uint32_t range)
     }
 }
 
-/* `counts` holds the first entry of each tile, then the number of needed entries of each tile. */
+/* `counts` holds the start of each tile's list, then the number of its needed entries. */
 static int make_room(fxs_fit_stepper *s)
 {
     const size_t values = s->tile_count > DIGIT_VALUES ? s->tile_count : DIGIT_VALUES, entries = s->entry_count + 1;
@@ -310,7 +310,7 @@ static int32_t least_of(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* Pictures outside of a step start with a transmittance of 16, so that pixels close later. */
+/* Pictures outside of a step start with a transmittance of 16, so that more splats count before a pixel is opaque. */
 static float light_of(const fxs_fit_stepper *s)
 {
     return s->photograph ? 1 : 16;

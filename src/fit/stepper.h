@@ -51,7 +51,6 @@ typedef struct fxs_fit_step_options {
     size_t changed;                /* CPU only: changes only the first `changed` Gaussians; 0: all */
 } fxs_fit_step_options;
 
-/* Returns null if memory runs out. */
 fxs_fit_stepper *fxs_fit_stepper_create(const fxs_fit_stages *stages, fxs_run_fn *run, void *pool, uint32_t threads,
                                   fxs_clock_fn *clock);
 void fxs_fit_stepper_free(fxs_fit_stepper *step);

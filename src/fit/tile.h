@@ -11,7 +11,7 @@ enum {
     EARLY = 8
 };
 
-/* u and v of a splat at the first pixel of each 4x4 block. */
+/* Normalised coordinates u and v of a splat at the first pixel of each 4x4 block. */
 typedef struct corners {
     float u[FXS_FIT_BLOCKS], v[FXS_FIT_BLOCKS];
 } corners;
@@ -91,7 +91,7 @@ static inline int is_open(const fxs_fit_tile *tile)
     return 0;
 }
 
-/* Blends a list until all pixels are closed. Returns the number of entries up to the last one that changed a pixel. */
+/* Blends a list until all pixels are opaque. Returns the number of entries up to the last one that changed a pixel. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, float light, fxs_fit_tile *tile)
 {
@@ -142,7 +142,7 @@ static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient
     sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
-/* Sums 16 numbers as a binary tree: p and p + 8 first, then p + 4, p + 2 and p + 1. */
+/* Sums 16 numbers as a binary tree: numbers p and p + 8 first, then p + 4, p + 2 and p + 1. */
 #if LANES == 1
 static inline void add_places(const float (*rows)[PLACES], float *sums)
 {

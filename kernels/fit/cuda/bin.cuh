@@ -52,7 +52,6 @@ inline uint32_t bin_grid(uint64_t threads)
     return (uint32_t)((threads + BIN_THREADS - 1) / BIN_THREADS);
 }
 
-/* Calls launch(degree) with the SH degree as a compile-time constant. */
 template <class Launch>
 void by_degree(int degree, Launch launch)
 {

@@ -67,7 +67,6 @@ struct engine {                    /* pinned, for asynchronous copies to `status
     host_block rows[FXS_FIT_BATCH];
 };
 
-/* Divides `memory` into buffers. Returns their size in bytes; memory may be null. */
 uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
     unsigned char *at = memory;

@@ -20,7 +20,7 @@ typedef float patch[PATCH][PITCH];
 typedef float column_sums[PATCH][COLUMNS_PITCH];
 
 struct loss_place {
-    int x, y;                      /* first output of the thread, relative to the square */
+    int x, y;
     int left, top;                 /* first pixel of the square */
 };
 
@@ -257,7 +257,6 @@ __global__ void average_down(const uint8_t *full, int32_t full_width, int diviso
     out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
 }
 
-/* A reduced pixel counts if all its full-size pixels count. */
 __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                             uint8_t *out)
 {

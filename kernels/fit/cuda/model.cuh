@@ -99,7 +99,7 @@ cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride,
     return cudaSuccess;
 }
 
-/* Moves planes back to the smaller stride `old`, in pieces that do not overlap their destination. */
+/* Moves parameter arrays back to the smaller stride `old`, in pieces that do not overlap their destination. */
 void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     for (uint64_t k = 1; k < count; k++)
@@ -110,7 +110,7 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* Widens one set of planes after another, so that at most one set is allocated twice. */
+/* Reallocates one set of parameter arrays after another, so that at most one set is allocated twice. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -206,12 +206,11 @@ cudaError_t upload_chunks(const device_model *m, const fxs_fit_model *from, cuda
     return cudaMemcpyAsync(m->chunks, from->grid->chunks, chunks * sizeof *m->chunks, cudaMemcpyHostToDevice, stream);
 }
 
-/* After an error the model may be empty. */
 int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     if (!from->masters || from->count > m->stride)
         free_masters(m, taken);
-    m->count = 0;                  /* model_reserve then drops the old contents */
+    m->count = 0;                  /* makes model_reserve drop the old contents */
     int error = model_reserve(m, taken, from->count, stream, why);
     if (!error && from->masters)
         error = reserve_masters(m, taken, why);
@@ -236,7 +235,6 @@ int download_masters(const device_model *m, const fxs_fit_model *to, cudaStream_
     return copy_planes(to, m, masters, false, stream, why);
 }
 
-/* Device memory, freed at the end of its scope. */
 struct change_memory {
     budget *taken;
     block memory;
@@ -415,7 +413,8 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Lets only the `room` Gaussians with the largest gradients grow. Of equal gradients, the lower index wins. */
+/* Lets only the `room` Gaussians with the largest gradients be cloned or split. Of equal gradients, the lower index
+   wins. */
 int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint32_t grown, uint32_t room,
           cudaStream_t stream, fxs_message *why)
 {
@@ -501,8 +500,9 @@ int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs
 }
 
 struct relocate_memory {
-    uint64_t *sums, *dead;         /* prefix sums of chances and of dead Gaussians */
-    uint32_t *times, *sources;     /* times: draws per Gaussian, or DEAD; sources: the Gaussian of each draw */
+    uint64_t *sums, *dead;         /* prefix sums of the chances of being drawn, and of the number of dead (faint)
+                                      Gaussians */
+    uint32_t *times, *sources;     /* times: draws of each Gaussian, or DEAD; sources: the Gaussian of each draw */
     void *scratch;
     size_t scratch_bytes;
 };

@@ -66,12 +66,12 @@ struct step_status {
 struct step_buffers {
     step_status *status;
     fxs_fit_splat *splats;         /* depth 0: Gaussian is not visible */
-    uint32_t *bases;               /* number of tiles of each Gaussian, later its first slot */
+    uint32_t *bases;               /* number of tiles of each Gaussian, later index of its first slot */
     uint32_t *large, *huge;        /* Gaussians with more than FEW_TILES and with more than MANY_TILES tiles */
     uint32_t turn;
     uint32_t *splat_of;
     uint32_t *tiles;               /* tile of each slot; shares memory with `sums` */
-    uint64_t *keys;                /* unsorted tile lists: depth above, slot below */
+    uint64_t *keys;                /* unsorted tile lists: depth in the upper 32 bits, slot in the lower 32 bits */
     uint32_t *slots, *gaussians;   /* tile lists, sorted from near to far */
     uint32_t capacity;
     uint32_t *starts;              /* list length of each tile, later list start */

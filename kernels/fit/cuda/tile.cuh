@@ -10,18 +10,19 @@ namespace {
 const uint32_t HALF = WARP / 2;    /* half a warp: the 16 pixels of a 4x4 block */
 const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;
 const uint32_t GROUP = HALF / 2;
-const uint32_t BACKWARD_PAIRS = 448;   /* pairs of splat and 4x4 block that fit; enough for 28 splats */
+const uint32_t BACKWARD_PAIRS = 448;   /* capacity in pairs of splat and 4x4 block; enough for 28 splats */
 
 template <uint32_t Splats>
 struct tile_splats {
     float4 shape[Splats];          /* ux, uy, vy and offset of each splat */
     float4 colour[Splats];         /* limit and colour of each splat */
-    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* u and v at the first pixel of each 4x4 block */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* normalised coordinates u and v of each splat
+                                                                       at the first pixel of each 4x4 block */
     uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* bit set of the splats that may touch each 4x4 block */
 };
 
 struct tile_place {
-    uint32_t block, lane;          /* block: 4x4 block in the tile; lane: pixel in the block */
+    uint32_t block, lane;
     float along, down;
     int32_t left, top;             /* first pixel of the tile */
     int32_t x, y;
@@ -126,7 +127,7 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* Computes level = u^2 + v^2 + offset of a splat at the thread's pixel. */
+/* Computes level = u^2 + v^2 + offset of a splat at the thread's pixel, with normalised coordinates u and v. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {

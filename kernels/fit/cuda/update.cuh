@@ -18,7 +18,7 @@ inline uint32_t part_count(const device_model *m)
 const uint32_t GATHERED = WARP;
 const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
 const uint32_t GATHER_WARPS = GATHER_THREADS / WARP;
-const uint32_t TILES_AT_ONCE = 64; /* tiles that a warp loads at once */
+const uint32_t TILES_AT_ONCE = 64;
 
 /* Missing tiles add 0, which changes no sum that starts at 0. */
 __device__ inline float sum_few(const float *sums, uint32_t tiles)
@@ -104,7 +104,7 @@ cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *p
                         *m, planes);
 }
 
-/* A Gaussian's gradient from one view. The gradient by the SH is the SH basis times g. */
+/* A Gaussian's gradient from one view. The gradient by the SH is the SH basis times g, the gradient by the colour. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
@@ -190,7 +190,7 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         move_one(adam, first + k, gradient_of(first + k), number[k], mean[k], square[k], m, to, i);
 }
 
-/* After the gradient sums are read, g and the view direction overwrite their planes. */
+/* After the gradient sums are read, the colour gradient and the view direction overwrite them. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
