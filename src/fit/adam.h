@@ -33,8 +33,8 @@ static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, re
     return least(gradient + adam->by_scale * exp_e(ln_scale) / unit, all(FXS_FIT_FARTHEST_GRADIENT));
 }
 
-/* |dL/dcentre| for densification. `centre`: gradient per pixel of a sum L over pixels and channels. Result: gradient
-   of the mean L per half side of the picture. */
+/* |dL/dcentre| for densification. `centre`: gradient per pixel of a sum L over pixels and channels. Result: gradient of
+   the mean L per half side of the picture. */
 static inline real centre_gradient(const fxs_fit_camera *camera, const real centre[2])
 {
     const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));

@@ -1,5 +1,4 @@
-/* Divides a large set of photographs into blocks that are fitted separately. Bounds of blocks come from repeated
- * splits
+/* Divides a large set of photographs into blocks that are fitted separately. Bounds of blocks come from repeated splits
  * of the points' bounding box along its widest axis. A block gets the photographs that see its points and stand near
  * them, or that see at least 1/20 of them. */
 #include <fixsplat/blocks.h>
@@ -14,8 +13,8 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* the outermost blocks extend beyond the cameras' bounding box by this many sides
-                                      of the box */
+#define FAR 2.0                    /* the outermost blocks extend beyond the cameras' bounding box by this many sides of
+                                      the box */
 
 static int is_in(const float place[3], const double low[3], const double high[3])
 {
@@ -294,8 +293,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse
-   fit suffices there. */
+/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse fit
+   suffices there. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;

@@ -147,7 +147,7 @@ static uint64_t fingerprint(const fxs_fit *f)
     return sum;
 }
 
-/* A resumed fit has cameras from its photographs. A coarse fit gets only their keys. */
+/* Saves only keys of the cameras. A resumed fit gets its cameras from the photographs. */
 static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
 {
     uint64_t count = f->count;

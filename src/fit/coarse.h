@@ -1,5 +1,4 @@
-/* A coarse fit of a complete set of photographs, from which the fits of its blocks continue. Functions return 0, or
- * an
+/* A coarse fit of a complete set of photographs, from which the fits of its blocks continue. Functions return 0, or an
  * error and a message. */
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H

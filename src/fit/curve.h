@@ -4,8 +4,8 @@
 
 #include "planes.h"
 
-/* Fixed order of a sum over all Gaussians: number i is added to partial sum i % CURVE_SUMS. Then the partial sums
-   are added in order. */
+/* Fixed order of a sum over all Gaussians: number i is added to partial sum i % CURVE_SUMS. Then the partial sums are
+   added in order. */
 enum { CURVE_SUMS = 1024 };
 
 typedef struct curve {

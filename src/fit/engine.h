@@ -1,5 +1,4 @@
-/* Interface of an engine, which computes the steps of a fit on the CPU or on GPUs. The engine's model must not move
- * in
+/* Interface of an engine, which computes the steps of a fit on the CPU or on GPUs. The engine's model must not move in
  * memory. On GPUs the model's planes are current only after a fetch. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_ENGINE_H
 #define FXS_FIT_ENGINE_H
@@ -16,10 +15,10 @@ typedef struct fxs_fit_engine {
     int (*relocate)(void *self, const fxs_fit_relocate *relocate, fxs_message *message);
     int (*order)(void *self, fxs_message *message);
     int (*reset_opacity)(void *self, float opacity, fxs_message *message);
-    /* Update the model's planes on the host; fetch_masters only the masters. */
+    /* Update the model's parameters on the host; fetch_masters only those before quantisation. */
     int (*fetch)(void *self, fxs_message *message);
     int (*fetch_masters)(void *self, fxs_message *message);
-    /* Takes over the model's planes after the host changed them. */
+    /* Takes over the model's parameters after the host changed them. */
     int (*give)(void *self, fxs_message *message);
     int (*quantise)(void *self, fxs_message *message);
     void (*free)(void *self);

@@ -1,7 +1,5 @@
-/* Exposures of photographs. Before comparison with a photograph, a colour I of the picture becomes I M + m, with a
- * 3x3
- * matrix M and a row m. An affine exposure fits these 12 numbers (Inria's code, 2024). Otherwise three numbers e, r,
- * b
+/* Exposures of photographs. Before comparison with a photograph, a colour I of the picture becomes I M + m, with a 3x3
+ * matrix M and a row m. An affine exposure fits these 12 numbers (Inria's code, 2024). Otherwise three numbers e, r, b
  * are fitted: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e + b), and m is 0. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
@@ -86,8 +84,8 @@ static inline int gain_needs(int is_affine, int k)
 
 /* Computes the gradient by an exposure from means over all pixels and channels. With a = I M + m, mean 3 k + c is of
    dL/da_c a_k, and mean 9 + c is of dL/da_c. Affine: the gradient by W and w, where a step maps a to a + a W + w.
-   Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with red,
-   green and blue the means of dL/da_c a_c. */
+   Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with red, green
+   and blue the means of dL/da_c a_c. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];
@@ -111,8 +109,8 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
 }
 
 /* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by those of a
-   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight
-   decay, Loshchilov and Hutter 2019). */
+   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight decay,
+   Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

@@ -6,9 +6,9 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Values of the projection that the gradients need again. The covariance in the picture is T T^t + 0.3 I, with T = V
-   S, V = M R and M = J W. J: Jacobian; W: world to camera; R: rotation; S: scales. Row i of M is f / z (W_i -
-   slope_i W_2). */
+/* Values of the projection that the gradients need again. The covariance in the picture is T T^t + 0.3 I, with T = V S,
+   V = M R and M = J W. J: Jacobian; W: world to camera; R: rotation; S: scales. Row i of M is f / z (W_i - slope_i
+   W_2). */
 typedef struct shape {
     real offset[3];                /* position - eye; orthographic camera: view direction */
     real in_camera[3], inverse_z;
@@ -190,8 +190,8 @@ static inline void colour_gradient(const look *l, int degree, const float *at, s
         along[i] = (by_direction[i] - l->direction[i] * radial) * l->inverse_length;
 }
 
-/* dL/dT = 2 G T with G = -U^t (sum of h (u, v) (u, v)^t / 2) U. U^t U is the inverse of the covariance. The splats'
-   u and v are scaled by FXS_FIT_UNIT. */
+/* dL/dT = 2 G T with G = -U^t (sum of h (u, v) (u, v)^t / 2) U. U^t U is the inverse of the covariance. The splats' u
+   and v are scaled by FXS_FIT_UNIT. */
 static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
@@ -207,8 +207,8 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
 }
 
 /* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det). Here n = T_0 x T_1, sharp = |n|^2,
-   and det = sharp + e (A + C) + e^2, with the dilation e and the squared lengths A, C of T_0, T_1. dL/dln(o) = -sum
-   of h, and
+   and det = sharp + e (A + C) + e^2, with the dilation e and the squared lengths A, C of T_0, T_1. dL/dln(o) = -sum of
+   h, and
 
        d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
                                    = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)

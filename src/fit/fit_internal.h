@@ -14,7 +14,7 @@ struct fxs_fit {
     size_t count;
     const fxs_fit_engine *engine;
     void *self;
-    fxs_fit_stepper *stepper;      /* used by the CPU engine only */
+    fxs_fit_stepper *stepper;
     fxs_fit_model model;
     fxs_fit_gains gains;
     fxs_fit_poses poses;

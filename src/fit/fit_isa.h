@@ -295,7 +295,6 @@ static void keep_within(float *at, size_t count)
         store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
 }
 
-/* SH above the current degree have no gradients. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
                                         const fxs_fit_adam *adam, const float *parameters, float *masters,
                                         float *means, float *squares, size_t stride, size_t first, size_t count,

@@ -23,7 +23,7 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
     find_shape(&s, camera, at, stride);
     /* -log2 o = log2(1 + e^-x), with opacity o and logit x */
     real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
-    if (camera->is_antialiased)    /* divides the opacity by sqrt(share), for antialiasing */
+    if (camera->is_antialiased)    /* antialiasing: opacity / sqrt(share) */
         offset += 0.721347520f * ln(least(s.share, all(1e30f)));
     const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
     const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));

@@ -60,8 +60,8 @@ typedef struct fxs_fit_splat {
     uint32_t slot;                 /* place of the splat's sums over its first tile */
 } fxs_fit_splat;
 
-/* An entry of a tile's list. slot: place of the splat's sums over this tile. blocks: bit set of the 4x4 blocks that
-   the splat changes. */
+/* An entry of a tile's list. slot: place of the splat's sums over this tile. blocks: bit set of the 4x4 blocks that the
+   splat changes. */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
@@ -191,9 +191,9 @@ typedef struct fxs_fit_stages {
     void (*loss_backward_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
     /* Computes the gradients of at most FXS_FIT_PART Gaussians, and makes a step of Adam on the masters (parameters
-       before quantisation). sums: FXS_FIT_SUMS planes for each camera. by_centre accumulates |dL/dcentre|. A
-       gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities are clamped
-       to FXS_FIT_FARTHEST. */
+       before quantisation). sums: FXS_FIT_SUMS planes for each camera. by_centre accumulates |dL/dcentre|. A gradient
+       that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities are clamped to
+       FXS_FIT_FARTHEST. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, float *by_centre);
@@ -202,7 +202,7 @@ typedef struct fxs_fit_stages {
     /* Raises scales to their lower limit (smooth.h), for photographs reduced by `divisor`. */
     void (*smooth)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride, size_t first,
                    size_t count);
-    /* Sets parameters to the quantised masters. */
+    /* Sets `parameters` to the quantised `masters`. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
     /* Sums the gradient by a camera's pose over at most FXS_FIT_PART Gaussians: dL/dposition, then dL/dtheta of a
@@ -221,7 +221,7 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_UNIT 0.849321800f  /* unit of u and v: sqrt(1 / (2 ln 2)) */
 #define FXS_FIT_CUT 6.49212768f    /* level of Mahalanobis distance 3 */
 #define FXS_FIT_FAINT 7.99435344f  /* level of an alpha of 1 / 255 */
-#define FXS_FIT_WIDER 1.01f        /* enlarges squared radii of ellipses for tile lists */
+#define FXS_FIT_WIDER 1.01f        /* enlarges squared radii of ellipses when a splat's tiles are selected */
 #define FXS_FIT_DILATION 0.3f      /* dilation: added to variances in the picture, pixels^2 */
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest |coordinate| */

@@ -1,8 +1,7 @@
 /* The loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with the picture a and the
- * photograph b. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. Where the mask excludes
- * a
- * pixel, a = b = 0 and the gradient is 0. With exposures, a counts as min(a, 1) where b is white, with gradient 0 if
- * a > 1. */
+ * photograph b. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. Where the mask excludes a
+ * pixel, a = b = 0 and the gradient is 0. With exposures, a counts as min(a, 1) where b is white, with gradient 0 if a
+ * > 1. */
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 

@@ -11,8 +11,8 @@ extern "C" {
 /* Makes a model of `count` Gaussians with all numbers 0. After an error the model is empty. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
-/* Sets the number of Gaussians; the caller then fills the parameters. A quantised model must keep its number. After
-   an error the model is unchanged. */
+/* Sets the number of Gaussians; the caller then fills the parameters. A quantised model must keep its number. After an
+   error the model is unchanged. */
 int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 
 /* Creates a Gaussian at each point, with sigma the root mean square of the distances to the three nearest points. */

@@ -1,5 +1,4 @@
-/* Finds a set's camera file, images, masks and points, reads the cameras, and holds out photographs for testing.
- * Image
+/* Finds a set's camera file, images, masks and points, reads the cameras, and holds out photographs for testing. Image
  * names in camera files often differ from the files; settle_name tries other slashes, cases and endings. */
 #include "photo_list.h"
 
@@ -219,8 +218,8 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
                                list->cameras, count);
 }
 
-/* Looks for an image, also with common endings. An absolute path often comes from another machine, so its last part
-   is also tried. */
+/* Looks for an image, also with common endings. An absolute path often comes from another machine, so its last part is
+   also tried. */
 static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
 {
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};

@@ -1,6 +1,5 @@
 /* The list of photographs with their cameras, and the paths of images, masks and points. Functions return 0, or an
- * error
- * and a message. */
+ * error and a message. */
 #ifndef FXS_FIT_PHOTO_LIST_H
 #define FXS_FIT_PHOTO_LIST_H
 
@@ -19,8 +18,8 @@ typedef struct fxs_photo_list {
     fxs_view_list rest;            /* views excluded by the camera file */
 } fxs_photo_list;
 
-/* Finds the files and reads the cameras. hold_out n: every n-th photograph by name, unless the files mark
-   photographs for testing; 0: none. fxs_photo_list_free frees the list, which must not move in memory. */
+/* Finds the files and reads the cameras. hold_out n: every n-th photograph by name, unless the files mark photographs
+   for testing; 0: none. fxs_photo_list_free frees the list, which must not move in memory. */
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t hold_out, fxs_message *message);
 void fxs_photo_list_free(fxs_photo_list *list);
 

@@ -1,5 +1,4 @@
-/* Prepares a photograph row by row: composes it over the background, resamples it bilinearly to undo lens
- * distortion,
+/* Prepares a photograph row by row: composes it over the background, resamples it bilinearly to undo lens distortion,
  * and adds it to weighted sums for the smaller picture (box filter). Colours are integers. */
 #include "photo_pixels.h"
 

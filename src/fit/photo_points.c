@@ -44,7 +44,7 @@ static int read_binary(fxs_photo_points *p, const fxs_text *text, fxs_message *m
     fxs_colmap_cursor in = fxs_colmap_begin(text);
     for (uint64_t count = fxs_colmap_take(&in, 8); count && !in.short_of; count--) {
         double position[3], colour[3];
-        fxs_colmap_take(&in, 8);   /* skips the point's id */
+        fxs_colmap_take(&in, 8);
         fxs_colmap_take_doubles(&in, position, 3);
         for (int i = 0; i < 3; i++)
             colour[i] = (double)fxs_colmap_take(&in, 1);

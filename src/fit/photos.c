@@ -1,5 +1,4 @@
-/* Reads a set of photographs: pixels in batches on the thread pool, then points. A set without points gets random
- * ones
+/* Reads a set of photographs: pixels in batches on the thread pool, then points. A set without points gets random ones
  * in a cube around the cameras. */
 #include <fixsplat/photos.h>
 
@@ -18,8 +17,8 @@
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
 #define BLENDER_HALF 1.3           /* random points of synthetic scenes: half side of their cube (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* random points of other scenes: side of their cube / side of the cameras'
-                                      bounding box */
+#define OF_CAMERAS 3               /* random points of other scenes: side of their cube / side of the cameras' bounding
+                                      box */
 
 typedef struct result {
     fxs_photo_pixels photo;

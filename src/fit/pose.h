@@ -1,8 +1,6 @@
-/* Poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about itself;
- * the
+/* Poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about itself; the
  * last three shift it along its uncorrected axes. R is the rotation of the normalised quaternion (1, a / 2), W the
- * given
- * rotation. A point x is at R (W (x - eye) - shift) in the camera's frame. */
+ * given rotation. A point x is at R (W (x - eye) - shift) in the camera's frame. */
 #ifndef FXS_FIT_POSE_H
 #define FXS_FIT_POSE_H
 
@@ -24,9 +22,9 @@ static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
     }
 }
 
-/* Gradient by a pose from the sums over Gaussians. dL/dshift = -W dL/dposition. Rotating the camera to exp(omega) R
-   W equals rotating the scene by (R W)^t omega about the eye. So dL/domega = R W dL/dtheta, and omega = (da + a / 2
-   x da) / (1 + |a / 2|^2). */
+/* Gradient by a pose from the sums over Gaussians. dL/dshift = -W dL/dposition. Rotating the camera to exp(omega) R W
+   equals rotating the scene by (R W)^t omega about the eye. So dL/domega = R W dL/dtheta, and omega = (da + a / 2 x da)
+   / (1 + |a / 2|^2). */
 static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose *pose, const float sums[FXS_FIT_POSE],
                                  float gradient[FXS_FIT_POSE])
 {
@@ -47,8 +45,8 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
 }
 
 /* Adam's step. sums: means over pixels and channels, summed over Gaussians. rate: radians; shifts use rate * depth,
-   which moves the picture about as far. Rotation and shift have one second moment each. Moments are divided by those
-   of a constant gradient of 1. */
+   which moves the picture about as far. Rotation and shift have one second moment each. Moments are divided by those of
+   a constant gradient of 1. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

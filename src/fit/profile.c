@@ -1,5 +1,4 @@
-/* Quantises a fit as the packed scene does: orders the Gaussians, computes the headers of chunks of 256 Gaussians
- * and
+/* Quantises a fit as the packed scene does: orders the Gaussians, computes the headers of chunks of 256 Gaussians and
  * the palette from the exact parameters (masters), and packs with these codes. */
 #include "profile.h"
 
@@ -44,8 +43,8 @@ static double weight_of(const fxs_gaussian *g)
     return (double)exp_e(fmaxf(fminf(s[0] + s[1] + s[2] - least_scale, 40.0f), -40.0f)) * opacity_at(g->opacity);
 }
 
-/* Faint Gaussians (fog) with at least FOG of the weight are ordered separately. Returns the number of drawable
-   Gaussians. */
+/* Faint Gaussians (fog) with at least a share FOG of the total weight are ordered separately. Returns the number of
+   drawable Gaussians. */
 static size_t set_entries(fxs_order_entry *entries, const fxs_fit_model *m, int sh_degree)
 {
     double faint = 0, all = 0;
@@ -129,8 +128,8 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion is multiplied
-   by 1 + k (axis 0) or 1 + i (axis 1), and normalised. Adam's moments rotate too. */
+/* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion is multiplied by
+   1 + k (axis 0) or 1 + i (axis 1), and normalised. Adam's moments rotate too. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};

@@ -1,8 +1,6 @@
 /* Quantisation in the last steps of a fit, which optimises the packed scene. Adam changes exact parameters, the
- * masters,
- * with the gradient at the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013).
- * Functions
- * return 0 or an error. */
+ * masters, with the gradient at the quantised parameters (straight-through estimator: Bengio, Leonard, Courville 2013).
+ * Functions return 0 or an error. */
 #ifndef FXS_FIT_PROFILE_H
 #define FXS_FIT_PROFILE_H
 
@@ -21,23 +19,23 @@ typedef struct fxs_fit_profile {
     unsigned char *records;        /* palette codes of each Gaussian's SH */
 } fxs_fit_profile;
 
-/* Orders the Gaussians and gives them masters and codes. `model` and `profile` must not move in memory afterwards. */
+/* Orders the Gaussians, and begins to quantise them. `model` and `profile` must not move in memory afterwards. */
 int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, int sh_degree,
                           const fxs_pack_options *options, fxs_message *message);
 
-/* Finds ranges, code steps and palette anew from the masters; the caller must then quantise. */
+/* Finds ranges, code steps and palette anew from the exact parameters; the caller must then quantise. */
 int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const fxs_pack_options *options,
                          fxs_message *message);
 
-/* Makes the masters the parameters, for a finished fit that gets more steps. */
+/* Ends quantisation: the exact parameters (masters) become the parameters. */
 void fxs_fit_profile_end(fxs_fit_profile *profile, fxs_fit_model *model);
 
 int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *model,
                          const fxs_gaussian_source *gaussians, fxs_packed_scene *scene, fxs_pack_report *report,
                          const fxs_pack_options *options, fxs_message *message);
 
-/* Calls a visitor for each block of the state, to save or read it. masters gets floats; others gets bytes with the
-   same layout on every machine. */
+/* Calls a visitor for each block of the state, to save or read it. masters gets floats; others gets bytes with the same
+   layout on every machine. */
 typedef int fxs_fit_visit_fn(void *argument, void *block, size_t bytes);
 int fxs_fit_profile_walk(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_visit_fn *masters,
                          fxs_fit_visit_fn *others, void *argument);

@@ -165,8 +165,8 @@ static inline void quaternion_near(const real from[4], real x, real y, real roll
     }
 }
 
-/* Codes a quaternion by its first axis (X, Y) and the roll about this axis. codes: n, X, Y, roll; n: bits of X and
-   of Y. */
+/* Codes a quaternion by its first axis (X, Y) and the roll about this axis. codes: n, X, Y, roll; n: bits of X and of
+   Y. */
 static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
 {
     const real w = from[0], i = from[1], j = from[2], k = from[3];

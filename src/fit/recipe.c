@@ -70,16 +70,16 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* The reference recipe resets opacities every 3,000 steps before step 15,000; with a white background also after
-   step 500. */
+/* The reference recipe resets opacities every 3,000 steps before step 15,000; with a white background also after step
+   500. */
 static int is_reset(const fxs_fit_options *options, uint32_t step)
 {
     return options->recipe == FXS_FIT_REFERENCE &&
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* The exposures' rate falls as 10^-(step / steps), that of poses as 100^-(step / steps). Both rise from 0 over the
-   500 steps after the beginning and after each reset, when pictures do not yet match. */
+/* The exposures' rate falls as 10^-(step / steps), that of poses as 100^-(step / steps). Both rise from 0 over the 500
+   steps after the beginning and after each reset, when pictures do not yet match. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;

@@ -7,7 +7,7 @@
 
 typedef struct fxs_fit_plan {
     int sh_degree;
-    int divisor;                   /* photographs are averaged down by this factor */
+    int divisor;                   /* photographs are averaged down by this factor in width and height */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;
     float gain_part;               /* factor of the exposures' learning rate, 0 to 1 */
@@ -27,8 +27,8 @@ void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t st
 float fxs_fit_first_opacity(enum fxs_fit_recipe recipe);
 float fxs_fit_first_scale(enum fxs_fit_recipe recipe);
 
-/* Returns 1.1 times the largest distance of a camera from the cameras' mean. With all cameras in one place: 1.1
-   times the distance to the points' mean, or 1.1 if that is 0. */
+/* Returns 1.1 times the largest distance of a camera from the cameras' mean. With all cameras in one place: 1.1 times
+   the distance to the points' mean, or 1.1 if that is 0. */
 float fxs_fit_extent(const fxs_fit_photo *photos, size_t count, const fxs_fit_point *points, size_t point_count);
 
 #endif

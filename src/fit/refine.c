@@ -1,12 +1,10 @@
 /* Refines the levels of detail of a packed scene. The leaves of its tree are chunks of 256 Gaussians; a node is one
  * merged chunk for two children. Leaves have level 0, a node one more than its higher child. The cover of level L is
- * the
- * coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each cover are
+ * the coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each cover are
  * fitted to pictures of the leaves.
  *
  * The gain of opening a node is its squared error in these pictures minus its children's errors, times (distance /
- * focal
- * length)^2. */
+ * focal length)^2. */
 #include <fixsplat/refine.h>
 
 #include <math.h>
@@ -43,8 +41,8 @@ typedef struct refiner {
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
     float *errors;                     /* error of each node and view, pixels * colours^2; below 0: not visible */
-    fxs_fit_model model;               /* Gaussians of the cover: its nodes, then its leaves */
-    uint32_t *cover, *starts;          /* chunks of the cover; first Gaussian of each */
+    fxs_fit_model model;               /* Gaussians of the cover (the chosen chunks): its nodes, then its leaves */
+    uint32_t *cover, *starts;          /* chunks of the cover; first Gaussian of each chunk */
     uint32_t cover_count, cover_nodes;
     uint32_t order[FXS_REFINE_VIEWS];
     fxs_message *message;

@@ -1,4 +1,4 @@
-/* Relocation of one Gaussian. Compiled for the CPU and for CUDA. */
+/* Relocation of one Gaussian to the place of another. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_RELOCATE_ONE_H
 #define FXS_FIT_RELOCATE_ONE_H
 
@@ -53,8 +53,8 @@ static inline double root_of(double x, int n)
 }
 
 /* Distributes opacity o and scale s over N = times + 1 Gaussians at one place (Kheradmand et al. 2024). The opacity
-   becomes o' = 1 - (1 - o)^(1 / N), so that together they are as opaque as before. The scale becomes s o / sum of
-   C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N. */
+   becomes o' = 1 - (1 - o)^(1 / N), so that together they are as opaque as before. The scale becomes s o / sum of C(N,
+   k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N. */
 static inline void share(fxs_fit_model *m, size_t i, uint32_t times)
 {
     const int n = times + 1 < SHARING ? (int)times + 1 : SHARING;

@@ -1,5 +1,4 @@
-/* Initial points of a sky: photographs vote on directions of a spherical lattice. A direction is free in a
- * photograph
+/* Initial points of a sky: photographs vote on directions of a spherical lattice. A direction is free in a photograph
  * if no point of the reconstruction is projected near it. */
 #include "sky.h"
 
@@ -16,7 +15,7 @@ enum {
 
 typedef struct tally {
     uint32_t seen, is_free;        /* numbers of photographs that see the direction, and that see it free */
-    uint64_t colour[3];            /* sums over photographs where the direction is free */
+    uint64_t colour[3];            /* sums of colours over photographs where the direction is free */
 } tally;
 
 typedef struct cells {

@@ -12,9 +12,9 @@ typedef struct fxs_fit_sky {
     fxs_fit_far far;               /* middle: mean of the cameras; radius: extent of the scene */
 } fxs_fit_sky;
 
-/* Spreads `directions` points over a sphere about the mean of the cameras. Its radius is 1000 times the extent, or
-   1000 times the distance that contains 19 of 20 points if larger. Keeps points without any projected point nearby
-   in more than half of the photographs that see them. Returns 0 and points that the caller frees, or FXS_ERR_MEMORY. */
+/* Spreads `directions` points over a sphere about the mean of the cameras. Its radius is 1000 times the extent, or 1000
+   times the distance that contains 19 of 20 points if larger. Keeps points without any projected point nearby in more
+   than half of the photographs that see them. Returns 0 and points that the caller frees, or FXS_ERR_MEMORY. */
 int fxs_fit_sky_find(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points, size_t point_count,
                      uint32_t directions, float extent, fxs_fit_sky *sky);
 

@@ -29,8 +29,8 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* scale = max(scale, sqrt(0.2) divisor min(depth / focal)), the minimum taken over cameras that see the centre.
-   Unseen Gaussians keep their scales. */
+/* scale = max(scale, sqrt(0.2) divisor min(depth / focal)), the minimum taken over cameras that see the centre. Unseen
+   Gaussians keep their scales. */
 static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
 {
     const real farthest = all(FXS_FIT_FARTHEST_PLACE);

@@ -23,8 +23,8 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
     e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
 }
 
-/* Finds columns first..end of a row of tiles. With u = r cos, v = r sin: x = (u - uy y) / ux, y = v / vy. x is
-   largest at the y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. */
+/* Finds columns first..end of a row of tiles. With u = r cos, v = r sin: x = (u - uy y) / ux, y = v / vy. x is largest
+   at the y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. */
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);

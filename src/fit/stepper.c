@@ -1,5 +1,4 @@
-/* A step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The
- * stage
+/* A step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The stage
  * bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles' lists. */
 #include "stepper.h"
 
@@ -368,7 +367,7 @@ static void blend_job(void *argument, uint32_t tile)
 
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-/* Margins of the planes are 0 and stay 0. The gradient reuses a plane of row sums. */
+/* The planes of pixels have margins of zeros. The gradient reuses a plane of row sums. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
@@ -749,7 +748,7 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-/* Backward distributes each pixel's squared colour difference over splats by their weights. */
+/* The backward pass distributes each pixel's squared colour difference over splats by their weights. */
 static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;

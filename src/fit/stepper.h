@@ -1,5 +1,4 @@
-/* Makes a step of the fit on the CPU. Working memory is kept between steps and grows as needed. Functions return 0
- * or
+/* Makes a step of the fit on the CPU. Working memory is kept between steps and grows as needed. Functions return 0 or
  * FXS_ERR_MEMORY. */
 #ifndef FXS_FIT_STEPPER_H
 #define FXS_FIT_STEPPER_H
@@ -22,9 +21,9 @@ typedef struct fxs_fit_photograph {
     const uint8_t *mask;           /* null, or a byte per pixel of `pixels`; 0: ignored */
 } fxs_fit_photograph;
 
-/* The parameters of `count` Gaussians, Adam's moments, and sums for densification. stride: at least `count` rounded
-   up to FXS_FIT_GROUP. Gaussians beyond `count` have scales and opacities of -FXS_FIT_FARTHEST, quaternions (1, 0,
-   0, 0), and zeros. */
+/* The parameters of `count` Gaussians, Adam's moments, and sums for densification. stride: at least `count` rounded up
+   to FXS_FIT_GROUP. Gaussians beyond `count` have scales and opacities of -FXS_FIT_FARTHEST, quaternions (1, 0, 0, 0),
+   and zeros. */
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;

@@ -23,8 +23,8 @@ static void cross(double out[3], const double a[3], const double b[3])
         out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Finds the point p nearest to all viewing axes d from eyes e: mean (1 - d d^T) (p - e) = 0. Returns 0 if the axes
-   are nearly parallel. */
+/* Finds the point p nearest to all viewing axes d from eyes e: mean (1 - d d^T) (p - e) = 0. Returns 0 if the axes are
+   nearly parallel. */
 static int find_middle(const fxs_fit *f, double middle[3])
 {
     double a[3][3] = {{0}}, b[3] = {0, 0, 0}, inverse[3][3], determinant = 0;
@@ -45,8 +45,8 @@ static int find_middle(const fxs_fit *f, double middle[3])
     return determinant > LEAST_SPREAD && isfinite(middle[0] + middle[1] + middle[2]);
 }
 
-/* Returns the distance from the optical axis to the nearer edge of the picture, at a place's depth. 0: the place is
-   not in the middle half of the picture. */
+/* Returns the distance from the optical axis to the nearer edge of the picture, at a place's depth. 0: the place is not
+   in the middle half of the picture. */
 static double reach_at(const fxs_fit_camera *c, const double place[3])
 {
     double at[3] = {0, 0, 0};

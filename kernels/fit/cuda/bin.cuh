@@ -1,5 +1,4 @@
-/* Projects a view's Gaussians to splats, colours them, and lists the splats of each tile, sorted by depth. A slot is
- * a
+/* Projects a view's Gaussians to splats, colours them, and lists the splats of each tile, sorted by depth. A slot is a
  * pair of a splat and a tile that it touches. */
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH

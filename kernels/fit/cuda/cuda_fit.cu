@@ -30,7 +30,7 @@ struct photograph_slot {
 struct device {
     int number;
     cudaStream_t stream, copies;
-    side_stream beside;            /* second stream, for colours and SH */
+    side_stream beside;            /* second stream, for colours and updates of SH */
     budget memory;
     device_model model;
     step_buffers buffers;

@@ -21,7 +21,7 @@ typedef float column_sums[PATCH][COLUMNS_PITCH];
 
 struct loss_place {
     int x, y;
-    int left, top;                 /* first pixel of the square */
+    int left, top;
 };
 
 __device__ inline loss_place place_of_run()

@@ -1,5 +1,4 @@
-/* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal those of the
- * CPU
+/* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal those of the CPU
  * bit by bit. If memory is short, a change leaves the Gaussians as they are. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
@@ -22,7 +21,6 @@ namespace {
 const uint32_t MODEL_THREADS = 256;
 const uint32_t SPARE = 8;
 
-/* The pointers stay in device memory. */
 fxs_fit_model as_host(const device_model *m)
 {
     fxs_fit_model out = {};

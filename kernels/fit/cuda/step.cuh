@@ -1,5 +1,4 @@
-/* Common parts of a fitting step on a device: compiles the sources of src/fit for it, and declares its buffers. A
- * slot
+/* Common parts of a fitting step on a device: compiles the sources of src/fit for it, and declares its buffers. A slot
  * is a pair of a splat (a projected Gaussian) and a tile that it touches. */
 #ifndef FXS_CUDA_FIT_STEP_CUH
 #define FXS_CUDA_FIT_STEP_CUH

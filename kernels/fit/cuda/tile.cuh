@@ -16,8 +16,8 @@ template <uint32_t Splats>
 struct tile_splats {
     float4 shape[Splats];          /* ux, uy, vy and offset of each splat */
     float4 colour[Splats];         /* limit and colour of each splat */
-    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* normalised coordinates u and v of each splat
-                                                                       at the first pixel of each 4x4 block */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* normalised coordinates u and v of each splat at
+                                                                       the first pixel of each 4x4 block */
     uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* bit set of the splats that may touch each 4x4 block */
 };
 
@@ -253,8 +253,8 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks and first pair of
-                                                                        each splat */
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks and first pair of each
+                                                                        splat */
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
     float4 gradient[FXS_FIT_PIXELS];
     float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* + 2 avoids bank conflicts */
@@ -363,8 +363,8 @@ __device__ inline void backward_batch(backward_shared *s, const tile_place &p, b
     }
 }
 
-/* Numbers the pairs of splat and 4x4 block, as far as they fit. s->splats: number of splats that fit. All threads
-   must call. */
+/* Numbers the pairs of splat and 4x4 block, as far as they fit. s->splats: number of splats that fit. All threads must
+   call. */
 __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
 {
     const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);

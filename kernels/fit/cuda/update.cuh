@@ -1,5 +1,4 @@
-/* Update of the Gaussians: sums each Gaussian's gradients over its tiles, converts them to gradients of its
- * parameters,
+/* Update of the Gaussians: sums each Gaussian's gradients over its tiles, converts them to gradients of its parameters,
  * and takes a step of Adam. */
 #ifndef FXS_CUDA_FIT_UPDATE_CUH
 #define FXS_CUDA_FIT_UPDATE_CUH
@@ -33,7 +32,7 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* The first FXS_FIT_SUMS threads return a sum each. */
+/* Each of the first FXS_FIT_SUMS threads returns a sum. */
 template <uint32_t Threads, uint32_t Tiles, class Sync>
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
