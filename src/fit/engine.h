@@ -15,7 +15,7 @@ typedef struct fxs_fit_engine {
     int (*relocate)(void *self, const fxs_fit_relocate *relocate, fxs_message *message);
     int (*order)(void *self, fxs_message *message);
     int (*reset_opacity)(void *self, float opacity, fxs_message *message);
-    /* Update the model's parameters on the host; fetch_masters only those before quantisation. */
+    /* Update the model's parameters on the host; fetch_masters only the parameters before quantisation. */
     int (*fetch)(void *self, fxs_message *message);
     int (*fetch_masters)(void *self, fxs_message *message);
     /* Takes over the model's parameters after the host changed them. */

@@ -108,7 +108,7 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
     return k < 9 ? moved : moved + by[9];
 }
 
-/* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by those of a
+/* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by the moments of a
    constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight decay,
    Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,

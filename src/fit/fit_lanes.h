@@ -1,6 +1,6 @@
 /* Arithmetic on vectors of LANES floats, or on single floats in plain C if LANES is undefined. For an instruction set,
- * define the macros that kernels/fit/fit_avx2.c defines. All operations are those of IEEE single precision, so all
- * instruction sets give the same bytes. */
+ * define the macros that kernels/fit/fit_avx2.c defines. All operations are IEEE single precision, so all instruction
+ * sets give the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
 

@@ -15,7 +15,7 @@ static inline real square_of(const shape *s)
     return 3.0f * root(middle + root(half * half + s->b * s->b));
 }
 
-/* Returns the lanes with visible splats; if there are none, writes nothing. Sets colours to 0. */
+/* Returns the lanes with visible splats; without any, writes nothing. Sets colours to 0. */
 static inline mask find_splat(const fxs_fit_camera *camera, const float *at, size_t stride,
                               real numbers[SPLAT_NUMBERS])
 {

@@ -1,4 +1,4 @@
-/* Sets the up direction and start view of a fitted scene. The start view is that of the least tilted camera. */
+/* Sets the up direction of a fitted scene, and the start view, from the least tilted camera. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/message.h>

@@ -13,7 +13,7 @@ extern "C" {
 typedef struct fxs_float_scene fxs_float_scene;
 
 /* Reads an open scene file from its start, and keeps the Gaussians that fxs_pack would pack. run null: single-threaded.
-   *scene is null after an error; free it with fxs_float_scene_free. */
+ * scene is null after an error; free it with fxs_float_scene_free. */
 int fxs_float_scene_read(fxs_float_scene **scene, fxs_scene_file *file, const fxs_scene_file_info *info,
                          fxs_run_fn *run, void *pool, uint32_t threads, fxs_message *message);
 void fxs_float_scene_free(fxs_float_scene *scene);   /* scene may be null */

@@ -188,8 +188,8 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return check_place(views);
 }
 
-/* n = 0 holds out no view. Otherwise views that the file marks for testing are held out or, if there are none, every
-   n-th view. */
+/* n = 0 holds out no view. Otherwise views that the file marks for testing are held out or, without marks, every n-th
+   view. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;

@@ -45,8 +45,8 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
 }
 
 /* Adam's step. sums: means over pixels and channels, summed over Gaussians. rate: radians; shifts use rate * depth,
-   which moves the picture about as far. Rotation and shift have one second moment each. Moments are divided by those of
-   a constant gradient of 1. */
+   which moves the picture about as far. Rotation and shift have one second moment each. Moments are divided by the
+   moments of a constant gradient of 1. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

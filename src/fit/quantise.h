@@ -138,8 +138,8 @@ static inline real find_roll(const real b[3], real x, real y)
     return roll;
 }
 
-/* Decodes a quaternion. Of the four that differ only in signs of axes, returns the one nearest to `from`, so that
-   gradients apply to the master. */
+/* Decodes a quaternion. Several quaternions differ only in signs of axes; returns the one nearest to `from`, so that
+   gradients apply to the exact parameters. */
 static inline void quaternion_near(const real from[4], real x, real y, real roll, real to[4])
 {
     real cosine, sine;

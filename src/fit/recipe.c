@@ -78,8 +78,8 @@ static int is_reset(const fxs_fit_options *options, uint32_t step)
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* The exposures' rate falls as 10^-(step / steps), that of poses as 100^-(step / steps). Both rise from 0 over the 500
-   steps after the beginning and after each reset, when pictures do not yet match. */
+/* The exposures' rate falls as 10^-(step / steps), the poses' rate as 100^-(step / steps). Both rates rise from 0 over
+   the 500 steps after the beginning and after each reset, when pictures do not yet match. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;

@@ -44,7 +44,7 @@ struct device {
     uint32_t next_photograph;
     float *views[FXS_FIT_BATCH];   /* gradient sums of all Gaussians, per photograph */
     cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: the device's own gradient sums are complete;
-                                                              received: those of other devices have arrived */
+                                                              received: all other gradient sums have arrived */
 };
 
 struct step_order {

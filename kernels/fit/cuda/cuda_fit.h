@@ -1,4 +1,4 @@
-/* Fit on NVIDIA GPUs. Results equal those of the CPU byte for byte. */
+/* Fit on NVIDIA GPUs, with the same results as on the CPU, byte for byte. */
 #ifndef FXS_CUDA_FIT_H
 #define FXS_CUDA_FIT_H
 

@@ -1,5 +1,5 @@
-/* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal those of the CPU
- * bit by bit. If memory is short, a change leaves the Gaussians as they are. */
+/* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal the CPU's bit by
+ * bit. If memory is short, a change leaves the Gaussians as before. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -309,7 +309,7 @@ cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, ui
     return error ? error : cudaMemsetAsync(m->views, 0, count * sizeof(float), stream);
 }
 
-/* staying: Gaussians not removed; grown: those to be cloned or split */
+/* staying: Gaussians not removed; grown: Gaussians to be cloned or split */
 struct fate_counts {
     uint32_t staying, grown;
 };

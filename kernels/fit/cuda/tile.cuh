@@ -1,4 +1,4 @@
-/* Blends the splats of each tile, and computes the splats' gradients from those of the pixels (backward). A block of
+/* Blends the splats of each tile, and converts gradients of pixels to gradients of splats (backward). A block of
  * threads per tile of 16x16 pixels, half a warp per block of 4x4 pixels, a thread per pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
