@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_isa.h) in AVX2: 8 lanes. */
+/* Compiles the stages of the fit in src/fit/fit_isa.h for AVX2, with 8 lanes. */
 #include <immintrin.h>
 #define ISA avx2
 #define LANES 8

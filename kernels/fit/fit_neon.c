@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_isa.h) in NEON (AArch64): 4 lanes. */
+/* Compiles the stages of the fit in src/fit/fit_isa.h for NEON on AArch64, with 4 lanes. */
 #include <arm_neon.h>
 #define ISA neon
 #define LANES 4

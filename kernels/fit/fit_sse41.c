@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_isa.h) in SSE4.1: 4 lanes. */
+/* Compiles the stages of the fit in src/fit/fit_isa.h for SSE4.1, with 4 lanes. */
 #include <smmintrin.h>
 #define ISA sse41
 #define LANES 4

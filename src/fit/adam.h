@@ -1,4 +1,4 @@
-/* update: a step of Adam (Kingma and Ba 2015) for LANES parameters, and the gradients of the regularisers. */
+/* Adam's step (Kingma and Ba 2015) for LANES parameters, and the gradients of the regularisers. */
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H
 
@@ -22,7 +22,6 @@ static inline void adam_step(const fxs_fit_adam *adam, float rate, real g, real 
     *at = choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, *at);
 }
 
-/* Add the gradients of mean opacity and of mean scale. */
 static inline real opacity_regularised(const fxs_fit_adam *adam, real gradient, real logit)
 {
     const real opacity = 1.0f / (1.0f + exp_of_minus(logit));
@@ -34,8 +33,8 @@ static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, re
     return least(gradient + adam->by_scale * exp_e(ln_scale) / unit, all(FXS_FIT_FARTHEST_GRADIENT));
 }
 
-/* |dL/dcentre|. `centre`: the gradient by the centre in pixels, with L a sum over pixels and channels; the result: by
-   the centre in half sides of the picture, with L the mean. Factor: half a side / (3 width height). */
+/* |dL/dcentre| for densification. `centre`: gradient per pixel of a sum L over pixels and channels. Result: gradient of
+   the mean L per half side of the picture. */
 static inline real centre_gradient(const fxs_fit_camera *camera, const real centre[2])
 {
     const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));

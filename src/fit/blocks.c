@@ -13,9 +13,8 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* the outermost blocks end this many sides of the cameras' box beyond that box */
-
-/* ---- The block's bounds ------------------------------------------------------------------------------------------ */
+#define FAR 2.0                    /* the outermost blocks extend beyond the cameras' bounding box by this many sides of
+                                      the box */
 
 static int is_in(const float place[3], const double low[3], const double high[3])
 {
@@ -38,7 +37,7 @@ static void sort_axis(const fxs_fit_point *points, size_t count, int axis, float
     qsort(sorted, count, sizeof *sorted, compare_floats);
 }
 
-/* The axis along which the middle three quarters of the points are widest; outliers have no effect. */
+/* Uses the middle three quarters of the points, so that outliers have no effect. */
 static int widest_axis(const fxs_fit_point *points, size_t count, float *sorted)
 {
     double widest = -1;
@@ -63,8 +62,6 @@ static size_t keep_inside(fxs_fit_point *points, size_t count, const fxs_fit_blo
     return kept;
 }
 
-/* Splits the bounds down to block `index`. Keeps the block's points in `points` and returns their number; 0 if many
-   points at one place fall into another block. On entry, b has the bounds of all blocks together. */
 static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs_fit_point *points, size_t count,
                           float *sorted)
 {
@@ -87,8 +84,6 @@ static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs
     return count;
 }
 
-/* ---- Photographs of the block ------------------------------------------------------------------------------------ */
-
 static int is_seen(const fxs_file_view *view, const float place[3])
 {
     double seen[3] = {0, 0, 0};
@@ -99,15 +94,13 @@ static int is_seen(const fxs_file_view *view, const float place[3])
     return depth > 0 && x >= 0 && x < view->width * depth && y >= 0 && y < view->height * depth;
 }
 
-/* A block's points. */
 typedef struct neighbourhood {
     const fxs_fit_point *points;
     size_t count;
-    double low[3], high[3];        /* bounding box of these points, widened */
+    double low[3], high[3];
 } neighbourhood;
 
-/* Computes the points' bounding box without the outermost 1/64 of the points on each side, so that outliers do not
-   enlarge it; then widens it by 0.2 of its longest side. */
+/* Leaves out 1/64 of the points on each side as outliers, then widens the box by 0.2 of its longest side. */
 static void widen(neighbourhood *n, float *sorted)
 {
     const size_t outer = n->count / 64;
@@ -135,7 +128,6 @@ static int is_chosen(const neighbourhood *n, const fxs_file_view *view)
     return seen && (stands_in || 20 * seen >= n->count);
 }
 
-/* Marks the block's photographs and returns their number. */
 static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos, size_t count, uint8_t *chosen)
 {
     size_t kept = 0;
@@ -144,12 +136,9 @@ static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos,
     return kept;
 }
 
-/* ---- The choice -------------------------------------------------------------------------------------------------- */
-
-/* The photographs, points and Gaussians of a set that a block gets. */
 typedef struct choice {
     uint8_t *fit, *held_out, *points;
-    fxs_fit_point *inner;          /* the points within the block's bounds */
+    fxs_fit_point *inner;
     float *sorted;
 } choice;
 
@@ -186,7 +175,7 @@ static void choose_points(const neighbourhood *n, const fxs_photos *whole, choic
     }
 }
 
-/* Block 0 is everything outside of all blocks; it has no photographs. */
+/* Block 0 is the space outside of all blocks. It has no photographs. */
 static int choose(fxs_fit_block *b, const fxs_photos *whole, choice *c, fxs_message *message)
 {
     const unsigned number = b->number, blocks = b->blocks;
@@ -204,8 +193,6 @@ static int choose(fxs_fit_block *b, const fxs_photos *whole, choice *c, fxs_mess
     choose_points(&n, whole, c);
     return 0;
 }
-
-/* ---- The block --------------------------------------------------------------------------------------------------- */
 
 static int begin(fxs_fit_block *b, uint32_t first, uint32_t number, uint32_t blocks, fxs_message *message)
 {
@@ -278,9 +265,6 @@ void fxs_fit_block_free(fxs_fit_block *b)
     memset(b, 0, sizeof *b);
 }
 
-/* ---- From files -------------------------------------------------------------------------------------------------- */
-
-/* Makes a photograph without pixels for each view of a list. */
 static int take_views(fxs_fit_photo **photos, size_t *count, const fxs_view_list *views)
 {
     *photos = calloc(views->count + 1, sizeof **photos);
@@ -309,8 +293,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. The space beyond these bounds keeps the coarse fit's Gaussians, as all
-   cameras see it from about the same side. With all cameras in one place, the bounds are infinite. */
+/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse fit
+   suffices there. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;
@@ -324,7 +308,6 @@ static void bound(fxs_fit_block *b, const fxs_photos *whole)
     }
 }
 
-/* Takes the marked Gaussians of the coarse fit; for block 0, those outside of its bounds. */
 static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8_t *chosen)
 {
     b->gaussians = malloc((whole->point_count + 1) * sizeof *b->gaussians);
@@ -334,7 +317,6 @@ static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8
     return !b->gaussians;
 }
 
-/* Checks that all views have the picture size or field of view that fxs_photo_view needs. */
 static int check_sizes(const fxs_view_list *views, fxs_message *message)
 {
     for (size_t i = 0; i < views->count; i++)
@@ -345,7 +327,6 @@ static int check_sizes(const fxs_view_list *views, fxs_message *message)
     return 0;
 }
 
-/* Reads everything of the set except pixels. */
 static int read_whole(fxs_photos *whole, const fxs_photo_list *list, const fxs_photos_options *options,
                       const fxs_fit_coarse *coarse, fxs_message *message)
 {
@@ -374,7 +355,6 @@ static int read_chosen(fxs_fit_block *b, fxs_photo_list *list, const fxs_photos 
     return fxs_photos_pixels(list, options, p, message);
 }
 
-/* Chooses the block's photographs before they are read. */
 static int choose_of(const char *path, const fxs_photo_list *list, const fxs_photos *whole,
                      const fxs_photos_options *options, const fxs_fit_coarse *coarse, fxs_fit_block *b, choice *c,
                      fxs_message *message)

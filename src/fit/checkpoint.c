@@ -1,4 +1,5 @@
-/* Saves a fit as 32-bit little-endian words. A single function, walk, both writes and reads, so that the two agree. */
+/* Saves and resumes a fit as 32-bit little-endian words. The walk functions both read and write, so that the two
+ * directions agree. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,20 +12,20 @@
 #include "coarse.h"
 #include "random.h"
 
-#define MAGIC 0x74696678u          /* "xfit" */
-#define END 0x646e6578u            /* "xend"; followed by the checksum of all words before it */
+#define MAGIC 0x74696678u          /* "xfit" in ASCII */
+#define END 0x646e6578u            /* "xend" in ASCII */
 
-/* Increases with every change to a fit's computation: a fit resumed from an older file would end differently. */
-#define VERSION 13u                /* the version in a file also encodes options: see version_of */
+/* Must increase with every change to a fit's computation, because a resumed fit would end differently. */
+#define VERSION 13u                /* also encodes options, see version_of */
 
 typedef struct archive {
-    fxs_output *output;            /* null: reading */
+    fxs_output *output;
     FILE *input;
-    uint64_t size, fetched;        /* input bytes; bytes fetched into the buffer so far */
-    uint64_t checksum;             /* checksum of the words so far */
-    const char *fault;             /* first fault; from then on words read as 0 and nothing is written */
-    int error;                     /* the code of that fault */
-    size_t at, end;                /* position and end in the buffer, bytes */
+    uint64_t size, fetched;
+    uint64_t checksum;
+    const char *fault;             /* first fault; afterwards words read as 0 and nothing is written */
+    int error;
+    size_t at, end;
     uint8_t buffer[1 << 16];
 } archive;
 
@@ -41,9 +42,6 @@ static void damaged(archive *a, const char *fault)
     fail(a, FXS_ERR_FILE, fault);
 }
 
-/* ---- Words ------------------------------------------------------------------------------------------------------- */
-
-/* Writes the buffer. fxs_output_close reports errors. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -103,7 +101,6 @@ static void floats(archive *a, float *values, size_t count)
     }
 }
 
-/* Before an allocation: checks that the file still has `count` items of `words` words. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
     const uint64_t passed = a->fetched - (a->end - a->at);
@@ -112,14 +109,13 @@ static int holds(archive *a, uint64_t count, uint64_t words)
     return !a->fault;
 }
 
-/* The version for these options. A fit that uses only older options can be read by an older fixsplat. */
+/* The version also encodes newer options, so that an older fixsplat can read a fit without them. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
     return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
            12 * (uint32_t)(o->sky > 0);
 }
 
-/* Sets the options that a version encodes. Returns whether the version is valid. */
 static int take_version(fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
@@ -128,8 +124,6 @@ static int take_version(fxs_fit_options *o, uint32_t version)
     o->sky = (version - VERSION) / 12 % 2;
     return version == version_of(o);
 }
-
-/* ---- Contents ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t fingerprint(const fxs_fit *f)
 {
@@ -154,7 +148,7 @@ static uint64_t fingerprint(const fxs_fit *f)
     return sum;
 }
 
-/* Keys of the cameras. A resumed fit gets its cameras from the photographs; a coarse fit has only the keys. */
+/* Saves only keys of the cameras. A resumed fit gets its cameras from the photographs. */
 static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
 {
     uint64_t count = f->count;
@@ -173,7 +167,6 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
     }
 }
 
-/* Reads or writes a number; a fault if it is not from `low` to `high`. */
 static uint32_t within(archive *a, uint32_t value, uint32_t low, uint32_t high)
 {
     number(a, &value);
@@ -198,7 +191,6 @@ static void walk_options(archive *a, fxs_fit_options *o)
         o->sky = within(a, o->sky, 1, FXS_FIT_SKY_MOST);
 }
 
-/* Checks ranges that later computations rely on. Fits stay well within them (FXS_FIT_FARTHEST). */
 static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
 {
     for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
@@ -229,7 +221,6 @@ static void walk_model(archive *a, fxs_fit_model *m)
     check_parameters(a, m, m->parameters);
 }
 
-/* Visitors for fxs_fit_profile_walk: blocks of floats, and of bytes. */
 static int masters_block(void *argument, void *block, size_t bytes)
 {
     floats(argument, block, bytes / sizeof(float));
@@ -250,7 +241,6 @@ static int bytes_block(void *argument, void *block, size_t bytes)
     return 0;
 }
 
-/* The state of the last tenth of the steps: see profile.h. */
 static void walk_profile(archive *a, fxs_fit *f)
 {
     const uint32_t begun = within(a, f->profile.chunks != NULL, 0, 1);
@@ -267,7 +257,6 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* Exposures of the photographs. A coarse fit has no photographs; it has as many exposures as cameras. */
 static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->gains.of / sizeof(float) };
@@ -291,7 +280,6 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Poses of the photographs' cameras; as many as exposures. */
 static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->poses.of / sizeof(float) };
@@ -315,7 +303,6 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* The unit of sizes of a fit with a sky (distant.h). */
 static void walk_far(archive *a, fxs_fit *f)
 {
     fxs_fit_far *far = &f->far;
@@ -329,8 +316,7 @@ static void walk_far(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
-   Add new fields of a fit here. */
+/* Walks all data that a step changes and the next step needs. Add new fields of a fit here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
@@ -342,7 +328,6 @@ static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     walk_poses(a, f, coarse);
 }
 
-/* The end mark, and the checksum of all words before it. */
 static void walk_end(archive *a)
 {
     uint32_t end = END;
@@ -354,9 +339,6 @@ static void walk_end(archive *a)
         damaged(a, "its checksum is not right");
 }
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
-/* Writes the fit. It stays unchanged, because `a` has an output. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);
@@ -394,8 +376,6 @@ int fxs_fit_save(fxs_fit *f, const char *path, fxs_message *message)
     return error;
 }
 
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
-
 static int open_input(archive *a, const char *path, fxs_message *message)
 {
     fxs_file_facts facts;
@@ -405,7 +385,6 @@ static int open_input(archive *a, const char *path, fxs_message *message)
     return 0;
 }
 
-/* Reads the header and the options. Returns 0, or an error and a message. */
 static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs_message *message)
 {
     uint32_t magic, version;
@@ -419,7 +398,6 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
 
-/* `coarse`: null, or the coarse fit that `f` belongs to. */
 static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *coarse, fxs_message *message)
 {
     uint64_t photographs = 0;

@@ -1,5 +1,4 @@
-/* A coarse fit (coarse.h): reads it from a saved fit, finds its cameras by key, and starts the fits of blocks from
- * its model, exposures and poses. */
+/* Reads coarse fits, and starts the fits of blocks from their Gaussians, exposures and poses. */
 #include "coarse.h"
 
 #include <stdlib.h>
@@ -7,8 +6,6 @@
 
 #include <fixsplat/internal/message.h>
 #include "random.h"
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera)
 {
@@ -29,7 +26,6 @@ static int compare_cameras(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
-/* The coarse fit's first photograph with this camera, or null. */
 static const fxs_fit_coarse_camera *find_camera(const fxs_fit_coarse *coarse, const fxs_fit_camera *camera)
 {
     const uint64_t key = fxs_fit_camera_key(camera);
@@ -99,8 +95,6 @@ int fxs_fit_coarse_check(const fxs_fit_coarse *coarse, const fxs_view_list *view
                : fxs_fail(message, "the coarse fit is of other photographs: it has none from where %s was taken",
                           unknown);
 }
-
-/* ---- The fit of a block ------------------------------------------------------------------------------------------ */
 
 static void take_plane(float *to, const float *from, const fxs_fit_block *block)
 {

@@ -1,10 +1,10 @@
-/* The place of a Gaussian on a Morton curve. Compiled for the CPU and for CUDA. */
+/* The place of a Gaussian's centre on a Morton curve. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_CURVE_H
 #define FXS_FIT_CURVE_H
 
 #include "planes.h"
 
-/* Order of sums over all Gaussians: number i is added to sum i % CURVE_SUMS, in ascending order; then these sums are
+/* Fixed order of a sum over all Gaussians: number i is added to partial sum i % CURVE_SUMS. Then the partial sums are
    added in order. */
 enum { CURVE_SUMS = 1024 };
 
@@ -30,13 +30,11 @@ static inline float curve_middle(double sum, size_t count)
     return (float)(sum / (double)count);
 }
 
-/* The spread of the centres, from the sums over axes of |centre - middle|. */
 static inline float curve_spread(const double sums[3], size_t count)
 {
     return (float)((sums[0] + sums[1] + sums[2]) / (3 * (double)count) + 1e-6);
 }
 
-/* Ten bits with two zeros between neighbours. */
 static inline uint32_t spread_bits(uint32_t x)
 {
     x = (x | x << 16) & 0x030000ff;
@@ -45,13 +43,13 @@ static inline uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x09249249;
 }
 
-/* Morton code. Coordinates are compressed by x / (1 + |x|), so distant centres share the outer cells. */
+/* Morton code of a centre. Coordinates become x / (1 + |x|), so that distant centres share the outer cells. */
 static inline uint32_t code_of(const fxs_fit_model *m, const curve *of, size_t i)
 {
     uint32_t code = 0;
     for (int k = 0; k < 3; k++) {
         const float x = (plane(m, FXS_FIT_POSITION + k)[i] - of->middle[k]) / of->spread, y = x / (1.0f + fabsf(x));
-        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* 0 for NaN */
+        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* NaN gives 0 */
     }
     return code;
 }

@@ -18,7 +18,6 @@ static int by_gradient(const void *a, const void *b)
                                       : (p->index > q->index) - (p->index < q->index);
 }
 
-/* Limits growth to the `room` candidates with the largest gradients; ties go to the lower index. */
 static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fates, size_t grown, size_t room)
 {
     wanted *all_wanted = malloc(grown * sizeof *all_wanted);
@@ -35,7 +34,7 @@ static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fate
     return 0;
 }
 
-/* The Gaussians that stay come first, then clones and pairs of children in the order of their sources. */
+/* Gaussians that stay come first, then clones and pairs of children in the order of their sources. */
 static size_t set_origins(const uint8_t *fates, size_t count, fxs_fit_origin *origins, size_t *kept)
 {
     size_t n = 0;

@@ -1,11 +1,11 @@
-/* Densification of one Gaussian. Compiled for the CPU and for CUDA. */
+/* Decides whether a Gaussian is cloned, split or removed, and splits it. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_DENSIFY_ONE_H
 #define FXS_FIT_DENSIFY_ONE_H
 
 #include "distant.h"
 #include "planes.h"
 
-#define SPLIT_SHARE 0.707106781f    /* longest sigma of a child / of its parent */
+#define SPLIT_SHARE 0.707106781f    /* a child's longest sigma relative to its parent's */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {
@@ -14,9 +14,8 @@ static inline float largest_scale(const fxs_fit_model *m, size_t i)
 }
 
 /* Turns a Gaussian into one of two children on its longest axis; side: 1 or -1. A sigma s becomes s k, with k = 1 - (1
-   - 1 / sqrt(2)) (s / longest)^2; the centre moves by s sqrt(1 - k^2) along each axis, so that both children together
-   keep the variance along each axis. The opacity o becomes 1 - (1 - o)^(1 / sqrt(2)). Formulas: brush, pull request
-   479. Deterministic: uses no random numbers. */
+   - 1 / sqrt(2)) (s / longest)^2. The centre moves by s sqrt(1 - k^2) along each axis, which keeps the variance. The
+   opacity o becomes 1 - (1 - o)^(1 / sqrt(2)). Formulas: Brush, pull request 479. */
 static inline void set_child(fxs_fit_model *m, size_t i, float side)
 {
     float q[4], r[3][3], at[3], length = 0;
@@ -45,7 +44,6 @@ static inline void set_child(fxs_fit_model *m, size_t i, float side)
         logit_of(1.0f - exp_e(SPLIT_SHARE * ln(fmaxf(rest, 0x1p-24f))));
 }
 
-/* The fate of a Gaussian. */
 enum { GOES, STAYS, CLONED, SPLIT };
 
 static inline float mean_gradient(const fxs_fit_model *m, size_t i)
@@ -61,7 +59,7 @@ static inline int has_rotation(const fxs_fit_model *m, size_t i)
     return square > 1e-20f;
 }
 
-/* The largest scale in the unit of d->far: beyond the radius an angle. */
+/* Returns a Gaussian's largest scale; beyond the scene's radius as an angle. */
 static inline float looked_at_scale(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return largest_scale(m, i) / unit_at(&d->far, m->parameters + i, m->stride);
@@ -77,7 +75,6 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;
 }
 
-/* The fate of a candidate for a clone or split that the limit of Gaussians excludes. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return looked_at_scale(m, d, i) > d->large ? GOES : STAYS;

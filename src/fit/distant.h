@@ -1,11 +1,11 @@
-/* Beyond a radius, sizes are measured as angles from the cameras. Compiled for the CPU and for CUDA. */
+/* Beyond the scene's radius, sizes are measured as angles. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_DISTANT_H
 #define FXS_FIT_DISTANT_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* The unit of sizes for LANES Gaussians: 1 up to far->radius from the middle, beyond it |p - middle| / radius. */
+/* Returns the unit of sizes for LANES Gaussians: 1 within the radius, beyond it |position - middle| / radius. */
 static inline real unit_at(const fxs_fit_far *far, const float *at, size_t stride)
 {
     real square = all(0);

@@ -1,7 +1,6 @@
-/* The exposure of photographs. A colour I of the picture becomes I M + m before it is compared with a photograph; M
- * is a 3x3 matrix, m a row: 12 numbers, M row by row, then m. Affine exposures store these 12 numbers (as in Inria's
- * code, 2024). Otherwise a photograph has three numbers e, r, b: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e
- * + b), and m is 0. Compiled for the CPU and for CUDA. */
+/* Exposures of photographs. Before comparison with a photograph, a colour I of the picture becomes I M + m, with a 3x3
+ * matrix M and a row m. An affine exposure fits these 12 numbers (Inria's code, 2024). Otherwise three numbers e, r, b
+ * are fitted: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e + b), and m is 0. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
@@ -12,20 +11,19 @@ static inline int gain_numbers(int is_affine)
     return is_affine ? FXS_FIT_GAIN : 3;
 }
 
-/* Number k of the neutral exposure. */
+/* Returns number k of the neutral exposure, which changes no colour. */
 static inline float gain_neutral(int is_affine, int k)
 {
-    return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* M's diagonal */
+    return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;
 }
 
-/* The unit of Adam's step for number k of an affine exposure. M off the diagonal: 1/4, as a brighter photograph would
-   otherwise also become greyer. m: 1/32, as its gradients, from SSIM in black areas, are by far the largest. */
+/* Returns the factor of Adam's step for number k. Off M's diagonal 1/4, so that brighter photographs do not become
+   greyer. For m 1/32, because its gradients in black areas are very large. */
 static inline float gain_unit(int is_affine, int k)
 {
     return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
 }
 
-/* Writes M and m. */
 static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float factors[FXS_FIT_GAIN])
 {
     const float e = gain->at[0], r = gain->at[1], b = gain->at[2];
@@ -38,22 +36,21 @@ static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float f
     factors[8] = exp_2_minus(-(e + b));
 }
 
-/* One channel of I M + m. */
+/* Returns a channel of the exposed colour I M + m, with colour I, matrix M and offset m. */
 static inline float exposed(const float factors[FXS_FIT_GAIN], const float colour[3], int channel)
 {
     const float *m = factors + channel;
     return ((colour[0] * m[0] + colour[1] * m[3]) + colour[2] * m[6]) + m[9];
 }
 
-/* Gradient by a channel of I, from the gradient by I M + m. */
+/* Returns the gradient by a channel of the colour, from the gradient by the exposed colour. */
 static inline float gradient_before(const float factors[FXS_FIT_GAIN], const float gradient[3], int channel)
 {
     const float *m = factors + 3 * channel;
     return (gradient[0] * m[0] + gradient[1] * m[1]) + gradient[2] * m[2];
 }
 
-/* Order of sums over rows and over photographs: number i is added to part i % GAIN_PARTS, in ascending order; then the
-   parts are added in order. Numbers are `step` apart. */
+/* Fixed order of a sum: number i is added to part i % GAIN_PARTS. Then the parts are added in order. */
 enum { GAIN_PARTS = 64, GAIN_STEP = sizeof(fxs_fit_gain) / sizeof(float) };
 
 static inline double gain_part(const float *numbers, size_t step, size_t count, size_t part)
@@ -72,7 +69,6 @@ static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
     return (float)(sum / divisor);
 }
 
-/* The mean of number k over all photographs. */
 static inline float gain_mean(const fxs_fit_gains *gains, int k)
 {
     double parts[GAIN_PARTS];
@@ -81,16 +77,15 @@ static inline float gain_mean(const fxs_fit_gains *gains, int k)
     return gain_sum(parts, gains->count);
 }
 
-/* Whether gain_gradient uses sum k. */
 static inline int gain_needs(int is_affine, int k)
 {
     return is_affine || (k < 9 && k % 4 == 0);
 }
 
-/* The gradient by a photograph's numbers. `sums`: sums over pixels, divided by the number of pixels and channels: at 3
-   k + c of dL/da_c a_k, with a = I M + m, and at 9 + c of dL/da_c. Affine: the gradient by W and w, in their units,
-   where a step maps a to a + a W + w. Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db =
-   ln 2 (blue - green), with red, green, blue the sums of dL/da_c a_c. */
+/* Computes the gradient by an exposure from means over all pixels and channels. With a = I M + m, mean 3 k + c is of
+   dL/da_c a_k, and mean 9 + c is of dL/da_c. Affine: the gradient by W and w, where a step maps a to a + a W + w.
+   Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with red, green
+   and blue the means of dL/da_c a_c. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];
@@ -103,7 +98,7 @@ static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], 
     gradient[2] = 0.693147181f * (blue - green);
 }
 
-/* Number k after a step. Affine: M + M W, and m + m W + w. */
+/* Returns number k of an exposure after a step. An affine exposure M, m becomes M + M W, m + m W + w. */
 static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const float step[FXS_FIT_GAIN], int k)
 {
     const float *of_row = gain->at + k / 3 * 3, *by = step + k % 3;
@@ -113,12 +108,9 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
     return k < 9 ? moved : moved + by[9];
 }
 
-/* A step of Adam. A single second moment averages the squared length of the gradient, so that numbers with small
-   gradients move little. The two moments are divided by the moments that a constant gradient of 1 would have, as
-   photographs have different numbers of steps. `decay`: the part of each number's difference from neutral that is
-   subtracted (decoupled weight decay, Loshchilov and Hutter 2019); it prevents a scene from becoming brighter on one
-   side and its photographs darker. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes
-   nothing. */
+/* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by the moments of a
+   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight decay,
+   Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

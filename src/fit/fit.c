@@ -1,4 +1,4 @@
-/* A fit: checks arguments, creates the model, and makes steps, each followed by the recipe's changes. */
+/* A fit: checks arguments, creates the Gaussians, and makes steps. */
 #include "fit_internal.h"
 #include "src/base/options.h"
 #include "src/base/try_internal.h"
@@ -34,8 +34,6 @@ size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe)
     return recipe == FXS_FIT_FAST ? 250000 : recipe == FXS_FIT_MCMC ? 1000000 : 1u << 22;
 }
 
-/* ---- Beginning --------------------------------------------------------------------------------------------------- */
-
 void fxs_fit_set_camera(fxs_fit_camera *c, const fxs_file_view *view)
 {
     memset(c, 0, sizeof *c);
@@ -64,7 +62,6 @@ static int is_within(const double place[3])
     return fabs(place[0]) <= farthest && fabs(place[1]) <= farthest && fabs(place[2]) <= farthest;
 }
 
-/* True if a place is in front of a camera, inside the picture or not. */
 static int is_before(const fxs_file_view *view, const double place[3])
 {
     double depth = 0;
@@ -90,8 +87,7 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
-/* Checks for IEEE single precision, round to nearest and subnormal numbers; otherwise results would differ between
-   machines. */
+/* Reproducible results need IEEE single precision, round to nearest and subnormal numbers. */
 static int check_arithmetic(fxs_message *message)
 {
     volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
@@ -141,8 +137,7 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Creates Gaussians at the points, then at the sky's points. If these are more than max_gaussians, takes only that
-   many, evenly spaced in this order. */
+/* Of more than max_gaussians points, takes evenly spaced ones. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -174,7 +169,7 @@ static int begin_model(fxs_fit *f, const fxs_fit_photo *photos, const fxs_fit_po
     return error;
 }
 
-/* The harmonic mean depth of the points in a picture (of at most 4096 points); 0 if none is in it. */
+/* Returns the harmonic mean depth of up to 4096 points in a picture. 0: no point is in the picture. */
 static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size_t count)
 {
     const size_t some = count < 4096 ? count : 4096;
@@ -255,8 +250,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* If all photographs have a known exposure, starts from it: the log2 gain is log2(exposure) / 2.2, minus the mean over
-   the photographs. Affine exposures start with the gain as a factor, divided by the mean factor. */
+/* If all exposures are known, starts with log2 gains of log2(exposure) / 2.2, minus their mean. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
@@ -355,10 +349,7 @@ size_t fxs_fit_sky_count(const fxs_fit *f)
     return f->sky_count;
 }
 
-/* ---- A step ------------------------------------------------------------------------------------------------------ */
-
-/* A new permutation after each pass through all photographs (Fisher and Yates), seeded by the number of the pass's
-   first photograph. */
+/* Shuffles the photographs (Fisher and Yates), seeded by the number of the pass's first photograph. */
 void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
     const uint32_t count = (uint32_t)f->count;
@@ -372,7 +363,6 @@ void fxs_fit_set_order(fxs_fit *f, uint64_t number)
     }
 }
 
-/* The photograph with this number in the sequence of steps. */
 static const fxs_fit_photograph *choose_photograph(fxs_fit *f, uint64_t number)
 {
     if (number % f->count == 0)
@@ -394,15 +384,14 @@ static void reduce(fxs_fit_photograph *p, int divisor)
     c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
-/* The learning rate of poses: the movement `way` divided by the number of steps of each photograph, at most 0.002
-   radians (some pixels). */
+/* Returns the learning rate of poses, at most 0.002 radians: `way` divided by the steps per photograph. */
 static float pose_rate(const fxs_fit *f, float way)
 {
     return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
 }
 
-/* The first learning rate of exposures, log2 units: 4 divided by the number of steps of each photograph, clamped to
-   0.05..0.2; times `part`. */
+/* Returns the first learning rate of exposures in log2 units: 4 / steps per photograph, clamped to 0.05..0.2, times
+   `part`. */
 static float gain_rate(const fxs_fit *f, float part)
 {
     const float share = 4 * (float)f->count / ((float)f->options.steps * (float)f->options.batch);
@@ -442,8 +431,6 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     return error;
 }
 
-/* Chooses the photographs of the next step and reduces them by the plan's divisor. `plan` becomes the plan for the last
-   photograph of the batch. */
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {
     for (uint32_t v = 0; v < f->options.batch; v++) {
@@ -495,7 +482,6 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     return error;
 }
 
-/* pose_camera in double precision. */
 static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
 {
     fxs_fit_camera own = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};

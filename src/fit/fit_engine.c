@@ -1,4 +1,4 @@
-/* The CPU engine: works directly on the fit's model. */
+/* The CPU engine, which works directly on the fit's model. */
 #include <stdlib.h>
 
 #include <fixsplat/internal/message.h>
@@ -40,7 +40,7 @@ static int reset_opacity(void *self, float opacity, fxs_message *message)
     return 0;
 }
 
-/* Nothing to do: the model is already in host memory. */
+/* The model is always in host memory. */
 static int stay(void *self, fxs_message *message)
 {
     (void)self, (void)message;

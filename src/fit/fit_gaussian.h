@@ -1,21 +1,22 @@
-/* project and update: converts parameters of LANES Gaussians to splats, and gradients of splats to gradients of
- * parameters. Derivatives: Kerbl et al. 2023, appendix A; Zwicker et al. 2002 for the Jacobian. */
+/* Projects LANES Gaussians to the picture, and converts gradients of the projections to gradients of the parameters.
+ * Derivatives: Kerbl et al. 2023, appendix A; Jacobian: Zwicker et al. 2002. */
 #ifndef FXS_FIT_GAUSSIAN_H
 #define FXS_FIT_GAUSSIAN_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Intermediate values of project that update needs too. The covariance in the picture is T T^t + 0.3 I, with T = M R S
-   and M = J W; row i of M is f / z (W_i - slope_i W_2). */
+/* Values of the projection that the gradients need again. The covariance in the picture is T T^t + 0.3 I, with T = V S,
+   V = M R and M = J W. J: Jacobian; W: world to camera; R: rotation; S: scales. Row i of M is f / z (W_i - slope_i
+   W_2). */
 typedef struct shape {
-    real offset[3];                /* position - eye; for an orthographic camera, the view direction */
+    real offset[3];                /* position - eye; orthographic camera: view direction */
     real in_camera[3], inverse_z;
-    real slope[2], cut_slope[2];   /* x / z, y / z; the same, clamped for the Jacobian */
-    real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / |quaternion|; unit: the unit quaternion */
-    real scale[3], v[2][3], t[2][3];    /* V = M R, T = M R S */
+    real slope[2], cut_slope[2];   /* x / z, y / z; cut_slope: clamped for the Jacobian */
+    real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / |quaternion|; unit: normalised quaternion */
+    real scale[3], v[2][3], t[2][3];
     real ux, uy, vy, a, b, c;
-    real share;                    /* determinant of the covariance / of the covariance without dilation; 1 if not
+    real share;                    /* determinant of the covariance / determinant without dilation; 1 if not
                                       antialiased */
 } shape;
 
@@ -34,13 +35,12 @@ static inline void rotation_of(const real q[4], real r[3][3])
     r[2][0] = xz - wy, r[2][1] = yz + wx, r[2][2] = 1.0f - (xx + yy);
 }
 
-/* e^-logit */
+/* Returns e^-logit, with the logit clamped to -80..80. */
 static inline real exp_of_minus(real logit)
 {
     return exp_e(-least(most(logit, all(-80)), all(80)));
 }
 
-/* `at`: the Gaussians' first parameter; planes are `stride` apart. */
 static inline void find_shape(shape *s, const fxs_fit_camera *camera, const float *at, size_t stride)
 {
     real w[3][3];
@@ -74,7 +74,7 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
             s->t[i][j] = s->v[i][j] * s->scale[j];
         }
     }
-    /* det = |T_0 x T_1|^2 + 0.3 (A + C) + 0.09, without cancellation */
+    /* det = |T_0 x T_1|^2 + 0.3 (A + C) + 0.09, without cancellation; A, C: squared lengths of T_0, T_1 */
     const real a = dot3(s->t[0], s->t[0]), b = dot3(s->t[0], s->t[1]), c = dot3(s->t[1], s->t[1]);
     const real cross[3] = {s->t[0][1] * s->t[1][2] - s->t[0][2] * s->t[1][1],
                            s->t[0][2] * s->t[1][0] - s->t[0][0] * s->t[1][2],
@@ -90,11 +90,9 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
     s->share = camera->is_antialiased ? det / sharp : all(1);
 }
 
-/* ---- Colour ------------------------------------------------------------------------------------------------------ */
-
 #define SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-/* Real SH of degrees 1 to 3, with the signs of Inria's files. */
+/* Real spherical harmonics of degrees 1 to 3, with the signs of Inria's files. */
 static inline void basis_of(const real d[3], int degree, real b[15])
 {
     const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -119,7 +117,7 @@ static inline void basis_of(const real d[3], int degree, real b[15])
     b[14] = -0.590043590f * x * (xx - 3.0f * yy);
 }
 
-/* Adds to `out` the derivatives by x, y and z of the sum of weight times basis. */
+/* Computes the derivatives by x, y and z of the sum of weight times SH basis. */
 static inline void add_basis_gradient(const real d[3], int degree, const real w[15], real out[3])
 {
     const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -156,7 +154,6 @@ typedef struct look {
     real inverse_length, direction[3], basis[15], colour[3];   /* colour: before clamping at 0 */
 } look;
 
-/* `offset`: shape.offset. */
 static inline void find_look(look *l, const real offset[3], int degree, const float *at, size_t stride)
 {
     l->inverse_length = 1.0f / root(dot3(offset, offset));
@@ -172,10 +169,7 @@ static inline void find_look(look *l, const real offset[3], int degree, const fl
             l->colour[c] += l->basis[k] * load(at + (FXS_FIT_SH + 3 * k + c) * (ptrdiff_t)stride);
 }
 
-/* ---- Backward ---------------------------------------------------------------------------------------------------- */
-
-/* Gradients of LANES Gaussians from their sums over pixels. A Gaussian that changed no pixel has sums and gradients of
-   0. The gradient of SH is the basis times `g`, the gradient of the unclamped colour. */
+/* g: gradient by the colour before clamping. along: gradient by the position through the view direction. */
 static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
                                    real g[3], real along[3])
 {
@@ -196,8 +190,8 @@ static inline void colour_gradient(const look *l, int degree, const float *at, s
         along[i] = (by_direction[i] - l->direction[i] * radial) * l->inverse_length;
 }
 
-/* dL/dT = 2 G T with G = -Q (sum of h d d^t / 2) Q, Q = U^t U the inverse of Sigma, U d = (u, v). So G = -U^t (sum of h
-   (u, v) (u, v)^t / 2) U; the splats' u and v are scaled by FXS_FIT_UNIT. */
+/* dL/dT = 2 G T with G = -U^t (sum of h (u, v) (u, v)^t / 2) U. U^t U is the inverse of the covariance. The splats' u
+   and v are scaled by FXS_FIT_UNIT. */
 static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
@@ -212,13 +206,14 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
     }
 }
 
-/* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det), with n = T_0 x T_1, sharp = |n|^2,
- * det = sharp + e (A + C) + e^2, e the dilation and A, C the squared lengths of T_0, T_1. dL/dln(o) = -sum of h, and
- *
- *     d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
- *                                 = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
- *
- * For visible splats sharp / det is above 2^-16, so nothing overflows. */
+/* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det). Here n = T_0 x T_1, sharp = |n|^2,
+   and det = sharp + e (A + C) + e^2, with the dilation e and the squared lengths A, C of T_0, T_1. dL/dln(o) = -sum of
+   h, and
+
+       d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
+                                   = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
+
+   For visible splats sharp / det is above 2^-16, so nothing overflows. */
 static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real *p = s->t[0], *q = s->t[1];
@@ -233,7 +228,6 @@ static inline void add_share_gradient(const shape *s, const real sums[], real by
     }
 }
 
-/* dR/dq of the unit quaternion, then the derivative of the normalisation. */
 static inline void rotation_gradient(const shape *s, const real r[3][3], real out[4])
 {
     const real *q = s->unit;
@@ -250,7 +244,6 @@ static inline void rotation_gradient(const shape *s, const real r[3][3], real ou
         out[i] = (g[i] - q[i] * along) * s->length;
 }
 
-/* From dL/dT and dL/dcentre: dL/dslope of each axis, dL/d(1/z), and the gradients of scale and rotation. */
 static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, const real by_t[2][3],
                                   const real by_centre[2], real gradient[FXS_FIT_SH], real by_position[3])
 {
@@ -284,8 +277,8 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All gradients except SH, which are l->basis times `g`. by_centre: dL/dcentre, in pixels. by_position: dL/dposition at
-   constant colour. */
+/* Computes all gradients except by the SH, which is l->basis times g. by_centre: dL/dcentre in pixels. by_position:
+   dL/dposition at constant colour. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])
@@ -293,7 +286,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     shape s;
     real by_t[2][3], along[3];
     find_shape(&s, camera, at, stride);
-    /* dL/dcentre = h Q d = -h U^t (u, v) */
+    /* dL/dcentre = -sum of h U^t (u, v), with h = -alpha dL/dalpha and U^t U the inverse covariance */
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);
@@ -306,7 +299,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
         gradient[FXS_FIT_COLOUR + i] = 0.282094792f * g[i];
     }
-    /* dL/do = -sum of h / o, times o (1 - o) */
+    /* dL/dlogit = -(sum of h / o) o (1 - o), with h = -alpha dL/dalpha and opacity o */
     const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     gradient[FXS_FIT_OPACITY] = -sums[FXS_FIT_SUM] * (1.0f - opacity);
 }
@@ -322,9 +315,9 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
             gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
 }
 
-/* A Gaussian's term of the gradient by the camera's pose. out[0..2]: dL/dposition, as the picture depends on position -
-   eye only. out[3..5]: dL/dtheta for a rotation of the Gaussian by theta about the eye, the inverse of rotating the
-   camera: position - eye and the quaternion q rotate, SH stay. dq = (0, theta) q / 2. */
+/* One Gaussian's share of the gradient by the camera's pose. out[0..2]: dL/dposition. out[3..5]: dL/dtheta for a
+   rotation of the Gaussian by theta about the eye, which changes position - eye and the quaternion q, by dq = (0,
+   theta) q / 2. */
 static inline void find_pose_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                       const real sums[FXS_FIT_SUMS], real out[FXS_FIT_POSE])
 {

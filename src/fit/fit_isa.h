@@ -1,4 +1,4 @@
-/* The stages of fit_stage.h for one instruction set, named ISA, with LANES numbers per vector. */
+/* The stages of a step (fit_stage.h) for the instruction set ISA, with LANES floats per vector. */
 #include "adam.h"
 #include "loss.h"
 #include "noise.h"
@@ -12,9 +12,6 @@
 #define STRING(a) #a
 #define STRING_OF(a) STRING(a)
 
-/* ---- project ----------------------------------------------------------------------------------------------------- */
-
-/* Transposes planes of LANES numbers to LANES splats. */
 static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
 {
     float out[16][LANES];
@@ -47,8 +44,6 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
         project_lanes(camera, degree, parameters + i, stride, splats + i);
 }
 
-/* ---- Tiles ------------------------------------------------------------------------------------------------------- */
-
 static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, uint32_t *tiles)
 {
     float numbers[16][LANES], depths[LANES];
@@ -57,7 +52,7 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     for (int i = 0; i < LANES; i++)
         depths[i] = splats[i].depth;
     const mask seen = below(all(0), load(depths));
-    if (!any(seen))                /* project wrote only the depths */
+    if (!any(seen))                /* for hidden splats only the depth is set */
         return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
@@ -97,16 +92,14 @@ static void NAMED(fxs_fit_backward_, ISA)(const fxs_fit_splat *splats, const fxs
     backward(splats, entries, count, left, top, gradient, sums);
 }
 
-/* ---- loss -------------------------------------------------------------------------------------------------------- */
-
 static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
 {
     return plane->first + row * plane->stride;
 }
 
-enum { STRIP = 256 };              /* columns processed at a time */
+enum { STRIP = 256 };
 
-/* A row of the photograph as 0 to 1, from column `first` on; 0 beyond its ends. */
+/* Converts a row of the photograph to 0..1. Columns outside the photograph are 0. */
 static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
 {
     for (int32_t i = 0; i < count; i++) {
@@ -115,7 +108,6 @@ static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t firs
     }
 }
 
-/* Sets the numbers of ignored pixels to 0. */
 static void drop_ignored(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *numbers)
 {
     const uint8_t *counts = loss->mask + (ptrdiff_t)row * loss->width;
@@ -169,7 +161,6 @@ static void NAMED(fxs_fit_loss_rows_, ISA)(const fxs_fit_loss *loss, int32_t row
         loss_strip(loss, row, first);
 }
 
-/* Which of LANES pixels are in the picture and not ignored. */
 static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
 {
     const mask inside = below(numbers_from(0) + (float)x, all((float)loss->width));
@@ -181,7 +172,7 @@ static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
     return both(inside, below(all(0), load(counts)));
 }
 
-/* Sums every 16th number; then a butterfly adds sums c and c + 8, c + 4, c + 2, c + 1. */
+/* Sums a row as 16 sums of every 16th number, then as a binary tree. */
 static inline void add_to(float sums[16], int32_t x, real value)
 {
     store(sums + x % 16, load(sums + x % 16) + value);
@@ -243,11 +234,8 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
     loss->absolute[row] = sum_of(differences);
 }
 
-/* ---- update ------------------------------------------------------------------------------------------------------ */
-
 typedef float part_planes[FXS_FIT_PARAMETERS][FXS_FIT_PART];
 
-/* Adds the gradients of mean opacity and mean scale. */
 static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride, float *gradients)
 {
     float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
@@ -259,7 +247,6 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
-/* Loads the sums of LANES Gaussians. Returns the lanes with any nonzero sum. */
 static inline mask load_sums(const float *of_sums, real sums[FXS_FIT_SUMS])
 {
     mask has_any = below(all(1), all(0));
@@ -270,7 +257,6 @@ static inline mask load_sums(const float *of_sums, real sums[FXS_FIT_SUMS])
     return has_any;
 }
 
-/* Adds a camera's gradient of LANES Gaussians to the first `used` planes. */
 static void add_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
                      const float *of_sums, float *by_centre, float *gradients)
 {
@@ -288,7 +274,6 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
     store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
-/* `ahead`: distance to the next plane, which is prefetched. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,
                               float *means, float *squares, size_t ahead)
 {
@@ -310,7 +295,6 @@ static void keep_within(float *at, size_t count)
         store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
 }
 
-/* SH beyond the current degree have no gradient and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
                                         const fxs_fit_adam *adam, const float *parameters, float *masters,
                                         float *means, float *squares, size_t stride, size_t first, size_t count,
@@ -365,7 +349,6 @@ static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float 
     }
 }
 
-/* The gradient by the pose, per Gaussian, of LANES Gaussians. */
 static void pose_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, const float *of_sums,
                        float *out)
 {

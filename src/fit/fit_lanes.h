@@ -1,7 +1,6 @@
-/* Operations on LANES numbers, used by fit_gaussian.h, tile.h, loss.h and others. Without LANES they are plain C on
- * a single number. For an instruction set, define LANES, MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first (as
- * in kernels/fit/fit_avx2.c); they use the vector types of GCC and clang. Every operation is one of IEEE single
- * precision, so all instruction sets give the same bytes. */
+/* Arithmetic on vectors of LANES floats, or on single floats in plain C if LANES is undefined. For an instruction set,
+ * define the macros that kernels/fit/fit_avx2.c defines. All operations are IEEE single precision, so all instruction
+ * sets give the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
 
@@ -39,7 +38,6 @@ static inline real choose(mask which, real a, real b)
     return which ? a : b;
 }
 
-/* A mask's bits, one per lane. */
 static inline uint32_t bits_of_mask(mask which)
 {
     return which != 0;
@@ -65,7 +63,7 @@ static inline whole shifted_left(whole x, int bits)
     return (whole)((uint32_t)x << bits);
 }
 
-/* first, first + 1, ... */
+/* Returns first, first + 1, ... in the lanes. */
 static inline real numbers_from(int first)
 {
     return (real)first;
@@ -110,7 +108,7 @@ static inline real all(float x)
     return x - (real){0};
 }
 
-/* towards 0; x in -2^31..2^31 - 1 */
+/* Rounds towards 0; x must be in -2^31..2^31 - 1. */
 static inline whole real_to_whole(real x)
 {
     return __builtin_convertvector(x, whole);
@@ -136,7 +134,6 @@ static inline real numbers_from(int first)
 }
 #endif
 
-/* a and b */
 static inline mask both(mask a, mask b)
 {
     return (mask)(a & b);
@@ -147,7 +144,7 @@ static inline mask either(mask a, mask b)
     return (mask)(a | b);
 }
 
-/* 0 in lanes outside the mask */
+/* Returns x in the lanes of the mask, else 0. */
 static inline real keep(mask which, real x)
 {
     return choose(which, x, all(0));
@@ -194,8 +191,8 @@ static inline real absolute(real x)
     return real_of(bits_of(x) & 0x7fffffff);
 }
 
-/* 2^-x; x in -127..126. The rounding of an addition gives the integer part, a polynomial the rest, -1/2 to 1/2:
-   relative error 2e-7 plus rounding. */
+/* Returns 2^-x for x in -127..126. Rounding splits off the integer part; a polynomial computes the rest, -1/2..1/2.
+   Relative error: 2e-7 plus rounding. */
 static inline real exp_2_minus(real x)
 {
     const real n = 12582912.0f - x;
@@ -208,14 +205,14 @@ static inline real exp_2_minus(real x)
     return real_of(bits_of(p) + shifted_left(bits_of(n), 23));
 }
 
-/* e^x; x in -87..88 */
+/* Returns e^x for x in -87..88. */
 static inline real exp_e(real x)
 {
     return exp_2_minus(x * -1.44269504f);
 }
 
-/* ln x; x normal, above 0. x = 2^n m, m in sqrt(1/2)..sqrt(2); ln m = 2 (s + s^3 / 3 + s^5 / 5 + ...), s = (m - 1) / (m
-   + 1), up to s^9: relative error 1e-8 and rounding. */
+/* Returns ln x for normal x above 0. x = 2^n m, m in sqrt(1/2)..sqrt(2), ln m = 2 (s + s^3 / 3 + ... + s^9 / 9), s = (m
+   - 1) / (m + 1). Relative error: 1e-8 plus rounding. */
 static inline real ln(real x)
 {
     const whole n = (bits_of(x) - 0x3f3504f3) >> 23;

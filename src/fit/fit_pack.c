@@ -12,13 +12,11 @@ static fxs_pack_options pack_options(const fxs_fit *f)
     return options;
 }
 
-/* Number of steps of the last phase. */
 static uint32_t profile_steps(const fxs_fit *f)
 {
     return f->options.steps / 10;
 }
 
-/* Recodes a model that the engine holds. */
 static int code_again(fxs_fit *f, const fxs_pack_options *options, fxs_message *message)
 {
     const int has_palette = f->profile.palette != NULL;
@@ -45,7 +43,7 @@ static int end(fxs_fit *f, fxs_message *message)
     return f->engine->give(f->self, message);
 }
 
-/* In the last phase, recodes (code steps and palette) 16 times at even intervals. */
+/* Updates the quantisation's ranges and palette 16 times, at even intervals. */
 int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
 {
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;

@@ -1,4 +1,4 @@
-/* The arithmetic of one splat at one pixel, in blend and in the backward pass, for LANES pixels (fit_lanes.h). */
+/* The arithmetic of one splat at one pixel, in blending and in the backward pass, for LANES pixels. */
 #ifndef FXS_FIT_PIXEL_H
 #define FXS_FIT_PIXEL_H
 
@@ -10,7 +10,7 @@ static inline mask takes_of(real level, real limit, real transmittance)
     return both(at_most(level, limit), at_most(all(FXS_FIT_CLOSED), transmittance));
 }
 
-/* The weight T alpha; 0 outside of the mask. */
+/* Returns the weight, transmittance times alpha; 0 outside of the mask. */
 static inline real weight_of(mask takes, real level, real transmittance)
 {
     return keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * transmittance);
@@ -23,13 +23,14 @@ static inline real odds_of(real alpha)
 }
 #endif
 
-/* State of a pixel in backward, after some splats: transmittance, and dL/dcolour times the colour behind these
-   splats. */
+/* A pixel in the backward pass, behind some splats. `behind`: dL/dcolour times the colour of everything further
+   back. */
 typedef struct passed_pixel {
     real transmittance, behind;
 } passed_pixel;
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha); returns h = -alpha dL/dalpha. of_colour: c . g */
+/* Returns h = -alpha dL/dalpha, with dL/dalpha = T (c . g) - behind / (1 - alpha). T: transmittance; c: the splat's
+   colour; g: dL/dcolour; of_colour: c . g. */
 static inline real pass_splat(mask takes, real level, real of_colour, passed_pixel *p, real *weight)
 {
     const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST));
@@ -40,7 +41,6 @@ static inline real pass_splat(mask takes, real level, real of_colour, passed_pix
     return keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), p->behind * odds_of(alpha) - own);
 }
 
-/* Terms of the splat's sums at this pixel. */
 static inline void sums_of(real h, real weight, real u, real v, real red, real green, real blue,
                            real sums[FXS_FIT_SUMS])
 {

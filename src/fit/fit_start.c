@@ -1,5 +1,4 @@
-/* Sets the up direction and the start view of a fitted scene. The start view is the photographs' camera with the least
-   elevation angle. */
+/* Sets the up direction of a fitted scene, and the start view, from the least tilted camera. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/scene.h>
@@ -7,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* The sine of a camera's elevation angle, without sign. */
 static double slope_of(const fxs_file_view *view, const double up[3])
 {
     const double *forward = view->rotation + 6;

@@ -1,5 +1,5 @@
-/* Draws unpacked Gaussians with the forward pass of the fit. Positions are made relative to the camera in double
- * precision before each picture. */
+/* Draws unpacked Gaussians with the forward pass of the fit. Before each picture, positions are made relative to the
+ * camera in double precision. */
 #include "float_scene.h"
 
 #include <math.h>
@@ -16,15 +16,13 @@
 #include "random.h"
 
 struct fxs_float_scene {
-    fxs_fit_model model;           /* parameters only, up to the SH of `sh_degree`; positions are relative to the eye */
-    float *places;                 /* 3 planes of positions relative to `origin`, scene units */
+    fxs_fit_model model;
+    float *places;
     double origin[3];
     fxs_fit_stepper *stepper;
-    double nudge;                  /* see fxs_float_scene_nudge */
+    double nudge;                  /* largest random displacement per axis; 0: none */
     int sh_degree, antialiased;
 };
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 static float within(float x, float farthest)
 {
@@ -81,7 +79,6 @@ static int make_room(fxs_float_scene *s, const fxs_scene_file_info *info, fxs_me
     return 0;
 }
 
-/* Fills the planes beyond `count`, up to the end of the last group. */
 static void fill_rest(const fxs_float_scene *s)
 {
     for (size_t i = s->model.count; i < s->model.stride; i++)
@@ -122,20 +119,16 @@ void fxs_float_scene_free(fxs_float_scene *s)
     free(s);
 }
 
-/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
-
 void fxs_float_scene_nudge(fxs_float_scene *s, double distance)
 {
     s->nudge = distance;
 }
 
-/* A random number from -1 to 1 for Gaussian i and an axis. */
 static double by_chance(uint64_t axis, uint64_t i)
 {
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(1, axis, i)) - 1;
 }
 
-/* Sets the positions relative to the eye, computed in double precision. */
 static void place_from(const fxs_float_scene *s, const double eye[3])
 {
     for (int k = 0; k < 3; k++) {

@@ -1,5 +1,5 @@
-/* Draws Gaussians in single precision as read from a file, with the forward pass of the fit: reference pictures for
- * packed scenes. Functions return 0, or an error and a message. */
+/* Draws the Gaussians of a scene file in single precision, as reference pictures for packed scenes. Functions return 0,
+ * or an error and a message. */
 #ifndef FXS_FLOAT_SCENE_H
 #define FXS_FLOAT_SCENE_H
 
@@ -12,18 +12,16 @@ extern "C" {
 
 typedef struct fxs_float_scene fxs_float_scene;
 
-/* Reads an open scene file from its start, and keeps the Gaussians that fxs_pack would pack: 68 bytes each, 248 at SH
-   degree 3; drawing needs 96 bytes more for each. `run` (null: one thread), `pool` and `threads` are as in
-   fxs_pack_options. *scene is null after an error; free it with fxs_float_scene_free. */
+/* Reads an open scene file from its start, and keeps the Gaussians that fxs_pack would pack. run null: single-threaded.
+ * scene is null after an error; free it with fxs_float_scene_free. */
 int fxs_float_scene_read(fxs_float_scene **scene, fxs_scene_file *file, const fxs_scene_file_info *info,
                          fxs_run_fn *run, void *pool, uint32_t threads, fxs_message *message);
-void fxs_float_scene_free(fxs_float_scene *scene);   /* null is allowed */
+void fxs_float_scene_free(fxs_float_scene *scene);   /* scene may be null */
 
-/* Displaces each Gaussian randomly by up to `distance` on each axis in the pictures drawn from now on. 0: none. */
+/* Displaces each Gaussian randomly by up to `distance` along each axis in all later pictures. 0: no displacement. */
 void fxs_float_scene_nudge(fxs_float_scene *scene, double distance);
 
-/* Draws a view over black to width * height RGBA8 pixels, rows from the top. Errors: FXS_ERR_ARGUMENT for an invalid
-   camera, FXS_ERR_MEMORY. */
+/* Draws a view over black to width * height RGBA8 pixels, rows from the top. */
 int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_file_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
                          fxs_message *message);
 

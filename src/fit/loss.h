@@ -1,12 +1,7 @@
-/* loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with a the picture and b the
- * photograph; and the gradient of this sum. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the
- * edges.
- *
- * An ignored (masked) pixel is treated like one beyond the edges: a = b = 0 in all windows, no window of its own, no
- * |a - b|, gradient 0. So the result does not depend on the photograph there.
- *
- * With exposures, a photograph's value of 1 is saturated: the true value is 1 or more. So a counts as min(a, 1)
- * there, and its gradient is 0 if a > 1. */
+/* The loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with the picture a and the
+ * photograph b. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. Where the mask excludes a
+ * pixel, a = b = 0 and the gradient is 0. With exposures, a counts as min(a, 1) where b is white, with gradient 0 if a
+ * > 1. */
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 
@@ -20,13 +15,11 @@ static inline mask is_beyond_white(real a, real b)
     return both(below(all(1), a), at_most(all(1), b));
 }
 
-/* The picture's value as the photograph would record it. */
 static inline real recorded(real a, real b)
 {
     return choose(is_beyond_white(a, b), all(1), a);
 }
 
-/* Weighted sum of 11 numbers, `step` apart, centred at `at`. */
 static inline real window_sum(const float *at, ptrdiff_t step)
 {
     const float weights[FXS_FIT_WINDOW] = {0.00102838008f, 0.00759875814f, 0.0360007721f, 0.10936069f, 0.213005538f,
@@ -42,7 +35,7 @@ typedef struct similarity {
     real value, by_mean, by_square, by_product;   /* SSIM, and its derivatives by the means of a, a^2 and ab */
 } similarity;
 
-/* Parameters: window sums of a, b, a^2, b^2, ab. */
+/* Computes SSIM from window sums of a, b, a^2, b^2 and ab. */
 static inline similarity similarity_of(real mean_a, real mean_b, real aa, real bb, real ab)
 {
     const real c1 = all(0.0001f), c2 = all(0.0009f);
@@ -59,7 +52,7 @@ static inline similarity similarity_of(real mean_a, real mean_b, real aa, real b
     return s;
 }
 
-/* 0.8 sign(a - b) - 0.2 (by_mean + 2 a by_square + b by_product), with window sums of the derivatives. */
+/* Returns 0.8 sign(a - b) - 0.2 (by_mean + 2 a by_square + b by_product), with window sums of SSIM's derivatives. */
 static inline real gradient_of(real a, real b, real by_mean, real by_square, real by_product)
 {
     const real similar = (by_mean + 2.0f * a * by_square) + b * by_product;

@@ -1,4 +1,4 @@
-/* The model (model.h): planes of parameters, growth, the initial Gaussians, and the order along a Morton curve. */
+/* The Gaussians of a fit: memory, initial Gaussians, and order along a Morton curve. */
 #include "model.h"
 
 #include <math.h>
@@ -10,8 +10,6 @@
 #include "curve.h"
 #include "nearest.h"
 #include "planes.h"
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 static float *planes_of(size_t stride, size_t planes)
 {
@@ -41,7 +39,7 @@ static void clear_rest(const fxs_fit_model *m, float *planes, size_t count)
         memset(p + m->count, 0, (m->stride - m->count) * sizeof *p);
 }
 
-/* Gaussians beyond `count` have opacity and size of practically 0. */
+/* Gaussians beyond `count` get practically no opacity and size. */
 static void fill_rest(fxs_fit_model *m)
 {
     float *const blocks[] = {m->parameters, m->means, m->squares, m->by_centre, m->views};
@@ -89,8 +87,6 @@ int fxs_fit_model_resize(fxs_fit_model *m, size_t count)
     return 0;
 }
 
-/* ---- Beginning --------------------------------------------------------------------------------------------------- */
-
 static void set_point(fxs_fit_model *m, size_t i, const fxs_fit_point *point, float ln_scale, float opacity)
 {
     for (int k = 0; k < 3; k++) {
@@ -136,9 +132,6 @@ void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
         memcpy((char *)out + k * sizeof(float), &m->parameters[k * m->stride + i], sizeof(float));
 }
 
-/* ---- Rebuilding -------------------------------------------------------------------------------------------------- */
-
-/* Changes the stride of planes; allocates only for a larger one. */
 static int set_stride(float **planes, size_t old, size_t stride)
 {
     if (stride == old)
@@ -158,7 +151,6 @@ static int set_stride(float **planes, size_t old, size_t stride)
     return 0;
 }
 
-/* Makes room for more Gaussians, one set of planes at a time. */
 static int make_room(fxs_fit_model *m, size_t stride)
 {
     float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
@@ -180,7 +172,6 @@ static void narrow(fxs_fit_model *m, size_t stride)
     m->stride = stride;
 }
 
-/* Rearranges one plane at a time; each job has its own spare plane. */
 enum { GATHER_JOBS = 4 };
 typedef struct gathering {
     const fxs_fit_model *model;
@@ -189,7 +180,6 @@ typedef struct gathering {
     float *spare;
 } gathering;
 
-/* New Gaussians have moments of 0. */
 static void gather(const gathering *g, float *planes, int moments, float *spare, uint32_t job)
 {
     const fxs_fit_origin *const origins = g->origins;
@@ -233,8 +223,6 @@ int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_
     return 0;
 }
 
-/* ---- Order ------------------------------------------------------------------------------------------------------- */
-
 typedef struct place {
     uint32_t code, index;
 } place;
@@ -247,7 +235,7 @@ static int by_code(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* Sum of a plane in the order of curve.h; with `middle`, sum of the distances from this value. */
+/* Sums a plane in the order of curve.h. middle not null: sums distances from `middle`. */
 static double sum_plane(const fxs_fit_model *m, int k, const float *middle)
 {
     double sums[CURVE_SUMS] = {0};

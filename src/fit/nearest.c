@@ -1,4 +1,4 @@
-/* Nearest neighbours by a median-split tree with bounding boxes, searched in depth-first order, nearer child first. */
+/* Nearest neighbours of points, by a binary tree with bounding boxes, split at the median along the widest axis. */
 #include "nearest.h"
 
 #include <math.h>
@@ -17,13 +17,12 @@ typedef struct box {
     float low[3], high[3];
 } box;
 
-/* Node n has the children 2 n + 1 (lower half of its items) and 2 n + 2 (upper half). */
+/* Node n has the children 2 n + 1 (lower half of its points) and 2 n + 2 (upper half). */
 typedef struct tree {
     item *items;
     box *boxes;
 } tree;
 
-/* Compares by a coordinate, then by number; so all items differ. */
 static int is_before(const item *a, const item *b, int axis)
 {
     return a->at[axis] != b->at[axis] ? a->at[axis] < b->at[axis] : a->point < b->point;
@@ -36,8 +35,7 @@ static void swap_items(item *a, item *b)
     *b = swap;
 }
 
-/* Moves the item of rank `middle` to its place and the smaller ones before it (Hoare's quickselect). Pivots are random,
-   so sorted input is not slow. */
+/* Moves the item of rank `middle` to its place and smaller items before it (Hoare's quickselect, random pivots). */
 static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;
@@ -87,7 +85,7 @@ static float square_of(float x, float y, float z)
     return (x * x + y * y) + z * z;
 }
 
-/* The squared distance from p to a box; never more than to a point in the box, as rounding is monotonic. */
+/* Returns the squared distance from p to a box. Rounding is monotonic, so no point in the box is nearer. */
 static float square_to(const box *b, const float p[3])
 {
     float away[3];
@@ -111,7 +109,6 @@ static void look_at_leaf(const item *items, size_t count, const item *self, floa
     }
 }
 
-/* Updates the three smallest squared distances. */
 static void look(const tree *t, size_t node, size_t first, size_t count, const item *self, float nearest[3])
 {
     if (count <= LEAF) {
@@ -140,7 +137,6 @@ static float mean_of(const float nearest[3])
     return found ? sum / (float)found : 1;
 }
 
-/* Number of nodes of a complete tree with at most LEAF points per leaf. */
 static size_t nodes_of(size_t count)
 {
     size_t nodes = 1;

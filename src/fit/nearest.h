@@ -4,9 +4,8 @@
 
 #include <fixsplat/fit.h>
 
-/* Sets squares[i] to the mean squared distance from point i to its three nearest points (to all others if fewer; 1 for
-   a single point). Uses a median-split tree: O(n log n) for any input, also with many points in one place. Returns 0 or
-   FXS_ERR_MEMORY. */
+/* Sets squares[i] to the mean squared distance from point i to its three nearest points; 1 for a single point. Takes
+   O(n log n). Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_nearest(const fxs_fit_point *points, size_t count, float *squares);
 
 #endif

@@ -1,5 +1,5 @@
-/* noise: random displacements of positions (Kheradmand et al. 2024). Random numbers come from a counter as in
- * random.h, but have 32 bits, so that vector lanes can compute them. */
+/* Random displacements of Gaussians (Kheradmand et al. 2024). Random numbers come from a counter of 32 bits, so that
+ * vector lanes can compute them. */
 #ifndef FXS_FIT_NOISE_H
 #define FXS_FIT_NOISE_H
 
@@ -12,7 +12,7 @@ typedef uint32_t bits;
 typedef uint32_t bits __attribute__((vector_size(4 * LANES)));
 #endif
 
-/* Mixes 32 bits (the finaliser of MurmurHash3). */
+/* Mixes 32 bits (finaliser of MurmurHash3). */
 static inline bits mix_32(bits x)
 {
     x = (x ^ x >> 16) * 0x85ebca6bu;
@@ -31,7 +31,6 @@ static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
     return (whole_to_real((whole)sum) - 393216.0f) * 0x1p-16f;
 }
 
-/* `index`: number of the first of the LANES Gaussians. */
 static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t stride, uint32_t index)
 {
     real q[4], r[3][3], along[3];
@@ -46,7 +45,7 @@ static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t strid
                         (1.0f + exp_e(least(100.0f * (opacity - 0.005f), all(80))));
     const bits numbers = (bits)real_to_whole(numbers_from(0)) + index;
     const real xi[3] = {normal(noise, numbers, 0), normal(noise, numbers, 1), normal(noise, numbers, 2)};
-    /* R S^2 R^t xi */
+    /* R S^2 R^t xi, with rotation R, scales S and random xi */
     for (int j = 0; j < 3; j++) {
         const real scale = exp_e(load(at + (FXS_FIT_SCALE + j) * (ptrdiff_t)stride));
         along[j] = scale * scale * ((r[0][j] * xi[0] + r[1][j] * xi[1]) + r[2][j] * xi[2]);

@@ -1,6 +1,5 @@
-/* Finds the camera file of a set of photographs and the files beside it (images, masks, points), reads the cameras,
- * and divides the photographs into those to fit and those held out. Names in camera files often differ from the
- * files: settle_name tries other slashes, cases and endings. */
+/* Finds a set's camera file, images, masks and points, reads the cameras, and holds out photographs for testing. Image
+ * names in camera files often differ from the files; settle_name tries other slashes, cases and endings. */
 #include "photo_list.h"
 
 #include <ctype.h>
@@ -23,7 +22,6 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
-/* Joins a folder and a name. Returns 0 if the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = fxs_path_is_whole(name) || !*folder;
@@ -42,7 +40,6 @@ static const char *base_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Writes the folder that contains `path`. */
 static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
 {
     size_t length = strlen(path);
@@ -57,8 +54,6 @@ static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
     else
         snprintf(out, FXS_PHOTO_PATH, "%.*s", length ? (int)length : 1, length ? path : ".");
 }
-
-/* ---- Which files ------------------------------------------------------------------------------------------------- */
 
 static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *message)
 {
@@ -80,7 +75,7 @@ static int colmap_name(const char *name)
     return 0;
 }
 
-/* Looks for the folder `images` in the model's folder and the two above it. */
+/* Looks for the folder `images` beside the COLMAP model and in the two folders above. */
 static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
 {
     char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
@@ -94,7 +89,6 @@ static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
     return fxs_fail(message, "%s: no folder images beside these cameras or up to two above", list->cameras);
 }
 
-/* Finds the first of these names in the folder of the camera file. */
 static void find_points(fxs_photo_list *list, const char *const *names, size_t count)
 {
     char folder[FXS_PHOTO_PATH];
@@ -105,7 +99,7 @@ static void find_points(fxs_photo_list *list, const char *const *names, size_t c
     *list->points = 0;
 }
 
-/* Any file of a COLMAP model may be named; sets the camera file to its images file. */
+/* Any file of a COLMAP model may be named; its images file becomes the camera file. */
 static int find_colmap(fxs_photo_list *list, fxs_message *message)
 {
     static const char *const binary[] = {"points3D.bin"}, *const plain[] = {"points3D.txt"};
@@ -118,8 +112,6 @@ static int find_colmap(fxs_photo_list *list, fxs_message *message)
     return find_colmap_images(list, message);
 }
 
-/* Images are in the folder `images` in the camera file's folder, or else in that folder itself; points are in the file
-   `points` there. */
 static void find_beside(fxs_photo_list *list, const char *folder, const char *points)
 {
     if (!join(list->images, folder, "images") || !is_folder(list->images))
@@ -127,7 +119,6 @@ static void find_beside(fxs_photo_list *list, const char *folder, const char *po
     find_points(list, &points, 1);
 }
 
-/* For transforms.json: paths are relative to the camera file's folder. */
 static void find_of_transforms(fxs_photo_list *list, const char *folder)
 {
     strcpy(list->images, folder);
@@ -156,8 +147,6 @@ static int find_others(fxs_photo_list *list, fxs_message *message)
                     "are not: export both in a local coordinate system", list->points, base_of(list->cameras));
 }
 
-/* ---- Which photographs ------------------------------------------------------------------------------------------- */
-
 static int compare_images(const void *a, const void *b)
 {
     const fxs_listed_view *v = a, *w = b;
@@ -165,10 +154,10 @@ static int compare_images(const void *a, const void *b)
     return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
 }
 
-#define FAR 65536.0                 /* scene units; steps of single precision are 1/128 there */
+#define FAR 65536.0                 /* scene units; floats are 1/128 apart there */
 #define FAR_OF_EXTENT 16
 
-/* Fits use single precision. Returns an error for cameras too far from the origin (as in geographic coordinates). */
+/* Cameras in geographic coordinates are too far from the origin for single precision. */
 static int check_place(const fxs_view_list *views)
 {
     double far = 0, extent = 0;
@@ -199,8 +188,8 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return check_place(views);
 }
 
-/* Divides the views: to fit, held out, rest. n = 0 holds out none. Otherwise the views that the file marks for testing
-   are held out or, if it marks none, every n-th of the views to fit. */
+/* n = 0 holds out no view. Otherwise views that the file marks for testing are held out or, without marks, every n-th
+   view. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;
@@ -229,10 +218,8 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
                                list->cameras, count);
 }
 
-/* ---- Names that differ from their files -------------------------------------------------------------------------- */
-
-/* Looks for the name in the folder of images, also with common endings. An absolute path often comes from another
-   machine, so its last part is tried too. Returns 0 if no file exists. */
+/* Looks for an image, also with common endings. An absolute path often comes from another machine, so its last part is
+   also tried. */
 static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
 {
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
@@ -250,7 +237,6 @@ static int find_image(const fxs_photo_list *list, const char *name, char path[FX
     return 0;
 }
 
-/* Changes the ending of a photograph's name to upper or lower case. */
 static void set_ending(char *name, int in_capitals)
 {
     char *dot = strrchr(name, '.');
@@ -264,8 +250,7 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Changes a photograph's name to the name of an existing file. If the exact name does not exist, tries / for \, the
-   ending in the other case, and for Windows paths the part without drive. */
+/* Tries other spellings of an image's name: / for \, the ending in the other case, and Windows paths without drive. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
     char path[FXS_PHOTO_PATH], own[8] = "";
@@ -297,7 +282,7 @@ static void settle_names(const fxs_photo_list *list, fxs_view_list *views)
         qsort(views->views, views->count, sizeof *views->views, compare_images);
 }
 
-/* The folder `masks` next to the folder `images`, or else in the folder that image names are relative to. */
+/* The folder `masks` is next to the folder `images`, or else in the images' folder. */
 static void find_masks(fxs_photo_list *list)
 {
     char folder[FXS_PHOTO_PATH];
@@ -360,7 +345,7 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
         return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
     if (!find_image(list, view->image, path))
-        join(path, list->images, view->image);   /* the error message comes from opening this path */
+        join(path, list->images, view->image);   /* opening this path gives the error message */
     return 0;
 }
 
@@ -372,21 +357,18 @@ int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[
     return 0;
 }
 
-/* ---- Photographs without a camera -------------------------------------------------------------------------------- */
-
-enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };   /* SHOWN_MOST: characters of the list in a message */
+enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };
 
 typedef struct names {
     char **names;
     size_t count, room;
-    int incomplete;                /* memory ran out */
+    int incomplete;
 } names;
 
-/* The names with a camera (as in the camera file), and files without a camera in one folder. */
 typedef struct others {
     names known, found;
-    size_t folder;                 /* length of the folder part of `of` */
-    const char *of;                /* a known name in that folder */
+    size_t folder;
+    const char *of;
 } others;
 
 static int compare_names(const void *a, const void *b)
@@ -439,7 +421,6 @@ static void add_known(names *known, const fxs_view_list *views)
         add_name(known, "", 0, fxs_without_dots(views->views[i].image));
 }
 
-/* Records a file without a camera. A known name may lack the file's ending. */
 static void look_at(void *argument, const char *name)
 {
     others *o = argument;
@@ -475,7 +456,6 @@ static void say_found(const others *o, const char *path, fxs_left_out_fn *say, v
     say(argument, message.text);
 }
 
-/* Searches the folder of one photograph. */
 static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *say, void *argument)
 {
     char folder[FXS_PHOTO_PATH], path[FXS_PHOTO_PATH];
@@ -484,7 +464,7 @@ static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *
         return;
     fxs_folder_each(*path ? path : ".", look_at, o);
     sort_names(&o->found);
-    path[strlen(path) - (strlen(path) > 1)] = 0;     /* without the slash at the end */
+    path[strlen(path) - (strlen(path) > 1)] = 0;
     if (o->found.count)
         say_found(o, path, say, argument);
     free_names(&o->found);

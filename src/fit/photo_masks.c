@@ -1,4 +1,4 @@
-/* Finds and reads masks (photo_masks.h). */
+/* Finds and reads masks of photographs. */
 #include "photo_masks.h"
 
 #include <stdio.h>
@@ -9,9 +9,6 @@
 #include <fixsplat/internal/message.h>
 #include "src/base/files_internal.h"
 
-/* ---- Which files ------------------------------------------------------------------------------------------------- */
-
-/* Whether FOLDER/NAME.png exists, with the first `length` characters of the name. */
 static int is_there(char path[FXS_PHOTO_PATH], const char *folder, const char *name, size_t length)
 {
     const int written = snprintf(path, FXS_PHOTO_PATH, "%s/%.*s.png", folder, (int)length, name);
@@ -28,7 +25,6 @@ int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_
     return 0;
 }
 
-/* The folder of masks, or empty. */
 static const char *folder_of(const fxs_photo_list *list, const fxs_photos_options *options)
 {
     return options->masks ? options->masks : list->masks;
@@ -47,7 +43,6 @@ int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_optio
     return *folder_of(list, options) || (!options->masks && (names_masks(&list->fit) || names_masks(&list->held_out)));
 }
 
-/* A photograph's name relative to its folder; the last part of the name if the photograph is elsewhere. */
 static const char *name_in(const char *folder, const char *image)
 {
     const char *slash = strrchr(image, '/'), *last = slash ? slash + 1 : image;
@@ -95,9 +90,6 @@ int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *
     return 0;
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
-
-/* Sets counts[] from a mask's pixels. */
 static int take_mask(const char *path, const uint8_t *rgba, size_t pixels, int is_inverse, uint8_t *counts,
                      fxs_message *message)
 {

@@ -1,6 +1,5 @@
-/* Prepares photographs (photo_pixels.h), in one pass over the rows at full size: a row is composed over the
- * background, resampled bilinearly through the lens if there is distortion, and added to weighted sums of the
- * smaller picture (box filter). All colours are integers. */
+/* Prepares a photograph row by row: composes it over the background, resamples it bilinearly to undo lens distortion,
+ * and adds it to weighted sums for the smaller picture (box filter). Colours are integers. */
 #include "photo_pixels.h"
 
 #include <math.h>
@@ -11,19 +10,16 @@
 #include "src/base/try_internal.h"
 #include "src/image/photograph.h"
 
-/* Intermediate colours are 0 to 255 * 255; the division by 255 comes last. */
+/* Intermediate colours are 0 to 255 * 255. */
 #define POSITION_BITS 8            /* fractional bits of a position between two pixels */
 
 typedef struct picture {
     const uint8_t *rgba;
     int width, height;
     const uint8_t *background;
-    const uint8_t *counts;         /* one byte per pixel, 0: ignored; null: all count */
+    const uint8_t *counts;         /* a byte per pixel, 0: ignored; null: all count */
 } picture;
 
-/* ---- The camera of the file's pixels ----------------------------------------------------------------------------- */
-
-/* True if the photograph has the camera's aspect ratio, at any size. */
 static int same_proportion(const fxs_file_view *view, int width, int height)
 {
     const double by_width = (double)view->width * height, by_height = (double)view->height * width;
@@ -55,18 +51,13 @@ static int fit_camera(const char *path, const fxs_listed_view *listed, const pic
     return 0;
 }
 
-/* ---- EXIF -------------------------------------------------------------------------------------------------------- */
-
-/* True if the camera's size matches the photograph after a quarter turn, but not before. Cameras without a size refer
-   to the stored pixels. */
 static int is_turned(const fxs_listed_view *listed, int width, int height, int orientation)
 {
     return orientation > 4 && !listed->sizeless && !same_proportion(&listed->view, width, height) &&
            same_proportion(&listed->view, height, width);
 }
 
-/* Rotates a photograph upright. EXIF orientation says where the stored first row and column belong: 5 left and top, 6
-   right and top, 7 right and bottom, 8 left and bottom. Returns null if memory runs out. */
+/* Rotates a photograph upright, for EXIF orientations 5 to 8. Returns null if memory runs out. */
 static uint8_t *turned(const uint8_t *rgba, int width, int height, int orientation)
 {
     uint8_t *out = malloc(4 * (size_t)width * (size_t)height), *to = out;
@@ -96,8 +87,6 @@ static int read_picture(const char *path, const fxs_listed_view *listed, picture
     return upright ? 0 : fxs_fail_memory(message, path, 4 * (size_t)p->width * (size_t)p->height);
 }
 
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
-
 static uint32_t on_background(const picture *p, const uint8_t *rgba, int c)
 {
     return (uint32_t)(rgba[c] * rgba[3] + p->background[c] * (255 - rgba[3]));
@@ -111,8 +100,7 @@ static void plain_row(const picture *p, int y, uint16_t *row)
             row[c] = (uint16_t)on_background(p, rgba, c);
 }
 
-/* The first of the two pixels on either side of a coordinate, by their centres; *part: the fraction, 0 to 255. Clamps
-   to the outermost centres. */
+/* Returns the first of the two pixels around a coordinate; *part: distance from its centre in 1/256 pixels. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);
@@ -122,7 +110,7 @@ static int between(double at, int size, uint32_t *part)
     return fixed >> POSITION_BITS;
 }
 
-/* Bilinear interpolation. Returns whether all pixels that contribute count. */
+/* Interpolates bilinearly. Returns true if all contributing pixels count. */
 static int sample(const picture *p, const double at[2], uint16_t out[3])
 {
     uint32_t part[2];
@@ -143,7 +131,6 @@ static int sample(const picture *p, const double at[2], uint16_t out[3])
     return counts[0] && counts[beside] && counts[under] && counts[under + beside];
 }
 
-/* A row of the pinhole picture, sampled through the lens; `counts`: which of its pixels count. */
 static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                      const fxs_file_view *pinhole, int y, uint16_t *row, uint8_t *counts)
 {
@@ -157,9 +144,7 @@ static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view
     }
 }
 
-/* ---- Averages ---------------------------------------------------------------------------------------------------- */
-
-/* Sums a row's pixels for each column of the smaller picture, weighted by their overlap; a whole pixel has weight
+/* Sums a row's pixels for each column of the smaller picture, weighted by overlap. A complete pixel has weight
    `width`. */
 static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums)
 {
@@ -181,14 +166,13 @@ static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums
     }
 }
 
-/* Adds a row to the sums, weighted by its overlap with the smaller picture's row. */
 static void add_row(uint64_t *sums, const uint64_t *columns, size_t values, int covered)
 {
     for (size_t i = 0; i < values; i++)
         sums[i] += columns[i] * (uint64_t)covered;
 }
 
-/* Rounds half up. */
+/* Divides sums by the area, rounding half up. */
 static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *out)
 {
     const uint64_t whole = area * 255;
@@ -197,7 +181,6 @@ static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *ou
     memset(sums, 0, values * sizeof *sums);
 }
 
-/* Ignores the pixels of the smaller picture that overlap a row's ignored pixels. */
 static void ignore_row(const picture *p, int y, const uint8_t *counts, int width, int height, uint8_t *mask)
 {
     const int first = (int)((int64_t)y * height / p->height);
@@ -209,9 +192,9 @@ static void ignore_row(const picture *p, int y, const uint8_t *counts, int width
 }
 
 typedef struct work {
-    uint16_t *row;                 /* at the photograph's width */
+    uint16_t *row;
     uint8_t *counts;
-    uint64_t *columns, *sums;      /* at the smaller picture's width */
+    uint64_t *columns, *sums;
 } work;
 
 static int work_allocate(work *w, int width, int smaller)
@@ -231,8 +214,7 @@ static void work_free(work *w)
     free(w->sums);
 }
 
-/* Averages down in both directions. `pinhole`: null if the lens has no distortion. `mask`: null if all pixels count,
-   else 1 everywhere on entry. */
+/* pinhole null: no distortion. mask null: all pixels count; else it is 1 everywhere on entry. */
 static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                     const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
 {
@@ -259,9 +241,6 @@ static void average(const picture *p, const fxs_lens *lens, const fxs_file_view 
     }
 }
 
-/* ---- A photograph ------------------------------------------------------------------------------------------------ */
-
-/* The size of the smaller picture: the longer side is at most `resolution`; the proportions stay, rounded. */
 static void smaller_size(const picture *p, int resolution, int size[2])
 {
     const int longer = p->width > p->height ? p->width : p->height;

@@ -13,7 +13,7 @@
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
 #define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */
 #define RANDOM_POINTS 100000
-#define RANDOM_STEP UINT64_MAX     /* differs from all step numbers */
+#define RANDOM_STEP UINT64_MAX
 #define GREY 128
 
 static int add_point(fxs_photo_points *p, const char *path, const double position[3], const double colour[3],
@@ -39,19 +39,17 @@ static int add_point(fxs_photo_points *p, const char *path, const double positio
     return 0;
 }
 
-/* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
-
 static int read_binary(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
 {
     fxs_colmap_cursor in = fxs_colmap_begin(text);
     for (uint64_t count = fxs_colmap_take(&in, 8); count && !in.short_of; count--) {
         double position[3], colour[3];
-        fxs_colmap_take(&in, 8);   /* its id */
+        fxs_colmap_take(&in, 8);
         fxs_colmap_take_doubles(&in, position, 3);
         for (int i = 0; i < 3; i++)
             colour[i] = (double)fxs_colmap_take(&in, 1);
-        fxs_colmap_take(&in, 8);   /* its error */
-        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* images and their points */
+        fxs_colmap_take(&in, 8);   /* skips the reprojection error */
+        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* skips the images that see the point */
         if (!in.short_of)
             FXS_TRY(add_point(p, text->path, position, colour, message));
     }
@@ -62,7 +60,7 @@ static int read_plain(fxs_photo_points *p, const fxs_text *text, fxs_message *me
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[7];          /* id, position, colour */
+        double values[7];          /* id, position, colour of a point */
         if (!fxs_colmap_numbers(&line, values, 7))
             return fxs_fail(message, "%s: point %zu: not a number, a position and a colour", text->path, p->count);
         FXS_TRY(add_point(p, text->path, values + 1, values + 4, message));
@@ -81,11 +79,9 @@ int fxs_photo_points_colmap(fxs_photo_points *p, const char *path, fxs_message *
     return error;
 }
 
-/* ---- Bundler ----------------------------------------------------------------------------------------------------- */
-
 enum { LINES_OF_CAMERA = 5 };
 
-/* Three lines per point: position, colour, and the views that see it. */
+/* A point has three lines: position, colour, and the views that see it. */
 static int read_bundler(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
 {
     char *rest = fxs_text_begin(text), *line = fxs_colmap_entry(&rest);
@@ -115,15 +111,13 @@ int fxs_photo_points_bundler(fxs_photo_points *p, const char *path, fxs_message 
     return error;
 }
 
-/* ---- .ply -------------------------------------------------------------------------------------------------------- */
-
 typedef struct ply {
     fxs_scene_source source;
     fxs_byte_reader bytes;
     fxs_ply_header header;
 } ply;
 
-/* Finds the columns of x, y, z and the colour. *full: the value of full brightness, 0 if there is no colour. */
+/* *full: value of full brightness of colours; 0: no colour. */
 static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], double *full, fxs_message *message)
 {
     static const char *const names[3] = {"x", "y", "z"};
@@ -153,7 +147,7 @@ static int read_vertex(ply *p, const fxs_ply_element *vertex, const int columns[
     return fxs_ply_end_row(&p->bytes, encoding);
 }
 
-/* Reads all vertices into *points; if `points` is null, only finds the brightest colour. */
+/* points null: only finds the brightest colour. */
 static int read_vertices(fxs_photo_points *points, ply *p, const fxs_ply_element *vertex, const int columns[6],
                          double full, double *brightest, fxs_message *message)
 {
@@ -202,8 +196,6 @@ int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message
     free(p);
     return error;
 }
-
-/* ---- Random ------------------------------------------------------------------------------------------------------ */
 
 int fxs_photo_points_random(fxs_photo_points *p, const double middle[3], double half, uint64_t seed,
                             fxs_message *message)

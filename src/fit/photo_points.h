@@ -1,4 +1,4 @@
-/* Initial points of a fit: from COLMAP's points3D.bin or .txt, a Bundler model, a .ply, or random. */
+/* Initial points of a fit: from COLMAP, Bundler or a .ply, or random. */
 #ifndef FXS_FIT_PHOTO_POINTS_H
 #define FXS_FIT_PHOTO_POINTS_H
 
@@ -9,7 +9,7 @@ typedef struct fxs_photo_points {
     size_t count, capacity;
 } fxs_photo_points;
 
-/* Each returns 0, or an error and a message; an error also if a coordinate is not finite or beyond 2^27 units. */
+/* Return 0, or an error and a message. Coordinates that are not finite or beyond 2^27 units are errors. */
 int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_bundler(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);

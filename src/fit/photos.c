@@ -17,10 +17,9 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half the cube's side (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* random points of other scenes: side of the cube / of the cameras' box */
-
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
+#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half side of their cube (Kerbl et al. 2023) */
+#define OF_CAMERAS 3               /* random points of other scenes: side of their cube / side of the cameras' bounding
+                                      box */
 
 typedef struct result {
     fxs_photo_pixels photo;
@@ -32,8 +31,8 @@ typedef struct reading {
     const fxs_photo_list *list;
     const fxs_view_list *views;
     const fxs_photos_options *options;
-    size_t first;                  /* first photograph of the batch */
-    result *results;               /* results of the batch */
+    size_t first;
+    result *results;
 } reading;
 
 static int read_one(const reading *r, const fxs_listed_view *view, result *made)
@@ -57,7 +56,6 @@ static void read_job(void *argument, uint32_t i)
     made->error = read_one(r, &r->views->views[r->first + i], made);
 }
 
-/* Keeps the batch's photographs up to the first error, and frees the rest. */
 static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t *kept, fxs_photos *all,
                 fxs_message *message)
 {
@@ -88,7 +86,6 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     return error;
 }
 
-/* Reads the photographs of a list. For the progress: `done` of `count` photographs were read before. */
 static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **photos, size_t *kept, fxs_photos *all,
                     size_t done, size_t count, fxs_message *message)
 {
@@ -146,9 +143,6 @@ int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *opti
     return error;
 }
 
-/* ---- Points ------------------------------------------------------------------------------------------------------ */
-
-/* The bounding box of cameras. */
 typedef struct box {
     double low[3], high[3];
 } box;
@@ -238,8 +232,6 @@ int fxs_photos_points(const fxs_photo_list *list, const fxs_photos_options *opti
     photos->point_count = p.count;
     return error ? error : check_points(photos, &list->fit, *list->points ? list->points : list->cameras, message);
 }
-
-/* ---- All --------------------------------------------------------------------------------------------------------- */
 
 static int keep_held_out(fxs_photo_list *list, fxs_message *message)
 {

@@ -1,4 +1,4 @@
-/* Access to the parameters of a single Gaussian of a model. */
+/* Access to the parameters of a single Gaussian. */
 #ifndef FXS_FIT_PLANES_H
 #define FXS_FIT_PLANES_H
 

@@ -1,13 +1,12 @@
-/* The poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about itself;
- * the last three shift it along the axes of the uncorrected camera. With R the rotation of the normalised quaternion
- * (1, a / 2) and W the given rotation, a point x is at R (W (x - eye) - shift) in the camera's frame. Compiled for the
- * CPU and for CUDA. */
+/* Poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about itself; the
+ * last three shift it along its uncorrected axes. R is the rotation of the normalised quaternion (1, a / 2), W the
+ * given rotation. A point x is at R (W (x - eye) - shift) in the camera's frame. */
 #ifndef FXS_FIT_POSE_H
 #define FXS_FIT_POSE_H
 
 #include "adam.h"
 
-/* Corrects a given camera: its rotation becomes R W, its eye eye + W^t shift. A pose of 0 changes nothing. */
+/* Corrects a camera: its rotation becomes R W, its eye becomes eye + W^t shift. */
 static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
 {
     const float x = 0.5f * pose->at[0], y = 0.5f * pose->at[1], z = 0.5f * pose->at[2];
@@ -23,9 +22,9 @@ static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
     }
 }
 
-/* The gradient by a pose, from the sums over Gaussians (find_pose_gradient). dL/dshift = -W dL/dposition. Rotating the
-   camera further, to exp(omega) R W, equals rotating the scene by (R W)^t omega about the eye; so dL/domega = R W
-   dL/dtheta, and omega = (da + a / 2 x da) / (1 + |a / 2|^2). */
+/* Gradient by a pose from the sums over Gaussians. dL/dshift = -W dL/dposition. Rotating the camera to exp(omega) R W
+   equals rotating the scene by (R W)^t omega about the eye. So dL/domega = R W dL/dtheta, and omega = (da + a / 2 x da)
+   / (1 + |a / 2|^2). */
 static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose *pose, const float sums[FXS_FIT_POSE],
                                  float gradient[FXS_FIT_POSE])
 {
@@ -45,11 +44,9 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
     }
 }
 
-/* A step of Adam. `sums`: sums over Gaussians, divided by the number of pixels and channels. `rate`: radians for
-   rotations; shifts use rate * depth, which moves the picture about as far. Rotation and shift each have one second
-   moment, averaging the squared length of the gradient, so that directions with little effect on the picture move
-   little. Moments are divided by the moments that a constant gradient of 1 would have, as photographs have different
-   numbers of steps. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
+/* Adam's step. sums: means over pixels and channels, summed over Gaussians. rate: radians; shifts use rate * depth,
+   which moves the picture about as far. Rotation and shift have one second moment each. Moments are divided by the
+   moments of a constant gradient of 1. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

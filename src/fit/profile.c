@@ -1,5 +1,5 @@
-/* The phase that optimises the packed scene (profile.h): orders the Gaussians as packing does, computes chunk
- * headers, code steps and the palette from the masters, and packs with these codes. */
+/* Quantises a fit as the packed scene does: orders the Gaussians, computes the headers of chunks of 256 Gaussians and
+ * the palette from the exact parameters (masters), and packs with these codes. */
 #include "profile.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@
 
 enum { JOBS = 64 };
 #define FAINT_LOGIT (-2.708f)      /* opacity 1/16 */
-#define FOG 0.1                    /* share of the total weight from which fog is ordered separately; as in pack.c */
+#define FOG 0.1                    /* share of the total weight from which fog is ordered separately */
 
 static float *plane(float *planes, const fxs_fit_model *m, int which)
 {
@@ -37,17 +37,14 @@ static double opacity_at(float logit)
     return (double)(1.0f / (1.0f + exp_e(fminf(-logit, 80.0f))));
 }
 
-/* ---- Order ------------------------------------------------------------------------------------------------------- */
-
-/* The product of the two largest sigmas and the opacity. */
 static double weight_of(const fxs_gaussian *g)
 {
     const float *s = g->scale, least_scale = fminf(fminf(s[0], s[1]), s[2]);
     return (double)exp_e(fmaxf(fminf(s[0] + s[1] + s[2] - least_scale, 40.0f), -40.0f)) * opacity_at(g->opacity);
 }
 
-/* If faint Gaussians (fog) have at least FOG of the weight, they are ordered separately. Returns the number of drawable
-   Gaussians. */
+/* Faint Gaussians (fog) with at least a share FOG of the total weight are ordered separately. Returns the number of
+   drawable Gaussians. */
 static size_t set_entries(fxs_order_entry *entries, const fxs_fit_model *m, int sh_degree)
 {
     double faint = 0, all = 0;
@@ -89,14 +86,11 @@ static int order(fxs_fit_model *m, int sh_degree, const fxs_pack_options *option
     return error;
 }
 
-/* ---- Chunks ------------------------------------------------------------------------------------------------------ */
-
 static size_t chunks_of(const fxs_fit_profile *p)
 {
     return fxs_chunks_of(p->count);
 }
 
-/* The number of entries in each stage of the palette. */
 static uint32_t entries_of(const fxs_fit_profile *p)
 {
     return fxs_palette_entries_for(p->count, chunks_of(p), p->profile, p->sh_degree);
@@ -107,7 +101,6 @@ static float inverse_of(double step)
     return step > 0 ? (float)(1 / step) : 0;
 }
 
-/* The step of codes of `bits` bits that span the same range as `wide`-bit codes with this step. */
 static double own_step(double step, int bits, int wide)
 {
     return step * ((1 << wide) - 1) / ((1 << bits) - 1);
@@ -135,9 +128,8 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Swaps axis k (0 or 1) with the next one: a quarter turn about the remaining axis. The quaternion q becomes q (1 + k)
-   for axis 0 or q (1 + i) for axis 1, normalised. Adam's moments rotate too; second moments as if components were
-   independent. */
+/* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion is multiplied by
+   1 + k (axis 0) or 1 + i (axis 1), and normalised. Adam's moments rotate too. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};
@@ -157,7 +149,6 @@ static void swap_axes(const fxs_fit_model *m, size_t i, int k)
     }
 }
 
-/* Orders a Gaussian's axes by length, longest first, as packing does. */
 static void order_axes(const fxs_fit_model *m, size_t i)
 {
     const float *s = m->masters + FXS_FIT_SCALE * m->stride + i;
@@ -168,11 +159,10 @@ static void order_axes(const fxs_fit_model *m, size_t i)
     }
 }
 
-/* Data shared by the jobs that code the Gaussians. */
 typedef struct coding {
     fxs_fit_profile *profile;
     const fxs_fit_model *model;
-    fxs_sh_item *items;            /* null without a palette */
+    fxs_sh_item *items;
 } coding;
 
 static void code_header(const coding *c, size_t chunk)
@@ -183,7 +173,7 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->palette)              /* with a palette, the engine receives the whole model again */
+        if (p->palette)              /* only with a palette does the engine receive changed axes */
             order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);
@@ -202,8 +192,6 @@ static void headers_job(void *argument, uint32_t job)
     for (size_t chunk = job; chunk < chunks_of(c->profile); chunk += JOBS)
         code_header(c, chunk);
 }
-
-/* ---- SH by the palette ------------------------------------------------------------------------------------------- */
 
 static uint32_t record_bytes(const fxs_fit_profile *p)
 {
@@ -228,7 +216,6 @@ static void sh_job(void *argument, uint32_t job)
     }
 }
 
-/* Copies the items of the sampled chunks. */
 static fxs_sh_item *sample_of(const coding *c, uint32_t count)
 {
     fxs_sh_item *sample = calloc(fxs_palette_sample(count), sizeof *sample);
@@ -267,8 +254,6 @@ int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, const fxs_pack_op
     free(c.items);
     return error;
 }
-
-/* ---- Beginning and end ------------------------------------------------------------------------------------------- */
 
 static void set_grid(fxs_fit_profile *p)
 {
@@ -403,8 +388,6 @@ int fxs_fit_profile_pack(const fxs_fit_profile *p, const fxs_fit_model *m, const
     fxs_scene_file_close(file);
     return error;
 }
-
-/* ---- State ------------------------------------------------------------------------------------------------------- */
 
 /* Converts between this processor's byte order and little-endian. */
 static void turn(fxs_fit_profile *p)

@@ -5,7 +5,7 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Rounds to the nearest integer in 0..most; most below 2^22. */
+/* Rounds to the nearest integer in 0..most_code; most_code must be below 2^22. */
 static inline whole code_of(real x, int most_code)
 {
     const real held = least(most(x, all(0)), all((float)most_code));
@@ -18,20 +18,19 @@ static inline real spread_code(whole code, int width, int wide)
     return whole_to_real(shifted_left(code, wide - width) | (code >> (2 * width - wide)));
 }
 
-/* low + code step */
+/* Quantises x to low + code * step. */
 static inline real quantise_evenly(real x, float low, float step, float inverse_step, int width, int wide, whole *code)
 {
     *code = code_of((x - low) * inverse_step, (1 << width) - 1);
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* Extends a scale code of axis i from `width` bits to 10 bits. */
 static inline real spread_scale(whole code, int width, int i)
 {
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
 }
 
-/* log2(sigma) = high - code^2 step, of axis i; input and output are ln(sigma) */
+/* Quantises ln(sigma) of axis i: log2(sigma) = high - code^2 step. */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;
@@ -46,7 +45,7 @@ static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int
     return choose(is_far, of_far, of_near) * 0.693147181f;
 }
 
-/* The opacity of a code. Law 0: code / 255; else 1/255 + range ((code - 1) / 254)^2, and 0 for code 0. */
+/* Returns the opacity of a code. Law 0: code / 255. Else 0 for code 0, and 1/255 + range ((code - 1) / 254)^2. */
 static inline real opacity_of(const fxs_fit_chunk *c, whole code)
 {
     const real number = whole_to_real(code);
@@ -56,7 +55,7 @@ static inline real opacity_of(const fxs_fit_chunk *c, whole code)
     return choose(below(all(0), number), (1.0f / 255.0f) + part * part * c->opacity_range, all(0));
 }
 
-/* Quantises opacity; input and output are logits. Opacity 0 gives -80; 0.999 and more give 6.9. */
+/* Quantises opacities given as logits. Opacity 0 gives -80; 0.999 and more give 6.9. */
 static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *code)
 {
     const real opacity = 1.0f / (1.0f + exp_e(least(-logit, all(80))));
@@ -83,7 +82,6 @@ static inline whole smaller(whole a, whole b)
     return b + ((a - b) & ((a - b) >> 31));
 }
 
-/* fxs_axis_bits, from scale codes of scale_bits */
 static inline whole axis_bits(const fxs_fit_grid *g, const fxs_fit_chunk *c, const whole codes[3])
 {
     const int step = (int)(c->scale_step * 16777216.0f);
@@ -96,26 +94,26 @@ static inline whole axis_bits(const fxs_fit_grid *g, const fxs_fit_chunk *c, con
     return smaller((((gap >> 4) * 5) >> 16) + g->axis_bits_least, gap * 0 + g->axis_bits_most);
 }
 
-/* x rounded to the nearest integer; x within +-2^21 */
+/* Rounds x to the nearest integer; |x| must be below 2^21. */
 static inline real nearest(real x)
 {
     return whole_to_real(bits_of(x + 12582912.0f) - 0x4b400000);
 }
 
-/* x rounded down to a multiple of 2^-15 */
+/* Rounds x down to a multiple of 2^-15. */
 static inline real upper_bits(real x)
 {
     return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
 }
 
-/* In a rotation word, the bits below a code refine that code by a fraction. This is the fraction: code / 2^bits, with
-   the lower `code` in two's complement and `count` = 2^bits. */
+/* Returns code / count, with a negative `code` in two's complement. The bits below a rotation code refine it by this
+   fraction. */
 static inline real part_above(real code, real count)
 {
     return choose(below(code, all(0)), code + count, code) / count;
 }
 
-/* cos and sin of pi/2 roll, as fxs_tilt_roll */
+/* Approximates cos and sin of pi/2 roll. */
 static inline void roll_of(real roll, real *cosine, real *sine)
 {
     const real square = roll * roll;
@@ -123,7 +121,7 @@ static inline void roll_of(real roll, real *cosine, real *sine)
     *sine = roll * (1.56607f - square * (0.62924f - 0.06305f * square));
 }
 
-/* The roll of the second axis, b, about the first axis, which X and Y encode. */
+/* Returns the roll of the second axis, b, about the first axis. X and Y encode the first axis. */
 static inline real find_roll(const real b[3], real x, real y)
 {
     const real s = root(most(2.0f - x * x - y * y, all(0)));
@@ -140,8 +138,8 @@ static inline real find_roll(const real b[3], real x, real y)
     return roll;
 }
 
-/* The quaternion encoded by X, Y and the roll. Flipping the signs of axes gives equivalent quaternions; returns the one
-   nearest to `from`, so that gradients apply to the master. */
+/* Decodes a quaternion. Several quaternions differ only in signs of axes; returns the one nearest to `from`, so that
+   gradients apply to the exact parameters. */
 static inline void quaternion_near(const real from[4], real x, real y, real roll, real to[4])
 {
     real cosine, sine;
@@ -167,8 +165,8 @@ static inline void quaternion_near(const real from[4], real x, real y, real roll
     }
 }
 
-/* Codes a quaternion as encode_axes does. Codes: n, X, Y, roll; the last three in two's complement. `n`: bits of X and
-   of Y; `all_bits`: bits of the word. */
+/* Codes a quaternion by its first axis (X, Y) and the roll about this axis. codes: n, X, Y, roll; n: bits of X and of
+   Y. */
 static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
 {
     const real w = from[0], i = from[1], j = from[2], k = from[3];
@@ -205,8 +203,6 @@ static inline void quantise_rotation(const real from[4], whole n, int all_bits, 
     codes[3] = real_to_whole(roll_code);
 }
 
-/* `from` and `to`: the Gaussians' first parameter; planes are `stride` apart. `codes`: one number per parameter up to
-   the colours; for the rotation as in quantise_rotation. SH are not coded here. */
 static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c, const float *from, float *to,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {
@@ -229,7 +225,6 @@ static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c,
     store(to + at, quantise_opacity(c, load(from + at), &codes[FXS_FIT_OPACITY]));
 }
 
-/* SH with a code step for each degree, codes in -127..127. */
 static inline real quantise_band(const fxs_fit_chunk *c, int degree, real x, whole *code)
 {
     *code = code_of(x * c->sh_inverse[degree - 1] + 127.0f, 254) - 127;

@@ -1,10 +1,10 @@
-/* Random numbers from a counter: they depend only on (seed, step, index), not on the order of calls. */
+/* Random numbers that depend only on (seed, step, index), not on the order of calls. */
 #ifndef FXS_FIT_RANDOM_H
 #define FXS_FIT_RANDOM_H
 
 #include <stdint.h>
 
-/* Mixes 64 bits (the finaliser of splitmix64: Steele, Lea, Flood 2014). */
+/* Mixes 64 bits (finaliser of splitmix64: Steele, Lea, Flood 2014). */
 static inline uint64_t fxs_fit_mix(uint64_t x)
 {
     x += 0x9e3779b97f4a7c15u;
@@ -18,7 +18,6 @@ static inline uint64_t fxs_fit_random(uint64_t seed, uint64_t step, uint64_t ind
     return fxs_fit_mix(fxs_fit_mix(fxs_fit_mix(seed) ^ step) ^ index);
 }
 
-/* 0 <= number < 1 */
 static inline float fxs_fit_uniform(uint64_t random)
 {
     return (float)(random >> 40) * 0x1p-24f;

@@ -1,13 +1,11 @@
-/* The recipes: reference (Kerbl et al. 2023 and its reference code of 2025), mcmc (Kheradmand et al. 2024), and fast,
-   which is mcmc with fewer steps. */
+/* The recipes of a fit: reference (Kerbl et al. 2023 and its code of 2025), mcmc (Kheradmand et al. 2024), and fast,
+ * which is mcmc with fewer steps. */
 #include "recipe.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "fit_lanes.h"
-
-/* ---- Scene ------------------------------------------------------------------------------------------------------- */
 
 static double distance(const double a[3], const double b[3])
 {
@@ -44,9 +42,7 @@ float fxs_fit_first_scale(enum fxs_fit_recipe recipe)
     return recipe == FXS_FIT_REFERENCE ? 1.0f : 0.1f;
 }
 
-/* ---- A step ------------------------------------------------------------------------------------------------------ */
-
-/* first * 100^-(step / steps) */
+/* Returns first * 100^-(step / steps). */
 static float position_rate(float first, uint32_t step, uint32_t steps)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -74,17 +70,16 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* In the reference recipe, opacities are reset every 3,000 steps before step 15,000, and on a white background also
-   after step 500. */
+/* The reference recipe resets opacities every 3,000 steps before step 15,000; with a white background also after step
+   500. */
 static int is_reset(const fxs_fit_options *options, uint32_t step)
 {
     return options->recipe == FXS_FIT_REFERENCE &&
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* The factor for exposures falls as 10^-(step / steps). The movement of poses falls as 0.1 * 100^-(step / steps),
-   counted from step 501. Both rise linearly from 0 over the 500 steps after the beginning and after each reset, when
-   pictures do not yet match the scene. Blocks keep the exposures and poses of their coarse fit: both rates are 0. */
+/* The exposures' rate falls as 10^-(step / steps), the poses' rate as 100^-(step / steps). Both rates rise from 0 over
+   the 500 steps after the beginning and after each reset, when pictures do not yet match. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -99,8 +94,8 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
         plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }
 
-/* The recipe has 30,000 steps. A shorter fit is its beginning; a longer one only stretches the learning rates that
-   fall. */
+/* The reference recipe has 30,000 steps. A shorter fit is its beginning; a longer one stretches only the falling
+   learning rates. */
 static void plan_reference(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps > 30000 ? options->steps : 30000;
@@ -118,7 +113,6 @@ static uint32_t from_1_to(uint32_t most, uint32_t x)
     return x < 1 ? 1 : x < most ? x : most;
 }
 
-/* The schedule scales with the number of steps. */
 static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps, interval = from_1_to(100, steps / 80);
@@ -134,8 +128,8 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
-/* At step 1, as Gaussians smaller than a pixel would start too faint to be fitted; then every 100 steps; before the
-   last tenth, which finds the ranges of scales; and at the end. */
+/* Limits scales in step 1, as Gaussians smaller than a pixel would start too faint; every 100 steps; before the last
+   tenth, which chooses ranges of scales; and at the end. */
 static int is_smoothed(const fxs_fit_options *options, uint32_t step)
 {
     const uint32_t steps = options->steps;

@@ -7,29 +7,28 @@
 
 typedef struct fxs_fit_plan {
     int sh_degree;
-    int divisor;                   /* photographs are averaged down by it in width and height */
+    int divisor;                   /* photographs are averaged down by this factor in width and height */
     float rate[FXS_FIT_PARAMETERS];
-    float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
-    float gain_part;               /* factor of the exposures' initial learning rate: 0 to 1 */
-    float pose_way;                /* total movement of poses in radians, divided by the number of steps of each
-                                      photograph */
-    float noise;                   /* amount of fxs_fit_noise */
-    int smooths;                   /* 0, or `divisor`: bounds scales after the update */
-    int densify, relocate, order;  /* 1: done after the step */
-    float large;                   /* densify removes Gaussians with a larger scale; infinity: none */
-    int reset;                     /* 1: resets opacities after the above */
+    float by_opacity, by_scale;
+    float gain_part;               /* factor of the exposures' learning rate, 0 to 1 */
+    float pose_way;                /* total movement of poses in radians, divided by the steps per photograph */
+    float noise;
+    int smooths;                   /* divisor of the photographs, for the lower limit of scales; 0: no limit */
+    int densify, relocate, order;
+    float large;                   /* densify removes Gaussians with a larger scale */
+    int reset;                     /* 1: resets opacities after all other changes */
 } fxs_fit_plan;
 
-/* `step`: from 1. `least_side`: the photograph's shorter side in pixels. */
+/* step: from 1. least_side: the photograph's shorter side in pixels. */
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan);
 
-/* The initial opacity, and the initial scale in units of the distance to the neighbours. */
+/* Initial opacity, and initial scale relative to the distance of neighbouring points. */
 float fxs_fit_first_opacity(enum fxs_fit_recipe recipe);
 float fxs_fit_first_scale(enum fxs_fit_recipe recipe);
 
-/* 1.1 times the largest distance of a camera from the mean of the cameras. If all cameras are in one place: 1.1 times
-   the distance from there to the mean of the points; if that is 0 too, 1.1. */
+/* Returns 1.1 times the largest distance of a camera from the cameras' mean. With all cameras in one place: 1.1 times
+   the distance to the points' mean, or 1.1 if that is 0. */
 float fxs_fit_extent(const fxs_fit_photo *photos, size_t count, const fxs_fit_point *points, size_t point_count);
 
 #endif

@@ -1,7 +1,7 @@
-/* Refines the levels of detail of a packed scene, one level after the other, from the leaves up. Leaves have level
- * 0; a node's level is one above the higher level of its two children. The cover of level L is the coarsest set of
- * chunks that stands for all leaves and has no chunk above level L. So each node is in the covers from its own level
- * to the level below its parent's. The steps for a cover change all its nodes; its leaves are drawn but fixed.
+/* Refines the levels of detail of a packed scene. The leaves of its tree are chunks of 256 Gaussians; a node is one
+ * merged chunk for two children. Leaves have level 0, a node one more than its higher child. The cover of level L is
+ * the coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each cover are
+ * fitted to pictures of the leaves.
  *
  * The error of a node in a view is measured in the picture of the cover of its level: the squared difference from
  * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
@@ -30,38 +30,33 @@
 #include "refine_views.h"
 
 #define LOGIT_MOST 7.0f                /* larger logits of opacity have practically no gradient */
-#define LARGE 3                        /* covers with more than 1/LARGE of the scene's Gaussians are fitted to large
-                                          pictures */
-#define LAST 0.1                       /* final learning rate relative to the first */
+#define LARGE 3                        /* covers with more than 1/LARGE of the Gaussians are fitted to large pictures */
+#define LAST 0.1                       /* last learning rate relative to the first */
 
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
     uint8_t *levels;                   /* level of each chunk: leaves, then nodes */
-    uint32_t *parents;                 /* per chunk; 0: none, as chunk 0 is a leaf */
+    uint32_t *parents;                 /* parent of each chunk; 0: none */
     uint32_t chunks, leaves;
-    int highest;                       /* level of the root */
+    int highest;
     const fxs_refine_options *options;
     fxs_refine_views views;
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
-    float *errors;                     /* per node and view, pixels * colours^2; below 0: not visible */
-    fxs_fit_model model;               /* Gaussians of the cover: its nodes, then its leaves */
-    uint32_t *cover, *starts;          /* chunks of the cover; their first Gaussians in the model */
+    float *errors;                     /* error of each node and view, pixels * colours^2; below 0: not visible */
+    fxs_fit_model model;               /* Gaussians of the cover (the chosen chunks): its nodes, then its leaves */
+    uint32_t *cover, *starts;          /* chunks of the cover; first Gaussian of each chunk */
     uint32_t cover_count, cover_nodes;
     uint32_t order[FXS_REFINE_VIEWS];
     fxs_message *message;
 } refiner;
-
-/* ---- The tree ---------------------------------------------------------------------------------------------------- */
 
 static int fail_memory(const refiner *r, size_t bytes)
 {
     return fxs_fail_memory(r->message, "levels of detail", bytes);
 }
 
-/* Reads and checks all nodes and their headers; leaves' headers were checked when the scene was opened. As each node
-   has two children, the graph is a tree if no chunk has two parents. */
 static int read_tree(refiner *r)
 {
     r->leaves = r->scene.chunk_count;
@@ -101,7 +96,6 @@ static int is_in_cover(const refiner *r, uint32_t chunk, int level)
     return r->levels[chunk] <= level && (chunk == r->leaves || r->levels[r->parents[chunk]] > level);
 }
 
-/* Lists the cover of a level, nodes first. */
 static void find_cover(refiner *r, int level)
 {
     r->cover_count = 0;
@@ -113,8 +107,6 @@ static void find_cover(refiner *r, int level)
         if (is_in_cover(r, c, level))
             r->cover[r->cover_count++] = c;
 }
-
-/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
 static void put(const fxs_fit_model *m, size_t i, const fxs_gaussian *g)
 {
@@ -134,7 +126,6 @@ static void take(const fxs_fit_model *m, size_t i, fxs_gaussian *g)
         g->rotation[k] = (float)(g->rotation[k] / sqrt(square));
 }
 
-/* Copies a chunk's Gaussians in order to the model from `at` on, and returns their number. model null: only counts. */
 static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_model *model, size_t at)
 {
     const unsigned char *rows = fxs_rows(&r->scene, number);
@@ -155,7 +146,6 @@ static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_mode
     return count;
 }
 
-/* Sets the model to the cover as currently coded. */
 static int read_cover(refiner *r)
 {
     r->starts[0] = 0;
@@ -170,7 +160,7 @@ static int read_cover(refiner *r)
     return 0;
 }
 
-/* Nodes that are in a cover for the first time start as the merge of their refined children. */
+/* New nodes of a cover start as the merge of their refined children. */
 static void merge_again(refiner *r, int level)
 {
     for (uint32_t i = 0; i < r->cover_nodes; i++)
@@ -188,8 +178,6 @@ static void write_cover(refiner *r)
         fxs_tree_edit_node(r->editor, r->cover[i] - r->leaves, gaussians, count);
     }
 }
-
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 static int note(const refiner *r, int level, double part)
 {
@@ -210,7 +198,7 @@ static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
                                                      : 0.001f);
 }
 
-/* All views once, in a random permutation; then another permutation (Fisher and Yates). */
+/* Visits all views in a random order, then in another random order (Fisher and Yates). */
 static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t number)
 {
     const uint32_t count = r->views.count, at = number % count;
@@ -243,14 +231,11 @@ static int refine_cover(refiner *r, int level)
     return 0;
 }
 
-/* ---- Gains ------------------------------------------------------------------------------------------------------- */
-
 static float *errors_of(const refiner *r, uint32_t node)
 {
     return r->errors + (size_t)node * r->views.count;
 }
 
-/* Sums the results of fxs_fit_find_errors over a chunk's Gaussians in a view. */
 static void note_errors(const refiner *r, uint32_t i, uint32_t view, const float *found)
 {
     double sum = 0, seen = 0;
@@ -278,7 +263,7 @@ static int measure_cover(refiner *r, int level)
     return error;
 }
 
-/* Squared distance from a camera to a chunk's box, plus (box size / 8)^2. */
+/* Returns the squared distance from a camera to a chunk's bounding box, plus (size of the box / 8)^2. */
 static double square_distance(const refiner *r, uint32_t number, const float eye[3])
 {
     fxs_chunk chunk;
@@ -294,7 +279,6 @@ static double square_distance(const refiner *r, uint32_t number, const float eye
     return square;
 }
 
-/* The error of a chunk in a view; 0 for leaves and where it is not visible. */
 static double error_in(const refiner *r, uint32_t chunk, uint32_t view)
 {
     return chunk < r->leaves ? 0 : fmax((double)errors_of(r, chunk - r->leaves)[view], 0);
@@ -328,8 +312,6 @@ static int write_gains(refiner *r)
     return error;
 }
 
-/* ---- All --------------------------------------------------------------------------------------------------------- */
-
 static int refine_all(refiner *r, void *data)
 {
     const fxs_refine_options *o = r->options;
@@ -360,7 +342,6 @@ static int refine_all(refiner *r, void *data)
     return error ? error : write_gains(r);
 }
 
-/* Sets the origin from a sample of leaves. */
 static void find_origin(const fxs_scene *scene, double origin[3])
 {
     double places[FXS_ORIGIN_SAMPLE][3];
@@ -369,8 +350,7 @@ static void find_origin(const fxs_scene *scene, double origin[3])
     fxs_origin_of(origin, places, FXS_ORIGIN_SAMPLE);
 }
 
-/* Moves a scene that is far from the origin near 0 and refines it there, as steps use floats; the views move with
-   it. */
+/* Moves a scene far from the origin near 0 and refines it there, because steps use floats. */
 static int refine_far(void *data, size_t bytes, const fxs_refine_options *options, const double origin[3],
                       fxs_message *message)
 {

@@ -1,7 +1,5 @@
-/* Without given cameras, views look from directions on a spiral about the up axis, from a little below the horizon to
-   near the top, a golden angle apart (Vogel 1979). Their distances from the middle of the scene's inner box are
-   fractions (`parts`) of the distance from which the whole box is visible. Closer cameras look at points farther from
-   the middle. */
+/* Views for refining levels of detail. Without given cameras, views look from a spiral about the up axis, a golden
+ * angle apart (Vogel 1979), at several distances. Closer cameras look at points farther from the middle. */
 #include "refine_views.h"
 
 #include <math.h>
@@ -18,18 +16,16 @@
 #include "fit_internal.h"
 #include "random.h"
 
-enum { LEAST = 720, MOST = 1920 };     /* range of the longer side of a large picture, pixels */
+enum { LEAST = 720, MOST = 1920 };     /* longer side of a large picture in pixels */
 enum { FOV = 50, PARTS = 6 };
 
 #define LOWEST (-0.3)                  /* sines of the elevation angles */
 #define HIGHEST 0.95
-#define TURN_COSINE (-0.7373688780783197)   /* cosine of the golden angle, 2.39996 radians */
+#define TURN_COSINE (-0.7373688780783197)   /* golden angle, 2.39996 radians */
 #define TURN_SINE 0.6754902942615238
 
-#define FEW 1048576.0                  /* scenes of up to this many Gaussians use pictures of size LEAST */
+#define FEW 1048576.0                  /* up to this many Gaussians, pictures have size LEAST */
 static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
-
-/* ---- Choosing ---------------------------------------------------------------------------------------------------- */
 
 static void read_box(const void *data, double low[3], double high[3])
 {
@@ -47,14 +43,12 @@ static uint32_t most_views(const fxs_refine_options *o)
     return o->steps ? FXS_REFINE_VIEWS : FXS_REFINE_MEASURED;
 }
 
-/* -1 to 1 */
 static double random_between(uint32_t view, uint32_t axis)
 {
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
 }
 
-/* The limit of the longer side of a picture, pixels. Scenes with more Gaussians need larger pictures; fits to small
-   ones would be too soft. */
+/* Scenes with more Gaussians need larger pictures to stay sharp. */
 static int longer_of(const fxs_scene *scene, int size)
 {
     const double longer = LEAST * sqrt(scene->count / FEW);
@@ -62,7 +56,6 @@ static int longer_of(const fxs_scene *scene, int size)
     return size == FXS_REFINE_LARGE ? large : large / 3 * 2;
 }
 
-/* Upper limit of the bytes of a picture. */
 static size_t picture_bytes(const fxs_scene *scene)
 {
     const size_t longer = (size_t)longer_of(scene, FXS_REFINE_LARGE);
@@ -104,7 +97,6 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
     return (int)count;
 }
 
-/* Reduces a view to at most `most` pixels on its longer side. */
 static void limit(fxs_file_view *view, int most)
 {
     const int64_t longer = view->width > view->height ? view->width : view->height;
@@ -122,7 +114,6 @@ static int is_usable(const fxs_file_view *view)
     return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, &small, &unwanted);
 }
 
-/* Chooses evenly spaced ones of the given cameras. */
 static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_options *o)
 {
     size_t usable = 0, seen = 0;
@@ -138,8 +129,6 @@ static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_
     }
     return (int)count;
 }
-
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
 static int render(const fxs_context *context, const fxs_scene *scene, const fxs_file_view *view, uint8_t *rgba,
                   fxs_message *message)
@@ -159,7 +148,6 @@ static int render(const fxs_context *context, const fxs_scene *scene, const fxs_
     return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : 0;
 }
 
-/* Renders a photograph; its pixels go to `to`. */
 static int take_photograph(fxs_fit_photograph *p, uint8_t *to, const fxs_file_view *view, const fxs_scene *scene,
                            const fxs_context *context, fxs_message *message)
 {

@@ -1,22 +1,21 @@
-/* Pictures of a packed scene's leaves, the targets for refining its levels of detail. */
+/* Pictures of a packed scene at full detail, the targets for refining its levels of detail. */
 #ifndef FXS_REFINE_VIEWS_H
 #define FXS_REFINE_VIEWS_H
 
 #include <fixsplat/fit.h>
 #include "stepper.h"
 
-/* Two sizes of each view; large ones only if there are steps. */
 enum { FXS_REFINE_LARGE, FXS_REFINE_SMALL, FXS_REFINE_SIZES };
 
 typedef struct fxs_refine_views {
     fxs_fit_photograph photographs[FXS_REFINE_SIZES][FXS_REFINE_VIEWS];
     uint32_t count;
-    uint8_t *pixels;                   /* pixels of all pictures */
+    uint8_t *pixels;
     float extent;                      /* half the diagonal of the scene's inner box */
 } fxs_refine_views;
 
-/* Chooses the views of an open scene at `data` and renders them. Returns 0, or an error and a message; call
-   fxs_refine_views_free in any case. */
+/* Chooses views of a scene and renders them. Returns 0, or an error and a message; call fxs_refine_views_free in any
+   case. */
 int fxs_refine_views_make(fxs_refine_views *views, const fxs_scene *scene, const void *data,
                           const fxs_refine_options *options, fxs_message *message);
 void fxs_refine_views_free(fxs_refine_views *views);

@@ -1,15 +1,14 @@
-/* Relocation: moves dead Gaussians to the places of others and adds new ones, with little change to the picture.
- * Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo". */
+/* Moves faint Gaussians to the places of others and adds new ones, with little change to the picture (Kheradmand et al.
+ * 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"). */
 #include <stdlib.h>
 #include <string.h>
 
 #include "src/base/run.h"
 #include "relocate_one.h"
 
-/* Data of draws: prefix sums of opacities (Q24), and the number of draws of each Gaussian. */
 typedef struct draws {
     uint64_t *sums;
-    uint32_t *times, *sources;     /* sources: the Gaussian of each draw */
+    uint32_t *times, *sources;
     size_t count;
 } draws;
 

@@ -1,21 +1,20 @@
-/* Relocation of one Gaussian. Compiled for the CPU and for CUDA. */
+/* Relocation of one Gaussian to the place of another. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_RELOCATE_ONE_H
 #define FXS_FIT_RELOCATE_ONE_H
 
 #include "planes.h"
 #include "random.h"
 
-enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are treated as this */
-#define DEAD UINT32_MAX            /* count of draws that marks a dead Gaussian */
+enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are clamped */
+#define DEAD UINT32_MAX            /* marks a faint Gaussian instead of a number of draws */
 
-/* The chance to be drawn: opacity in Q24; 0 for opacities up to least_opacity. */
+/* Returns the chance of being drawn: opacity in Q24, 0 up to least_opacity. */
 static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)
 {
     const float opacity = opacity_at(m, i);
     return opacity > least_opacity ? (uint64_t)(opacity * 16777216.0f) : 0;
 }
 
-/* Index of the first sum above `at`. */
 static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
 {
     size_t first = 0, end = count - 1;
@@ -29,7 +28,7 @@ static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
     return (uint32_t)first;
 }
 
-/* The Gaussian of draw k, from the prefix sums of chances. Streams 0 and 1 use different random numbers. */
+/* Returns the Gaussian of draw k from prefix sums of chances. Streams 0 and 1 use different random numbers. */
 static inline uint32_t drawn(const fxs_fit_relocate *r, uint64_t stream, uint64_t k, const uint64_t *sums, size_t count)
 {
     return find(sums, count, fxs_fit_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);
@@ -53,9 +52,9 @@ static inline double root_of(double x, int n)
     return y;
 }
 
-/* Distributes opacity and scale over N = times + 1 Gaussians at one place (Kheradmand et al. 2024). Opacity: o' = 1 -
-   (1 - o)^(1 / N), so that together they are as opaque as before. Scale, for about the same picture: s' = s o / sum of
-   C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the paper's double sum over i and k, by columns). */
+/* Distributes opacity o and scale s over N = times + 1 Gaussians at one place (Kheradmand et al. 2024). The opacity
+   becomes o' = 1 - (1 - o)^(1 / N), so that together they are as opaque as before. The scale becomes s o / sum of C(N,
+   k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N. */
 static inline void share(fxs_fit_model *m, size_t i, uint32_t times)
 {
     const int n = times + 1 < SHARING ? (int)times + 1 : SHARING;

@@ -1,5 +1,5 @@
-/* Initial points of a sky (sky.h): each photograph votes on each direction of a spherical lattice. A photograph counts
- * a direction as free if no point of the reconstruction is projected near it. */
+/* Initial points of a sky: photographs vote on directions of a spherical lattice. A direction is free in a photograph
+ * if no point of the reconstruction is projected near it. */
 #include "sky.h"
 
 #include <math.h>
@@ -7,25 +7,23 @@
 #include <string.h>
 
 enum {
-    CELLS = 48,                    /* along the longer side of a picture */
-    MOST = 1 << 17                 /* most points examined; of more, evenly spaced ones */
+    CELLS = 48,                    /* cells along the longer side of a picture */
+    MOST = 1 << 17                 /* most points examined, evenly spaced */
 };
-#define TIMES 1000.0               /* the sphere's radius in extents; parallax across the extent is 1/1000 radian */
-#define FARTHEST 67108864.0        /* largest radius: half of the renderer's limit */
+#define TIMES 1000.0               /* radius of the sphere / extent of the scene */
+#define FARTHEST 67108864.0
 
-/* The photographs' votes on a direction. */
 typedef struct tally {
-    uint32_t seen, is_free;        /* numbers of photographs */
-    uint64_t colour[3];            /* sums over the photographs that count the direction as free */
+    uint32_t seen, is_free;        /* numbers of photographs that see the direction, and that see it free */
+    uint64_t colour[3];            /* sums of colours over photographs where the direction is free */
 } tally;
 
-/* Cells of a picture with points in them or next to them. */
 typedef struct cells {
     uint8_t is_near[CELLS][CELLS];
-    double size;                   /* pixels */
+    double size;                   /* cell size in pixels */
 } cells;
 
-/* Projects a place to pixels, not rounded. Returns whether it is in the picture or at most `beyond` pixels outside. */
+/* Projects a place to pixels. Returns true if it is at most `beyond` pixels outside of the picture. */
 static int project(const fxs_file_view *view, const double place[3], double beyond, double at[2])
 {
     double seen[3] = {0, 0, 0};
@@ -62,11 +60,10 @@ static void find_cells(cells *c, const fxs_file_view *view, const fxs_fit_point 
     }
 }
 
-/* The cell of a pixel coordinate. */
 static int cell_of(const cells *c, double at)
 {
     const int cell = (int)(at / c->size);
-    return cell < CELLS ? cell : CELLS - 1;    /* the quotient may round up */
+    return cell < CELLS ? cell : CELLS - 1;
 }
 
 static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point *point, tally *t)
@@ -86,8 +83,8 @@ static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point
         t->colour[k] += photo->pixels[3 * pixel + (size_t)k];
 }
 
-/* A spherical Fibonacci lattice: heights are evenly spaced, and each point is rotated from the previous one by the
-   golden angle, pi (3 - sqrt(5)). */
+/* Spherical Fibonacci lattice: heights are evenly spaced; each point is rotated by the golden angle, pi (3 -
+   sqrt(5)). */
 static void spread(fxs_fit_point *points, uint32_t count, const double middle[3], double radius)
 {
     double x = 1, z = 0;
@@ -111,7 +108,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The distance that contains 19 of 20 points; below 0 if memory runs out. */
+/* Returns the distance that contains 19 of 20 points; below 0 if memory runs out. */
 static double distance_of(const fxs_fit_point *points, size_t count, const double middle[3])
 {
     const size_t some = count < MOST ? count : MOST;
@@ -131,7 +128,6 @@ static double distance_of(const fxs_fit_point *points, size_t count, const doubl
     return distance;
 }
 
-/* Keeps the directions that are free in more than half of the photographs that see them. */
 static size_t choose(fxs_fit_point *points, const tally *tallies, uint32_t count)
 {
     size_t kept = 0;

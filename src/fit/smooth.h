@@ -1,16 +1,15 @@
-/* smooth: bounds each scale by the pixel size of the finest photograph that sees the Gaussian. Photographs do not
- * determine finer scales, but closer views would show them. This is the 3D smoothing filter of Yu et al. 2024
- * ("Mip-Splatting"), used as a lower bound of scales. */
+/* Limits each scale from below by the pixel size of the sharpest photograph that sees the Gaussian. This is the 3D
+ * smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 
 #include "fit_gaussian.h"
 
 #define FXS_FIT_SMOOTH 0.447213595f    /* sqrt(0.2) pixels */
-#define FXS_FIT_BESIDE 0.15f       /* centres up to this part of the picture's size beyond an edge count as seen */
+#define FXS_FIT_BESIDE 0.15f       /* centres up to this part of the picture's size outside count as seen */
 
-/* min(least_so_far, depth / focal) if the camera sees the place, else least_so_far: the size of a pixel there. The
-   pixel coordinate of the place is (focal X + middle Z) / Z. */
+/* Returns min(least_so_far, depth / focal) if the camera sees the place, else least_so_far. depth / focal: size of a
+   pixel. */
 static inline real finest_of(const fxs_fit_camera *c, const real place[3], real least_so_far)
 {
     const int32_t size[2] = {c->width, c->height};
@@ -30,8 +29,8 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* scale = max(scale, sqrt(0.2) divisor min(depth / focal)), with the minimum over the cameras that see the centre.
-   Unseen Gaussians keep their scales. */
+/* scale = max(scale, sqrt(0.2) divisor min(depth / focal)), the minimum taken over cameras that see the centre. Unseen
+   Gaussians keep their scales. */
 static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
 {
     const real farthest = all(FXS_FIT_FARTHEST_PLACE);
@@ -41,7 +40,7 @@ static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, fl
     for (uint32_t i = 0; i < cameras->count; i++)
         finest = finest_of(&cameras->of[i], place, finest);
     const mask is_seen = below(finest, farthest);
-    const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* -37.6..29 */
+    const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* range: -37.6..29 */
     for (int i = 0; i < 3; i++) {
         float *to = at + (FXS_FIT_SCALE + i) * (ptrdiff_t)stride;
         const real scale = load(to);

@@ -1,17 +1,16 @@
-/* The tiles that the ellipses of LANES splats touch, row by row. */
+/* The tiles of 16x16 pixels that the ellipses of LANES splats touch, row by row. */
 #ifndef FXS_FIT_SPAN_H
 #define FXS_FIT_SPAN_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* The ellipses of LANES splats. radius2: squared radius in u and v; first, end: rows of tiles, empty for hidden
-   splats. */
+/* Ellipses of LANES splats. radius2: squared radius in u and v; first, end: rows of tiles, empty for hidden splats. */
 typedef struct ellipses {
     real x, y, ux, uy, vy, radius2, half_y, tip, first, end;
 } ellipses;
 
-/* The tile of a pixel, clamped to 0..most_of; the pixel may be outside of the picture. */
+/* Returns the tile of a pixel that may be outside of the picture, clamped to 0..most_of. */
 static inline real tile_at(real pixel, int32_t most_of)
 {
     const real tile = least(most(pixel * (1.0f / FXS_FIT_TILE), all(0)), all((float)most_of));
@@ -24,8 +23,8 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
     e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
 }
 
-/* Columns first..end of a row of tiles: with u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest at the
-   y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. Empty beyond the last row. */
+/* Finds columns first..end of a row of tiles. With u = r cos, v = r sin: x = (u - uy y) / ux, y = v / vy. x is largest
+   at the y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. */
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);
@@ -52,7 +51,6 @@ static inline real count_tiles(const fxs_fit_camera *camera, const ellipses *e)
     return count;
 }
 
-/* Writes the tiles of LANES splats, each to its own output pointer. */
 static inline void put_tiles(const fxs_fit_camera *camera, const ellipses *e, uint32_t *out[LANES])
 {
     for (real row = e->first; any(below(row, e->end)); row = row + 1.0f) {

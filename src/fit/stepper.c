@@ -1,8 +1,5 @@
-/* A step of the fit on the CPU: project, bin, blend, loss, backward, update. Each stage runs as jobs on the thread
- * pool; all sums have a fixed order, so results do not depend on the number of threads.
- *
- * bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them in that order to the
- * tiles' lists. */
+/* A step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The stage
+ * bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles' lists. */
 #include "stepper.h"
 
 #include <math.h>
@@ -30,28 +27,25 @@ struct fxs_fit_stepper {
     block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered,
         by_pose;
 
-    /* data of the current step */
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
-    const uint8_t *photograph;     /* at the camera's size */
-    const uint8_t *errors_of;      /* the photograph for fxs_fit_find_errors, at the camera's size */
-    const uint8_t *mask;           /* at the camera's size, or null */
+    const uint8_t *photograph;     /* photograph at the camera's size */
+    const uint8_t *errors_of;
+    const uint8_t *mask;           /* mask at the camera's size, or null */
     float *errors;
-    fxs_fit_camera posed[FXS_FIT_BATCH];   /* the batch's cameras with pose corrections */
+    fxs_fit_camera posed[FXS_FIT_BATCH];
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
-    uint32_t batch, view;          /* views in the batch; current view */
-    float factors[FXS_FIT_GAIN];   /* M and m of the current photograph's exposure */
-    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* per view: sums for gain_gradient */
+    uint32_t batch, view;
+    float factors[FXS_FIT_GAIN];
+    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
-    int plane_count;               /* planes per channel: only the picture, or all */
+    int plane_count;
     uint32_t tile_count, visible;
     size_t entry_count;
-    int digit;                     /* current digit of the sort by depth */
+    int digit;
 };
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 static void *room(block *b, size_t bytes)
 {
@@ -102,8 +96,6 @@ static void run(fxs_fit_stepper *s, job_fn *job, uint32_t jobs)
             job(s, i);
 }
 
-/* ---- project ----------------------------------------------------------------------------------------------------- */
-
 static uint32_t gaussian_jobs(const fxs_fit_stepper *s)
 {
     return (uint32_t)((s->model->stride + JOB - 1) / JOB);
@@ -115,13 +107,12 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
     return left < JOB ? left : JOB;
 }
 
-/* A job's numbers of splats and entries; later, the sums over all jobs before it. */
+/* A job's numbers of splats and list entries; later the sums over all jobs before it. */
 typedef struct seen {
     uint32_t splats;
     size_t entries;
 } seen;
 
-/* The end of the job's Gaussians, at most the model's `count`. */
 static size_t job_end(const fxs_fit_stepper *s, uint32_t job)
 {
     const size_t first = (size_t)job * JOB, end = first + job_count(s, job);
@@ -145,21 +136,17 @@ static void project_job(void *argument, uint32_t job)
         }
 }
 
-/* ---- bin --------------------------------------------------------------------------------------------------------- */
-
 typedef struct key {
     uint32_t depth, splat, slot, tiles;
 } key;
 
 enum { DIGITS = 3, DIGIT_BITS = 11, DIGIT_VALUES = 1 << DIGIT_BITS };
 
-/* Start of a range of splats. Each pass of the sort has as many ranges as threads. */
 static uint32_t range_start(const fxs_fit_stepper *s, uint32_t range)
 {
     return (uint32_t)((uint64_t)s->visible * range / s->threads);
 }
 
-/* Replaces the jobs' counts by sums over the jobs before each. */
 static void add_jobs(fxs_fit_stepper *s)
 {
     seen *found = s->jobs.memory;
@@ -173,7 +160,7 @@ static void add_jobs(fxs_fit_stepper *s)
     }
 }
 
-/* Writes keys and tiles of visible splats. Depths are positive, so their bits sort as integers. */
+/* Depths are positive, so their bits sort as integers. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -192,7 +179,6 @@ static void cover_job(void *argument, uint32_t job)
     s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
-/* The half of `keys` that holds the input of the current digit. */
 static const key *keys_from(const fxs_fit_stepper *s)
 {
     return (const key *)s->keys.memory + (size_t)(s->digit % 2) * s->model->stride;
@@ -223,8 +209,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Replaces each range's count of each value (a digit or a tile) by the place of its first key in the order by value,
-   then by range. Writes the first place of each value to `starts` unless that is null. */
+/* Replaces each range's count of each value (digit or tile) by the place of its first key. Order: by value, then by
+   range. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -241,7 +227,7 @@ static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
         starts[values] = sum;
 }
 
-/* Stable radix sort; the result is in the second half of `keys`. */
+/* Stable radix sort. The result is in the second half of `keys`. */
 static void sort_keys(fxs_fit_stepper *s)
 {
     for (s->digit = 0; s->digit < DIGITS; s->digit++) {
@@ -251,7 +237,6 @@ static void sort_keys(fxs_fit_stepper *s)
     }
 }
 
-/* Prefetches the tiles of the key AHEAD places later. */
 enum { AHEAD = 8 };
 static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
 {
@@ -287,7 +272,7 @@ static void fill_entries_job(void *argument, uint32_t range)
     }
 }
 
-/* Makes room for the lists. `counts` holds each tile's first entry, then the number of entries that each needed. */
+/* `counts` holds the start of each tile's list, then the number of its needed entries. */
 static int make_room(fxs_fit_stepper *s)
 {
     const size_t values = s->tile_count > DIGIT_VALUES ? s->tile_count : DIGIT_VALUES, entries = s->entry_count + 1;
@@ -313,8 +298,6 @@ static int bin(fxs_fit_stepper *s)
     return 0;
 }
 
-/* ---- blend ------------------------------------------------------------------------------------------------------- */
-
 static void tile_place(const fxs_fit_stepper *s, uint32_t tile, int32_t *left, int32_t *top)
 {
     *left = (int32_t)(tile % (uint32_t)s->camera->tiles_x) * FXS_FIT_TILE;
@@ -326,7 +309,7 @@ static int32_t least_of(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* Initial transmittance. Pictures outside of a step use 16, so that pixels close only at FXS_FIT_CLOSED / 16. */
+/* Pictures outside of a step start with a transmittance of 16, so that more splats count before a pixel is opaque. */
 static float light_of(const fxs_fit_stepper *s)
 {
     return s->photograph ? 1 : 16;
@@ -337,7 +320,6 @@ static int has_exposure(const fxs_fit_stepper *s)
     return s->photograph && s->model->gains;
 }
 
-/* Applies the exposure to a tile's pixels in the picture. */
 static void expose(const fxs_fit_stepper *s, int32_t left, int32_t top, int32_t columns, int32_t rows)
 {
     for (int32_t y = top; y < top + rows; y++)
@@ -383,12 +365,9 @@ static void blend_job(void *argument, uint32_t tile)
     put_tile(s, tile, &pixels);
 }
 
-/* ---- loss -------------------------------------------------------------------------------------------------------- */
-
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-/* Allocates the planes of pixels; their margins are 0 and stay 0. The gradient reuses a plane of row sums that is free
-   by then. */
+/* The planes of pixels have margins of zeros. The gradient reuses a plane of row sums. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
@@ -478,9 +457,6 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
         }
 }
 
-/* ---- backward ---------------------------------------------------------------------------------------------------- */
-
-/* Converts the gradient by a tile's exposed colours to the gradient by its colours before exposure. */
 static void pass_exposure(const fxs_fit_stepper *s, fxs_fit_tile_gradient *g)
 {
     for (int i = 0; i < FXS_FIT_PIXELS; i++) {
@@ -512,7 +488,6 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
         pass_exposure(s, g);
 }
 
-/* Writes the sums of a tile's splats for a gradient of its pixels. */
 static void pass_back(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile_gradient *g)
 {
     const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
@@ -533,9 +508,6 @@ static void backward_job(void *argument, uint32_t tile)
     pass_back(s, tile, &g);
 }
 
-/* ---- update ------------------------------------------------------------------------------------------------------ */
-
-/* Adds up each Gaussian's sums over its tiles, in order. */
 static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
@@ -553,13 +525,11 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
     }
 }
 
-/* Planes of a view's sums, for the whole model. */
 static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
 {
     return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
 }
 
-/* End of the Gaussians of a job that the step changes; may be before the job's first. */
 static size_t changed_end(const fxs_fit_stepper *s, uint32_t job)
 {
     const size_t end = (size_t)job * JOB + job_count(s, job);
@@ -598,7 +568,6 @@ static size_t part_count(const fxs_fit_stepper *s)
     return (s->model->stride + FXS_FIT_PART - 1) / FXS_FIT_PART;
 }
 
-/* A view's gradient by number k of its pose: one term per part of the model. */
 static float *by_pose_of(const fxs_fit_stepper *s, uint32_t view, int k)
 {
     return (float *)s->by_pose.memory + (view * FXS_FIT_POSE + (size_t)k) * part_count(s);
@@ -675,8 +644,6 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
     adam->by_scale = options->by_scale * numbers / (3 * (float)gaussians);
 }
 
-/* ---- Exposure ---------------------------------------------------------------------------------------------------- */
-
 static float sum_numbers(const float *numbers, size_t step, size_t count, double divisor)
 {
     double parts[GAIN_PARTS];
@@ -685,7 +652,6 @@ static float sum_numbers(const float *numbers, size_t step, size_t count, double
     return gain_sum(parts, divisor);
 }
 
-/* Sums of a row for gain_gradient: 16 partial sums, added in the order of loss. */
 static void gain_rows_job(void *argument, uint32_t row)
 {
     const fxs_fit_stepper *s = argument;
@@ -716,8 +682,7 @@ static void sum_by_gain(fxs_fit_stepper *s)
         s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* Changes the exposure of each photograph of the batch, in order. Then subtracts the mean over all photographs, so that
-   the mean exposure is neutral and the scene does not take up a common tint. */
+/* Subtracting the mean over all photographs keeps the scene from taking up a common tint. */
 static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     const fxs_fit_gains *gains = s->model->gains;
@@ -731,9 +696,6 @@ static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
     }
 }
 
-/* ---- Poses ------------------------------------------------------------------------------------------------------- */
-
-/* Changes the pose of each photograph of the batch, in order. */
 static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     for (uint32_t v = 0; v < s->batch; v++) {
@@ -744,8 +706,6 @@ static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
         pose_step(&s->model->poses->of[photographs[v].number], &photographs[v].camera, sums, s->options->pose_rate);
     }
 }
-
-/* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t now(const fxs_fit_stepper *s)
 {
@@ -788,9 +748,7 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
-
-/* The squared colour difference of each pixel; backward distributes it by the splats' weights. */
+/* The backward pass distributes each pixel's squared colour difference over splats by their weights. */
 static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;
@@ -845,9 +803,6 @@ int fxs_fit_find_errors(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_
     return 0;
 }
 
-/* ---- Photographs ------------------------------------------------------------------------------------------------- */
-
-/* Averages a photograph down: each pixel is the mean of divisor x divisor pixels. */
 static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
 {
     const int divisor = from->divisor, all_of_them = divisor * divisor;
@@ -904,7 +859,6 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     return 0;
 }
 
-/* Runs the stages for one photograph, up to the sums of its splats. */
 static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
 {
     if (draw(s, report) || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))

@@ -1,4 +1,4 @@
-/* Crops a finished fit to its subject: the sphere around the point that the cameras look at. */
+/* Crops a finished fit to its subject: a sphere around the point that the cameras look at. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "fit_internal.h"
 #include "fit_lanes.h"
 
-/* Least determinant of the mean of 1 - d d^T: axes some 6 degrees apart. */
+/* smallest determinant of mean (1 - d d^T), with viewing directions d; some 6 degrees apart */
 #define LEAST_SPREAD 0.01
 
 static int ascending(const void *a, const void *b)
@@ -23,8 +23,8 @@ static void cross(double out[3], const double a[3], const double b[3])
         out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* The point p nearest to all viewing axes d from eyes e: mean (1 - d d^T) (p - e) = 0. Returns 0 if the axes are nearly
-   parallel. */
+/* Finds the point p nearest to all viewing axes d from eyes e: mean (1 - d d^T) (p - e) = 0. Returns 0 if the axes are
+   nearly parallel. */
 static int find_middle(const fxs_fit *f, double middle[3])
 {
     double a[3][3] = {{0}}, b[3] = {0, 0, 0}, inverse[3][3], determinant = 0;
@@ -45,8 +45,8 @@ static int find_middle(const fxs_fit *f, double middle[3])
     return determinant > LEAST_SPREAD && isfinite(middle[0] + middle[1] + middle[2]);
 }
 
-/* Distance from the optical axis to the nearer edge of the picture, at the depth of a place; 0 if the place is not in
-   the middle half of the picture's width and height. (Behind the camera the half sizes are negative, which gives 0.) */
+/* Returns the distance from the optical axis to the nearer edge of the picture, at a place's depth. 0: the place is not
+   in the middle half of the picture. */
 static double reach_at(const fxs_fit_camera *c, const double place[3])
 {
     double at[3] = {0, 0, 0};
@@ -57,7 +57,6 @@ static double reach_at(const fxs_fit_camera *c, const double place[3])
     return fabs(at[0]) <= across / 2 && fabs(at[1]) <= down / 2 ? fmin(across, down) : 0;
 }
 
-/* The subject's radius: the median over the cameras of reach_at the subject's middle. */
 int fxs_fit_find_subject(const fxs_fit *f, fxs_fit_subject *subject, fxs_message *message)
 {
     memset(subject, 0, sizeof *subject);

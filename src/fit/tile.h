@@ -1,4 +1,4 @@
-/* blend and backward for one tile: from a list of splats to pixels, and from the pixels' gradients to sums per
+/* Blending and backward pass for one tile: from a list of splats to pixels, and from gradients of pixels to sums per
  * splat. */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
@@ -6,12 +6,12 @@
 #include "fit_pixel.h"
 
 enum {
-    PLACES = 16,                   /* pixels of a block */
-    BATCH = 16,                    /* entries processed at a time */
-    EARLY = 8                 /* prefetch distance in entries */
+    PLACES = 16,                   /* pixels of a 4x4 block */
+    BATCH = 16,
+    EARLY = 8
 };
 
-/* u and v of a splat at the first pixel of each block of the tile. */
+/* Normalised coordinates u and v of a splat at the first pixel of each 4x4 block. */
 typedef struct corners {
     float u[FXS_FIT_BLOCKS], v[FXS_FIT_BLOCKS];
 } corners;
@@ -28,7 +28,7 @@ static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t to
     }
 }
 
-/* The blocks that the splat's ellipse may touch: within a block, u and v lie between their values at its corners. */
+/* Returns the bit set of 4x4 blocks that the splat's ellipse may touch. */
 static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
 {
     const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
@@ -45,7 +45,6 @@ static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
     return blocks;
 }
 
-/* Offsets of u and v from a block's first pixel to LANES pixels, from `place` on. */
 static inline void find_places(const fxs_fit_splat *s, int place, real *u, real *v)
 {
     static const float along[PLACES] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
@@ -55,7 +54,6 @@ static inline void find_places(const fxs_fit_splat *s, int place, real *u, real 
     *v = y * s->vy;
 }
 
-/* Blends a splat to LANES pixels. Returns whether a pixel changes. */
 static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
 {
     const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;
@@ -69,7 +67,7 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-/* Blends a splat into a set of blocks. Returns the blocks that it changes. */
+/* Returns the bit set of 4x4 blocks that the splat changes. */
 static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
@@ -93,7 +91,7 @@ static inline int is_open(const fxs_fit_tile *tile)
     return 0;
 }
 
-/* Blends a list until all pixels are closed. Returns the number of entries up to the last one that changed a pixel. */
+/* Blends a list until all pixels are opaque. Returns the number of entries up to the last one that changed a pixel. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, float light, fxs_fit_tile *tile)
 {
@@ -120,9 +118,6 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
     return needed;
 }
 
-/* ---- backward ---------------------------------------------------------------------------------------------------- */
-
-/* passed_pixel for all pixels of the tile. */
 typedef struct passed {
     float transmittance[FXS_FIT_PIXELS], behind[FXS_FIT_PIXELS];
 } passed;
@@ -147,7 +142,7 @@ static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient
     sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
-/* Adds up the 16 numbers of each row: p and p + 8, then p and p + 4, p + 2, p + 1. */
+/* Sums 16 numbers as a binary tree: numbers p and p + 8 first, then p + 4, p + 2 and p + 1. */
 #if LANES == 1
 static inline void add_places(const float (*rows)[PLACES], float *sums)
 {
@@ -174,7 +169,6 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* The additions of p and p + 2, then p + 1, for four rows of four numbers. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);
@@ -195,7 +189,6 @@ static inline void add_places(const float (*rows)[PLACES], float *sums)
 #undef MIX
 #endif
 
-/* Adds a block's sums to `sums`. */
 static inline void backward_block(const fxs_fit_splat *s, const corners *c, int b, const real of_places[][2],
                                   const fxs_fit_tile_gradient *g, passed *p, float *sums)
 {
@@ -234,8 +227,6 @@ static inline void backward_splat(const fxs_fit_splat *from, uint32_t blocks, co
     memcpy(sums, all_sums, sizeof all_sums);
 }
 
-/* Processes the first `count` entries of a list with the blocks that blend found, and writes the sums of each to its
-   slot. */
 static inline void backward(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {

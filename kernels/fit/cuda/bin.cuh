@@ -1,4 +1,5 @@
-/* project, shade and bin: a view's splats, their colours, and the tiles' lists. */
+/* Projects a view's Gaussians to splats, colours them, and lists the splats of each tile, sorted by depth. A slot is a
+ * pair of a splat and a tile that it touches. */
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 
@@ -14,11 +15,10 @@ namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* Load balance: a splat with more than FEW_TILES tiles gets a whole warp, one with more than MANY_TILES a block. The
-   first LARGE_BLOCKS blocks of a kernel take these. */
+/* Load balance: a splat with more than FEW_TILES tiles gets a warp, one with more than MANY_TILES a block of
+   threads. */
 const uint32_t FEW_TILES = 16, MANY_TILES = 256, LARGE_BLOCKS = 264;
 
-/* Lists the warp's large and huge Gaussians. */
 __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint32_t tiles)
 {
     const bool is_huge = tiles > MANY_TILES, is_large = !is_huge && tiles > FEW_TILES;
@@ -30,8 +30,6 @@ __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint
         b.large[large] = gaussian;
 }
 
-/* For blocks below LARGE_BLOCKS: calls by_block(Gaussian) with all threads for the block's huge Gaussians, and
-   by_warp(Gaussian) for each warp's large ones. */
 template <class ByBlock, class ByWarp>
 __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWarp by_warp)
 {
@@ -42,8 +40,7 @@ __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWa
         by_warp(b.large[i]);
 }
 
-/* The Gaussian of a thread, for blocks from LARGE_BLOCKS on. Neighbours are often alike in size, so groups of four go
-   to different blocks. */
+/* Neighbouring Gaussians are alike in size, so groups of four go to different blocks of threads. */
 __device__ inline uint32_t spread_over_blocks(uint32_t thread)
 {
     return (thread / 4 * (gridDim.x - LARGE_BLOCKS) + (blockIdx.x - LARGE_BLOCKS)) * 4 + thread % 4;
@@ -54,7 +51,6 @@ inline uint32_t bin_grid(uint64_t threads)
     return (uint32_t)((threads + BIN_THREADS - 1) / BIN_THREADS);
 }
 
-/* Calls launch(degree) with a compile-time constant, so that a kernel's SH stay in registers. */
 template <class Launch>
 void by_degree(int degree, Launch launch)
 {
@@ -70,9 +66,6 @@ void by_degree(int degree, Launch launch)
     }
 }
 
-/* ---- project and shade ------------------------------------------------------------------------------------------- */
-
-/* Writes a splat as four 16-byte words; the colours follow in shade_splats. */
 __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_splat *splat)
 {
     float4 *to = (float4 *)splat;
@@ -82,7 +75,6 @@ __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_spla
     to[3] = make_float4(numbers[12], numbers[13], numbers[14], 0);
 }
 
-/* Computes all of a splat except the colours. `posed`: the camera's pose, if IsPosed. */
 template <bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
     project_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
@@ -117,7 +109,6 @@ __global__ void __launch_bounds__(BIN_THREADS)
         b.splats[i].depth = 0;
 }
 
-/* Computes the colours of the visible splats. */
 template <int Degree, bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
     shade_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
@@ -134,7 +125,6 @@ __global__ void __launch_bounds__(BIN_THREADS)
         find_colours(&camera, Degree, m.parameters + i, m.stride, &splat->limit, splat->colour);
 }
 
-/* `posed`: null, or the camera's pose in device memory. */
 cudaError_t launch_project(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                            const posed_camera *posed, cudaStream_t stream)
 {
@@ -143,7 +133,6 @@ cudaError_t launch_project(const step_buffers *b, const device_model *m, const f
     return cudaGetLastError();
 }
 
-/* On the side stream, at the same time as bin, which needs no colours. */
 cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                          const posed_camera *posed, int degree, cudaStream_t stream, const side_stream *beside)
 {
@@ -156,9 +145,7 @@ cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs
     return first_of(first_of(failure, cudaGetLastError()), cudaEventRecord(beside->end, beside->stream));
 }
 
-/* ---- Slots ------------------------------------------------------------------------------------------------------- */
-
-/* Saturating sum, so that an overflowing count stays too large. */
+/* Adds with saturation, so that an overflowing count stays too large. */
 struct add_saturated {
     __host__ __device__ uint32_t operator()(uint32_t x, uint32_t y) const
     {
@@ -166,7 +153,7 @@ struct add_saturated {
     }
 };
 
-/* Records the step's number of slots. Returns whether they fit. */
+/* Counts the step's slots. Returns true if they fit into memory. */
 __device__ inline bool has_room(const step_buffers &b, uint32_t total)
 {
     if (!blockIdx.x && !threadIdx.x) {
@@ -201,7 +188,7 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
     b.splat_of[slot] = gaussian;
 }
 
-/* Slots of a warp's small splats, staged so that writes are consecutive. */
+/* Staging a warp's slots makes the writes to global memory consecutive. */
 struct staged_slots {
     uint32_t tiles[BIN_THREADS / WARP][WARP * FEW_TILES];
     uint8_t lanes[BIN_THREADS / WARP][WARP * FEW_TILES];
@@ -220,7 +207,6 @@ __device__ inline void stage_small(const fxs_fit_camera *camera, const ellipses 
     }
 }
 
-/* By a warp: writes the slots of each thread's splat with `tiles` tiles, at most FEW_TILES. */
 __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
                                  uint32_t tiles, uint32_t gaussian, staged_slots *staged)
 {
@@ -242,7 +228,8 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* By warp n of `warps`: the threads find the columns of a row each, then fill the warp's rows together. */
+/* Writes the slots of a large splat. Each thread finds the tiles of one row; then all threads of the warp write the
+   rows together. */
 __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, uint32_t gaussian, uint32_t n,
                                  uint32_t warps)
 {
@@ -266,7 +253,6 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* A block or warp per splat with many tiles; a thread per other Gaussian. */
 __global__ void __launch_bounds__(BIN_THREADS)
     put_slots(step_buffers b, uint32_t count, const __grid_constant__ fxs_fit_camera camera)
 {
@@ -287,12 +273,10 @@ __global__ void __launch_bounds__(BIN_THREADS)
     put_small(b, &camera, e, slot, tiles <= FEW_TILES ? tiles : 0, gaussian, &staged);
 }
 
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
-
-const uint32_t START_THREADS = 1024, START_TILES = 4;      /* threads per block; tiles per thread and round */
-const uint32_t CLASSES = 64;       /* of list lengths: two per power of 2, longest first */
-const uint32_t LONG_LIST = 256;    /* lists of at least this many entries are sorted by a block, shorter ones by a
-                                      warp */
+const uint32_t START_THREADS = 1024, START_TILES = 4;
+const uint32_t CLASSES = 64;       /* number of classes of list length, two per power of 2 */
+const uint32_t LONG_LIST = 256;    /* lists with at least this many entries are sorted by a block of threads, shorter
+                                      lists by a warp */
 
 __device__ inline uint32_t class_of(uint32_t count)
 {
@@ -300,7 +284,6 @@ __device__ inline uint32_t class_of(uint32_t count)
     return CLASSES - 1 - (bits < 2 ? bits : 2 * bits - 2 + (count >> (bits - 2) & 1));
 }
 
-/* By one block: turns list lengths into starts, and orders the tiles by class. */
 __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uint32_t tile_count)
 {
     typedef cub::BlockScan<uint32_t, START_THREADS> scan;
@@ -347,7 +330,6 @@ __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uin
     }
 }
 
-/* One thread per slot. */
 __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32_t count)
 {
     if (is_stopped(b.status))
@@ -363,20 +345,18 @@ __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32
 
 const uint32_t SORT_THREADS = 256;
 
-/* Sorts lists by T threads in 2^Bits bins. */
+/* Sorts tile lists. Lists longer than Room are first split into 2^Bits bins by key. */
 template <uint32_t T, uint32_t Room, int Bits>
 struct list_sorter {
     typedef group_keys<Room, Bits> keys_type;
     keys_type keys;
     uint32_t bins[bins_of<keys_type, T>];
 
-    /* Lists longer than Room are put into bins first. */
     __device__ void sort(const step_buffers &b, uint32_t start, uint32_t count, group<T> g)
     {
         const uint64_t *list = b.keys + start;
         uint32_t *ends = nullptr, *slots = b.slots + start;
-        if (count > Room) {                /* scratch: the list's `sums`, 36 bytes per entry, hold a key each and the
-                                              2^Bits ends */
+        if (count > Room) {                /* `sums` is not in use yet, so its memory holds the bins */
             uint64_t *moved = (uint64_t *)(((uintptr_t)(b.sums + (size_t)start * FXS_FIT_SUMS) + 7) / 8 * 8);
             auto visit_all = [&](auto visit) { visit_keys(list, count, &g, visit); };
             const key_range r = range_of_list(&keys, &g, visit_all);
@@ -390,7 +370,7 @@ struct list_sorter {
         }
         uint32_t *to = slots;
         take_keys(&keys, bins, list, count, ends, &g, [&](uint32_t some) {
-            __builtin_assume(some > 0);    /* tells the compiler */
+            __builtin_assume(some > 0);
             sort_keys_by_count(to, &keys, bins, some, &g);
             to += some;
             return true;
@@ -405,7 +385,6 @@ union sort_shared {
     list_sorter<WARP, LONG_LIST, 8> warps[SORT_THREADS / WARP];
 };
 
-/* One block per long list, longest first; then one warp per shorter list. */
 __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint32_t tile_count)
 {
     __shared__ sort_shared shared;
@@ -424,13 +403,11 @@ __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint3
         shared.warps[warp].sort(b, start, count, {0, lane_index()});
 }
 
-/* Replaces `bases` by its exclusive prefix sums. */
 cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
 {
     return cub::DeviceScan::ExclusiveScan(scratch, *bytes, b->bases, b->bases, add_saturated(), 0u, count + 1, stream);
 }
 
-/* Scratch bytes of add_tiles. */
 size_t bin_scratch(uint32_t gaussians)
 {
     size_t bytes = 0;

@@ -1,10 +1,6 @@
-/* The fit's engine on GPUs (src/fit/engine.h): transfers photographs, launches a step's kernels on each device, and
- * exchanges gradients between devices.
- *
- * Step: each photograph goes to one device, which projects, bins, blends, computes the loss and runs backward
- * (pass); the sums per Gaussian are copied to all other devices; then every device makes the same update, so all
- * models stay equal. Steps are asynchronous: up to PENDING of them run before the host waits. If a step's lists
- * overflowed, it and all later ones have changed nothing, and finish repeats them with more memory. */
+/* The fit's engine on NVIDIA GPUs. Each device computes the gradients of its share of a batch's photographs, then
+ * receives all other gradients and makes the same update, so that all models stay equal. If the tile lists of a step
+ * overflow, this step and all later ones change nothing; finish repeats them with more memory. */
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
@@ -19,36 +15,36 @@ namespace {
 
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE, STAGES };
 
-const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;    /* see launch_gather */
-const uint32_t PENDING = 64;       /* most steps in flight */
-const uint32_t PHOTOGRAPHS = 3;    /* slots per device: one in use, others in transfer */
+const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;
+const uint32_t PENDING = 64;       /* largest number of steps in flight */
+const uint32_t PHOTOGRAPHS = 3;    /* photographs in memory: one in use, two in transfer */
 
-/* A photograph on its way to a device: pinned host memory and device memory, each with pixels, then mask. */
+/* A photograph in transfer to a device. The mask follows the pixels. */
 struct photograph_slot {
     host_block sent;
     block pixels;
     cudaEvent_t ready, is_free;
 };
 
-/* A device and its memory. All devices hold the same model, bit for bit. */
+/* A GPU. All devices hold the same model, bit for bit. */
 struct device {
     int number;
-    cudaStream_t stream, copies;   /* kernels; photograph transfers */
-    side_stream beside;            /* SH: shading and updates run here while lists are made */
+    cudaStream_t stream, copies;
+    side_stream beside;            /* second stream, for colours and updates of SH */
     budget memory;
     device_model model;
     step_buffers buffers;
-    fxs_fit_gains gains;           /* in device memory; count 0: no exposures */
-    fxs_fit_poses poses;           /* in device memory; count 0: no poses */
-    fxs_fit_cameras cameras;       /* in device memory; count 0: scales are not bounded */
-    posed_camera *posed;           /* cameras of a batch's views; null: no poses */
+    fxs_fit_gains gains;           /* count 0: exposures are not fitted */
+    fxs_fit_poses poses;           /* count 0: poses are not fitted */
+    fxs_fit_cameras cameras;
+    posed_camera *posed;           /* null: poses are not fitted */
     block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts,
         all_cameras;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
-    float *views[FXS_FIT_BATCH];   /* per photograph of the batch: sums (launch_gather), own and received */
-    cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: its photographs' sums are complete; received:
-                                                              the others' have arrived */
+    float *views[FXS_FIT_BATCH];   /* gradient sums of all Gaussians, per photograph */
+    cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: the device's own gradient sums are complete;
+                                                              received: all other gradient sums have arrived */
 };
 
 struct step_order {
@@ -58,22 +54,19 @@ struct step_order {
     bool has_report;
 };
 
-struct engine {                    /* in pinned host memory, for copies to `statuses` */
+struct engine {                    /* pinned, for asynchronous copies to `statuses` */
     fxs_fit_model *model;
-    fxs_run_fn *run;               /* null: one thread */
-    void *pool;                    /* argument of run */
+    fxs_run_fn *run;               /* null: single-threaded */
+    void *pool;
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
-    step_order pending[PENDING];   /* started since the host last waited */
+    step_order pending[PENDING];
     uint32_t pending_count;
-    uint64_t entries_most;         /* most entries of a step so far */
-    step_status statuses[FXS_FIT_BATCH];    /* per device */
-    host_block rows[FXS_FIT_BATCH];    /* per photograph, for a report: see step_buffers */
+    uint64_t entries_most;
+    step_status statuses[FXS_FIT_BATCH];
+    host_block rows[FXS_FIT_BATCH];
 };
 
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
-
-/* Divides memory up for the buffers with one number per Gaussian. Returns the size in bytes; memory may be null. */
 uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
     unsigned char *at = memory;
@@ -136,7 +129,6 @@ int reserve_slots(device *d, uint64_t capacity, fxs_message *why)
     return error;
 }
 
-/* Grows the buffers to the model's stride. */
 int reserve_gaussians(device *d, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
@@ -147,7 +139,6 @@ int reserve_gaussians(device *d, fxs_message *why)
     return error ? error : reserve_scratch(d, why);
 }
 
-/* Grows the buffers to a picture's size. */
 int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
@@ -158,8 +149,6 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-/* Numbers per photograph: the planes of launch_gather, an overflow flag, the sums of launch_by_gain and of
-   launch_by_pose. */
 uint64_t view_numbers(const device *d)
 {
     return VIEW_PLANES * (uint64_t)d->model.stride + 64;
@@ -189,9 +178,7 @@ int reserve_views(device *d, uint32_t count, fxs_message *why)
     return error;
 }
 
-/* ---- Photographs ------------------------------------------------------------------------------------------------- */
-
-const size_t COPIED = 1 << 18;     /* bytes per job */
+const size_t COPIED = 1 << 18;
 
 struct copying {
     uint8_t *to;
@@ -206,8 +193,7 @@ void copy_part(void *argument, uint32_t job)
     memcpy(c->to + first, c->from + first, left < COPIED ? left : COPIED);
 }
 
-/* Copies with all threads. A photograph is usually in no cache, and a single thread would take longer than the rest of
-   a step. */
+/* Copies with all threads, as a single thread would be slower than the rest of a step. */
 void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
 {
     copying c = {(uint8_t *)to, from, bytes};
@@ -217,8 +203,7 @@ void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
         memcpy(to, from, bytes);
 }
 
-/* Starts a photograph's transfer, which overlaps the kernels of earlier steps; this step's kernels wait for it. Goes
-   through the engine's pinned memory: the caller's memory cannot be pinned safely, as its pages may hold other data. */
+/* Starts a photograph's transfer. The caller's memory is not pinned, because its pages may hold other data. */
 int send_photograph(const engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
@@ -238,15 +223,12 @@ int send_photograph(const engine *e, device *d, const fxs_fit_photograph *p, pho
     return check(why, cudaGetLastError(), cudaStreamWaitEvent(d->stream, slot->ready, 0));
 }
 
-/* ---- A step ------------------------------------------------------------------------------------------------------ */
-
 void mark(const device *d, const step_order *s, int stage)
 {
     if (s->has_report)
         cudaEventRecord(d->stages[stage], d->stream);
 }
 
-/* Copies the loss's row sums to the host, for a report. */
 int fetch_rows(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     const uint64_t bytes = 6 * (uint64_t)s->photographs[view].camera.height * sizeof(float);
@@ -320,7 +302,6 @@ int pose_all(engine *e, const step_order *s, fxs_message *why)
     return error;
 }
 
-/* Computes the sums for a photograph's pose. */
 int sum_by_pose(device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     const uint64_t bytes = FXS_FIT_POSE * (uint64_t)part_count(&d->model) * sizeof(float);
@@ -331,7 +312,6 @@ int sum_by_pose(device *d, const step_order *s, uint32_t view, fxs_message *why)
                                                      by_pose_of(d, view), d->stream));
 }
 
-/* Forward and backward for one photograph of a step, up to the sums per splat. */
 int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
@@ -371,7 +351,6 @@ struct flags {
     const float *of_views[FXS_FIT_BATCH];
 };
 
-/* Stops this device if another one overflowed. */
 __global__ void hear_full(step_status *status, flags f, uint32_t views)
 {
     for (uint32_t v = 0; v < views; v++)
@@ -379,13 +358,11 @@ __global__ void hear_full(step_status *status, flags f, uint32_t views)
             status->is_full = 1;
 }
 
-/* The device that a photograph of a step is assigned to. */
 uint32_t device_of(const engine *e, const step_order *s, uint32_t view)
 {
     return view / (s->count / e->device_count);
 }
 
-/* Copies the sums of the other devices' photographs to device `to`. */
 int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
 {
     device *d = &e->devices[to];
@@ -402,7 +379,6 @@ int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
     return e->device_count > 1 ? check(why, cudaEventRecord(d->received, d->stream)) : 0;
 }
 
-/* Adam's constants, for gradients summed over all pixels of a batch. */
 fxs_fit_adam adam_of(const engine *e, const step_order *s)
 {
     fxs_fit_adam adam;
@@ -410,7 +386,7 @@ fxs_fit_adam adam_of(const engine *e, const step_order *s)
     return adam;
 }
 
-/* Waits until the other devices have copied the sums that the update overwrites. */
+/* Waits until other devices have copied the gradient sums, which the update overwrites. */
 void wait_for_receivers(const engine *e, const device *d)
 {
     for (uint32_t i = 0; i < e->device_count; i++)
@@ -465,7 +441,6 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     return check(why, failure, cudaGetLastError());
 }
 
-/* Runs the passes of a batch, each on its device. */
 int pass_all(engine *e, const step_order *s, fxs_message *why)
 {
     int error = 0;
@@ -487,7 +462,6 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
     return error;
 }
 
-/* Clears the counts, so that the report covers its own step only. */
 int clear_counts(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -515,9 +489,6 @@ int start_step(engine *e, const step_order *s, fxs_message *why)
     return error;
 }
 
-/* ---- Waiting for steps ------------------------------------------------------------------------------------------- */
-
-/* Waits for all devices and reads their statuses. */
 int wait(engine *e, fxs_message *why)
 {
     for (uint32_t i = 0; i < e->device_count; i++) {
@@ -533,7 +504,7 @@ int wait(engine *e, fxs_message *why)
     return 0;
 }
 
-/* If the longest lists so far use more than 8/9 of the capacity, makes room for 5/4 of them. Discards the lists. */
+/* Grows tile lists if the longest so far fill more than 8/9 of the memory. Discards their contents. */
 int widen_lists(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -546,7 +517,6 @@ int widen_lists(engine *e, fxs_message *why)
     return error;
 }
 
-/* Takes the maximum of entries and clears the statuses. *is_full: a device stopped. */
 int take_statuses(engine *e, bool *is_full, fxs_message *why)
 {
     int error = 0;
@@ -562,7 +532,7 @@ int take_statuses(engine *e, bool *is_full, fxs_message *why)
     return error;
 }
 
-/* Completes the pending steps. From the first one that overflowed on, they are repeated with more memory. */
+/* Completes the pending steps. Repeats steps from the first overflow on, with more memory. */
 int finish(engine *e, fxs_message *why)
 {
     uint32_t first = 0;
@@ -581,8 +551,6 @@ int finish(engine *e, fxs_message *why)
     return error;
 }
 
-/* ---- The engine's functions -------------------------------------------------------------------------------------- */
-
 void fill_report(const engine *e, const step_order *s, fxs_fit_report *report)
 {
     memset(report, 0, sizeof *report);
@@ -592,7 +560,6 @@ void fill_report(const engine *e, const step_order *s, fxs_fit_report *report)
         report->entries += e->statuses[i].seen.entries;
         report->visible += e->statuses[i].seen.visible;
     }
-    /* times of the first device's last photograph */
     for (int i = 0; i < STAGES; i++) {
         float milliseconds = 0;
         if (cudaEventElapsedTime(&milliseconds, e->devices[0].stages[i], e->devices[0].stages[i + 1]))
@@ -622,7 +589,7 @@ int step(void *self, const fxs_fit_photograph *photographs, uint32_t count, cons
     return error;
 }
 
-/* Completes the pending steps, then calls change(device) for each device; the models stay equal. */
+/* Completes the pending steps, then changes the model alike on all devices. */
 template <class Change>
 int change_model(engine *e, fxs_message *why, Change change)
 {
@@ -662,7 +629,6 @@ int reset_opacity(void *self, float opacity, fxs_message *why)
                         [&](device *d) { return model_reset_opacity(&d->model, opacity, d->stream, why); });
 }
 
-/* Uploads the host model's exposures, if any. */
 int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
@@ -679,7 +645,6 @@ int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
                  cudaStreamSynchronize(d->stream));
 }
 
-/* Uploads its poses, if any. */
 int upload_poses(device *d, const fxs_fit_poses *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
@@ -696,7 +661,6 @@ int upload_poses(device *d, const fxs_fit_poses *from, fxs_message *why)
                  cudaStreamSynchronize(d->stream));
 }
 
-/* Uploads the cameras that bound scales, if any. */
 int upload_cameras(device *d, const fxs_fit_cameras *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
@@ -767,8 +731,6 @@ int quantise(void *self, fxs_message *why)
     }
     return error;
 }
-
-/* ---- Beginning and end ------------------------------------------------------------------------------------------- */
 
 void close(device *d)
 {
@@ -842,7 +804,6 @@ int open(device *d, int number, uint64_t max_memory, fxs_message *why)
     return error ? error : check(why, cudaMemsetAsync(d->status.data, 0, sizeof(step_status), d->stream));
 }
 
-/* Enables direct copies between devices where supported. */
 void connect(const engine *e)
 {
     for (uint32_t i = 0; i < e->device_count; i++)

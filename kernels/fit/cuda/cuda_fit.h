@@ -1,4 +1,4 @@
-/* Fit on NVIDIA GPUs: an engine (src/fit/engine.h) that keeps the model on devices. Same bytes as the CPU engine. */
+/* Fit on NVIDIA GPUs, with the same results as on the CPU, byte for byte. */
 #ifndef FXS_CUDA_FIT_H
 #define FXS_CUDA_FIT_H
 
@@ -8,9 +8,9 @@
 extern "C" {
 #endif
 
-/* Creates an engine for `model` on the devices in `options`. A batch's photographs are distributed over the devices;
-   each has a copy of the model. Each device uses at most options->max_memory bytes (0: no limit). *self goes to
-   engine->free. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
+/* Creates an engine for `model` on the devices in `options`. Each device holds the whole model and computes a share of
+   each batch's photographs, in at most options->max_memory bytes (0: no limit). (*engine)->free frees *self. Errors:
+   FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 int fxs_cuda_fit_engine(const fxs_fit_engine **engine, void **self, fxs_fit_model *model,
                         const fxs_fit_options *options, fxs_message *why);
 

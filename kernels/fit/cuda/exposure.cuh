@@ -1,4 +1,4 @@
-/* Exposures of photographs on a device: src/fit/exposure.h, in the same order of operations as src/fit/stepper.c. */
+/* Exposures of photographs on a device (src/fit/exposure.h), with the CPU's order of floating-point operations. */
 #ifndef FXS_CUDA_FIT_EXPOSURE_CUH
 #define FXS_CUDA_FIT_EXPOSURE_CUH
 
@@ -9,7 +9,7 @@ namespace {
 #include "src/fit/exposure.h"
 #undef static
 
-const uint32_t GAIN_THREADS = FXS_FIT_GAIN * GAIN_PARTS;    /* one thread per part of a sum */
+const uint32_t GAIN_THREADS = FXS_FIT_GAIN * GAIN_PARTS;
 
 __global__ void find_factors(step_buffers b, const fxs_fit_gain *gain, int is_affine)
 {
@@ -17,14 +17,12 @@ __global__ void find_factors(step_buffers b, const fxs_fit_gain *gain, int is_af
         gain_factors(gain, is_affine, b.factors);
 }
 
-/* Computes the factors of a photograph's exposure, before blend. */
 cudaError_t launch_factors(const step_buffers *b, const fxs_fit_gains *gains, uint32_t number, cudaStream_t stream)
 {
     find_factors<<<1, 1, 0, stream>>>(*b, &gains->of[number], gains->is_affine);
     return cudaGetLastError();
 }
 
-/* Half a warp per row and sum. */
 __global__ void sum_gain_rows(step_buffers b, fxs_fit_camera camera, int is_affine)
 {
     if (is_stopped(b.status))
@@ -54,7 +52,6 @@ add_gain_rows(step_buffers b, fxs_fit_camera camera, float *out)
         out[k] = gain_sum(parts[k], 3.0 * camera.width * camera.height);
 }
 
-/* Computes the numbers that gain_step takes, from the gradients of the pixels. */
 cudaError_t launch_by_gain(const step_buffers *b, const fxs_fit_camera *camera, int is_affine, float out[FXS_FIT_GAIN],
                            cudaStream_t stream)
 {
@@ -64,7 +61,6 @@ cudaError_t launch_by_gain(const step_buffers *b, const fxs_fit_camera *camera, 
     return cudaGetLastError();
 }
 
-/* A batch's photographs in order: numbers, and sums from launch_by_gain. */
 struct gain_batch {
     uint32_t count, numbers[FXS_FIT_BATCH];
     const float *by_gain[FXS_FIT_BATCH];

@@ -1,5 +1,5 @@
-/* The loss between a picture and its photograph (L1 and SSIM, src/fit/loss.h), the pixels' gradients, the report, and
-   averaging down of photographs. */
+/* The loss between a rendered picture and its photograph (L1 and SSIM, src/fit/loss.h) and its gradient by the
+ * pixels. */
 #ifndef FXS_CUDA_FIT_LOSS_CUH
 #define FXS_CUDA_FIT_LOSS_CUH
 
@@ -10,8 +10,8 @@ namespace {
 #include "src/fit/loss.h"
 #undef static
 
-/* A block of threads has a SQUARE x SQUARE tile of the picture, plus a margin of REACH for the windows. A thread
-   computes RUN adjacent outputs along a row or column, so that each input is loaded once for all of them. */
+/* A block of threads computes SQUARE x SQUARE pixels, with a margin of REACH pixels for SSIM's windows. A thread
+   computes RUN adjacent outputs, so that each input is loaded once. */
 const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
 const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* odd pitches avoid bank conflicts */
 const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
@@ -19,10 +19,9 @@ const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
 typedef float patch[PATCH][PITCH];
 typedef float column_sums[PATCH][COLUMNS_PITCH];
 
-/* A thread's run of outputs, down a column. */
 struct loss_place {
-    int x, y;                      /* first output, in the square */
-    int left, top;                 /* first pixel of the square */
+    int x, y;
+    int left, top;
 };
 
 __device__ inline loss_place place_of_run()
@@ -31,31 +30,29 @@ __device__ inline loss_place place_of_run()
             (int)blockIdx.y * SQUARE};
 }
 
-/* A photograph on the device: red, green, blue; mask with one byte per pixel, or null. */
+/* Photograph in device memory: RGB bytes; a mask byte per pixel, or null. */
 struct loss_photograph {
     const uint8_t *pixels, *mask;
 };
 
-/* A byte of the photograph as 0 to 1. */
 __device__ inline float level_of_byte(uint8_t byte)
 {
     return (float)byte / 255.0f;
 }
 
-/* True if a pixel counts in the loss. Without a mask the check compiles away. */
 template <bool HAS_MASK>
 __device__ inline bool counts(const loss_photograph &photograph, size_t at)
 {
     return !HAS_MASK || photograph.mask[at];
 }
 
-/* The value that the photograph would record: saturated, if there are exposures. */
+/* If exposures are fitted, values saturate at white, as in a photograph. */
 __device__ inline float recorded_of(const step_buffers &b, float a, float level)
 {
     return b.factors ? recorded(a, level) : a;
 }
 
-/* Calls visit(row, column in the patch, index in the picture, whether it is inside). */
+/* Calls visit(row, column, index, is_inside) for each pixel of the square and its margin. */
 template <class Visit>
 __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
 {
@@ -66,7 +63,7 @@ __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p,
     }
 }
 
-/* Sums of RUN windows with consecutive starts. */
+/* Sums RUN windows of SSIM with consecutive starts. */
 template <class Number>
 __device__ inline void window_sums(Number number, float out[RUN])
 {
@@ -79,7 +76,6 @@ __device__ inline void window_sums(Number number, float out[RUN])
         out[k] = window_sum(numbers + k + REACH, 1);
 }
 
-/* Calls put(row, first column) for each run of outputs along a patch's rows. */
 template <class Put>
 __device__ inline void visit_runs(Put put)
 {
@@ -87,8 +83,6 @@ __device__ inline void visit_runs(Put put)
     for (int i = (int)threadIdx.x; i < PATCH * runs; i += (int)LOSS_THREADS)
         put(i / runs, i % runs * RUN);
 }
-
-/* ---- SSIM and its derivatives ------------------------------------------------------------------------------------ */
 
 __device__ inline void sum_rows(const patch a, const patch b, column_sums *rows)
 {
@@ -144,9 +138,6 @@ find_derivatives(step_buffers b, loss_photograph photograph, fxs_fit_camera came
     }
 }
 
-/* ---- The gradient ------------------------------------------------------------------------------------------------ */
-
-/* Window sums of a channel's derivatives, for a thread's run. */
 __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_camera &camera, const loss_place &p,
                                        size_t channel, patch *derivatives, column_sums *rows,
                                        float sums[FXS_FIT_DERIVATIVES][RUN])
@@ -195,9 +186,7 @@ find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_came
     }
 }
 
-/* ---- The report -------------------------------------------------------------------------------------------------- */
-
-/* Sum of a row by half a warp: each thread sums every 16th number, then a butterfly adds c and c + 8, + 4, + 2, + 1. */
+/* Sums a row with half a warp: 16 partial sums of every 16th number, then a binary tree. */
 template <class Number>
 __device__ inline float row_sum(int32_t width, Number number)
 {
@@ -253,9 +242,6 @@ cudaError_t launch_loss(const step_buffers *b, loss_photograph photograph, const
                            : launch_loss_of<false>(b, photograph, camera, has_report, stream);
 }
 
-/* ---- Averaging down ---------------------------------------------------------------------------------------------- */
-
-/* Mean of divisor x divisor pixels, as average_down in src/fit/stepper.c. */
 __global__ void average_down(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                              uint8_t *out)
 {
@@ -271,7 +257,6 @@ __global__ void average_down(const uint8_t *full, int32_t full_width, int diviso
     out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
 }
 
-/* 1 if all of divisor x divisor pixels count, as reduce_mask in src/fit/stepper.c. */
 __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                             uint8_t *out)
 {
@@ -286,7 +271,6 @@ __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor
     out[(size_t)y * (size_t)width + (size_t)x] = is_counted;
 }
 
-/* Averages the photograph down to the camera's size, into b->photograph, followed by its mask. */
 cudaError_t launch_reduce(const step_buffers *b, loss_photograph *photograph, int32_t full_width, int divisor,
                           const fxs_fit_camera *camera, cudaStream_t stream)
 {

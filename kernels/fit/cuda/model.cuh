@@ -1,6 +1,5 @@
-/* The model on a device: memory, and changes to the set of Gaussians (densification, relocation, order). Results
- * equal src/fit/model.c, densify.c and relocate.c bit by bit; the code for a single Gaussian is shared (included)
- * source. */
+/* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal the CPU's bit by
+ * bit. If memory is short, a change leaves the Gaussians as before. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -20,9 +19,8 @@ namespace {
 #undef static
 
 const uint32_t MODEL_THREADS = 256;
-const uint32_t SPARE = 8;          /* planes that are gathered at a time */
+const uint32_t SPARE = 8;
 
-/* The model as the shared sources take it. */
 fxs_fit_model as_host(const device_model *m)
 {
     fxs_fit_model out = {};
@@ -46,9 +44,6 @@ __device__ uint32_t gaussian_of_thread()
     return blockIdx.x * MODEL_THREADS + threadIdx.x;
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
-
-/* Size of FXS_FIT_PARAMETERS planes in bytes. */
 uint64_t block_bytes(uint64_t stride)
 {
     return FXS_FIT_PARAMETERS * stride * sizeof(float);
@@ -59,7 +54,6 @@ uint64_t chunks_bytes(uint64_t stride)
     return stride / FXS_FIT_CHUNK * sizeof(fxs_fit_chunk);
 }
 
-/* Size of a model without masters in bytes. */
 uint64_t model_bytes(uint64_t stride)
 {
     return 3 * block_bytes(stride) + 2 * stride * sizeof(float);
@@ -86,7 +80,6 @@ void model_free(device_model *m, budget *taken)
     *m = device_model{};
 }
 
-/* Reallocates planes with a larger stride. */
 cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     float *made = nullptr;
@@ -104,8 +97,7 @@ cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride,
     return cudaSuccess;
 }
 
-/* Undoes widen within the larger allocation: moves each plane back to the old stride. Copies in pieces no longer than
-   the distance, so source and destination do not overlap. */
+/* Moves parameter arrays back to the smaller stride `old`, in pieces that do not overlap their destination. */
 void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     for (uint64_t k = 1; k < count; k++)
@@ -116,8 +108,7 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* Widens all planes, one set at a time, so that at most one large set is allocated twice. On error, restores the old
-   stride. */
+/* Reallocates one set of parameter arrays after another, so that at most one set is allocated twice. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -132,7 +123,6 @@ cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
     return cudaSuccess;
 }
 
-/* Stride for `gaussians`; if the model grows and the budget allows, 1/8 more. */
 uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussians)
 {
     const uint64_t least = (gaussians + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK * FXS_FIT_CHUNK;
@@ -141,8 +131,7 @@ uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussia
     return m->stride && wide < UINT32_MAX && (!taken->most || needed <= taken->most) ? wide : least;
 }
 
-/* Makes room for `gaussians` and keeps the contents. For a model without masters. Waits for the stream. Errors:
-   FXS_ERR_MEMORY, with bytes_needed, and FXS_ERR_DEVICE; the model is unchanged then. */
+/* Makes room for `gaussians` Gaussians. The model must not be quantised. Waits for the stream. */
 int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream_t stream, fxs_message *why)
 {
     if (gaussians <= m->stride)
@@ -161,9 +150,6 @@ int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream
     return 0;
 }
 
-/* ---- Transfers --------------------------------------------------------------------------------------------------- */
-
-/* `count` planes on the host and on the device. */
 struct plane_pair {
     float *host, *device;
     uint32_t count;
@@ -212,19 +198,17 @@ int reserve_masters(device_model *m, budget *taken, fxs_message *why)
     return 0;
 }
 
-/* Uploads the chunks of the host's grid. */
 cudaError_t upload_chunks(const device_model *m, const fxs_fit_model *from, cudaStream_t stream)
 {
     const size_t chunks = (from->count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK;
     return cudaMemcpyAsync(m->chunks, from->grid->chunks, chunks * sizeof *m->chunks, cudaMemcpyHostToDevice, stream);
 }
 
-/* Replaces the model by the host's. After an error it may be empty. */
 int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     if (!from->masters || from->count > m->stride)
         free_masters(m, taken);
-    m->count = 0;                  /* do not copy old contents */
+    m->count = 0;                  /* makes model_reserve drop the old contents */
     int error = model_reserve(m, taken, from->count, stream, why);
     if (!error && from->masters)
         error = reserve_masters(m, taken, why);
@@ -236,7 +220,6 @@ int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cuda
     return error ? error : copy_model(from, m, true, stream, why);
 }
 
-/* Replaces the host's model by the device's. */
 int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
 {
     if (fxs_fit_model_resize(to, m->count))
@@ -244,16 +227,12 @@ int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream
     return copy_model(to, m, false, stream, why);
 }
 
-/* Copies the masters to a host model with the same number of Gaussians. */
 int download_masters(const device_model *m, const fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
 {
     const plane_pair masters[] = {{to->masters, m->masters, FXS_FIT_PARAMETERS}};
     return copy_planes(to, m, masters, false, stream, why);
 }
 
-/* ---- Helpers for changes ----------------------------------------------------------------------------------------- */
-
-/* Device memory for the duration of a change. */
 struct change_memory {
     budget *taken;
     block memory;
@@ -261,7 +240,6 @@ struct change_memory {
     ~change_memory() { reserve(taken, &memory, 0, nullptr); }
 };
 
-/* Scratch bytes of a CUB sum or sort of `count` numbers. */
 uint64_t sum_bytes(uint32_t count)
 {
     size_t bytes = 0;
@@ -277,7 +255,6 @@ uint64_t sort_bytes(uint32_t count)
     return bytes;
 }
 
-/* Stable sort of (keys[0], values[0]) to (keys[1], values[1]). */
 cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t *const values[2], uint32_t count,
                  cudaStream_t stream)
 {
@@ -285,7 +262,7 @@ cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t 
                                            (const uint32_t *)values[0], values[1], (int)count, 0, 32, stream);
 }
 
-/* In-place inclusive prefix sum; *last: the total. Waits for the stream. */
+/* Inclusive prefix sums in place; *last: the total. Waits for the stream. */
 int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint64_t *last, cudaStream_t stream,
            fxs_message *why)
 {
@@ -295,7 +272,7 @@ int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint6
     return check(why, error, cudaStreamSynchronize(stream));
 }
 
-/* out[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is the plane k. */
+/* to[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is the plane k. */
 __global__ void gather_planes(const float *from, size_t stride, float *to, const uint32_t *sources, uint32_t count,
                               uint32_t kept)
 {
@@ -304,7 +281,6 @@ __global__ void gather_planes(const float *from, size_t stride, float *to, const
         to[(size_t)blockIdx.y * count + i] = i < kept ? from[blockIdx.y * stride + sources[i]] : 0;
 }
 
-/* Gathers planes in place through `spare`, SPARE planes at a time. */
 cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources, uint32_t count, uint32_t kept,
                            float *spare, cudaStream_t stream)
 {
@@ -320,8 +296,7 @@ cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources
     return error;
 }
 
-/* Replaces the model by the Gaussians sources[0..count); the stride must suffice. The first `kept` keep Adam's moments,
-   the others get 0. Clears the sums for densification. */
+/* Replaces the Gaussians by copies of sources[0..count). Only the first `kept` keep Adam's moments. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
@@ -334,9 +309,7 @@ cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, ui
     return error ? error : cudaMemsetAsync(m->views, 0, count * sizeof(float), stream);
 }
 
-/* ---- Densification ----------------------------------------------------------------------------------------------- */
-
-/* Numbers of Gaussians: staying; of those, to be cloned or split. */
+/* staying: Gaussians not removed; grown: Gaussians to be cloned or split */
 struct fate_counts {
     uint32_t staying, grown;
 };
@@ -354,7 +327,6 @@ __global__ void find_fates(fxs_fit_model m, fxs_fit_densify d, float least_logit
     }
 }
 
-/* Sort keys: Gaussians to be cloned or split by descending gradient, then all others. */
 __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *keys, uint32_t *indices)
 {
     const uint32_t i = gaussian_of_thread();
@@ -364,7 +336,6 @@ __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *key
     indices[i] = i;
 }
 
-/* Sets the fates of the Gaussians `from` to `end` - 1 in the sorted order, which exceed the limit. */
 __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *indices, uint32_t from, uint32_t end,
                           uint8_t *fates)
 {
@@ -373,10 +344,9 @@ __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *in
         fates[indices[k]] = fate_without_room(&m, &d, indices[k]);
 }
 
-/* Kinds of new Gaussians. */
 enum { IS_CLONE, IS_FIRST_CHILD, IS_SECOND_CHILD };
 
-/* Per Gaussian: upper half: 1 if it stays; lower half: number of new Gaussians. */
+/* Upper 32 bits: 1 if the Gaussian stays. Lower 32 bits: number of new Gaussians made from it. */
 __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbers)
 {
     const uint32_t i = gaussian_of_thread();
@@ -417,7 +387,6 @@ struct densify_memory {
     size_t scratch_bytes;
 };
 
-/* Divides memory up for find_next. Returns its size in bytes; memory may be null. */
 uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -433,7 +402,6 @@ uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* The same for make_next. */
 uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -443,7 +411,8 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Limits growth to `room` Gaussians: those with the largest gradients; ties go to the lower index. */
+/* Lets only the `room` Gaussians with the largest gradients be cloned or split. Of equal gradients, the lower index
+   wins. */
 int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint32_t grown, uint32_t room,
           cudaStream_t stream, fxs_message *why)
 {
@@ -454,7 +423,6 @@ int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d,
     return check(why, error, cudaGetLastError());
 }
 
-/* Finds all fates within the limit and their prefix sums; *last: the total. */
 int find_next(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint64_t *last,
               cudaStream_t stream, fxs_message *why)
 {
@@ -485,7 +453,6 @@ int make_next(device_model *m, const densify_memory *d, uint32_t kept, uint32_t 
     return check(why, first_of(error, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* As fxs_fit_model_densify. If memory is short, the model is unchanged. */
 int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory fates(taken), places(taken);
@@ -512,8 +479,6 @@ int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cu
     return make_next(m, &d, kept, (uint32_t)next, stream, why);
 }
 
-/* ---- Opacity ----------------------------------------------------------------------------------------------------- */
-
 __global__ void limit_opacity(fxs_fit_model m, float most)
 {
     const uint32_t i = gaussian_of_thread();
@@ -521,7 +486,6 @@ __global__ void limit_opacity(fxs_fit_model m, float most)
         plane(&m, FXS_FIT_OPACITY)[i] = fminf(plane(&m, FXS_FIT_OPACITY)[i], most);
 }
 
-/* As fxs_fit_model_reset_opacity. */
 int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs_message *why)
 {
     if (!m->count)
@@ -533,11 +497,10 @@ int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs
     return check(why, error, cudaGetLastError());
 }
 
-/* ---- Relocation -------------------------------------------------------------------------------------------------- */
-
 struct relocate_memory {
-    uint64_t *sums, *dead;         /* prefix sums: of chances; of the number of dead Gaussians */
-    uint32_t *times, *sources;     /* times: number of draws of each Gaussian, or DEAD; sources: result of each draw */
+    uint64_t *sums, *dead;         /* prefix sums of the chances of being drawn, and of the number of dead (faint)
+                                      Gaussians */
+    uint32_t *times, *sources;     /* times: draws of each Gaussian, or DEAD; sources: the Gaussian of each draw */
     void *scratch;
     size_t scratch_bytes;
 };
@@ -554,7 +517,6 @@ uint64_t cut_relocate(relocate_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Computes each Gaussian's chance to be drawn and, unless `dead` is null, whether it is dead. */
 __global__ void find_chances(fxs_fit_model m, fxs_fit_relocate r, float least_opacity, uint64_t *chances,
                              uint64_t *dead)
 {
@@ -592,7 +554,7 @@ __global__ void share_places(fxs_fit_model m, const uint32_t *times)
     forget(&m, i);
 }
 
-/* Replaces each dead Gaussian by the live one drawn for it. blockIdx.y is the plane. */
+/* Replaces each dead (faint) Gaussian by a copy of the Gaussian drawn for it. */
 __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_t *times, const uint32_t *sources)
 {
     const uint32_t i = gaussian_of_thread();
@@ -603,7 +565,6 @@ __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_
     m.means[at + i] = m.squares[at + i] = 0;
 }
 
-/* Appends Gaussians. blockIdx.y is the plane. */
 __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t added)
 {
     const uint32_t k = gaussian_of_thread();
@@ -614,7 +575,6 @@ __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t ad
     m.means[to] = m.squares[to] = 0;
 }
 
-/* Draws Gaussians, and splits each drawn one's opacity and scale among it and its copies. */
 cudaError_t start_draws(const fxs_fit_model *m, const fxs_fit_relocate *how, uint64_t number, uint32_t draws,
                         const relocate_memory *d, cudaStream_t stream)
 {
@@ -642,7 +602,6 @@ int move_dead(const fxs_fit_model *m, const fxs_fit_relocate *how, const relocat
     return check(why, failure, cudaGetLastError());
 }
 
-/* Appends Gaussians up to `next`; there must be room. */
 int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const relocate_memory *d, cudaStream_t stream,
         fxs_message *why)
 {
@@ -661,7 +620,6 @@ int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const reloc
     return check(why, first_of(failure, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* As fxs_fit_model_relocate. If memory is short, the model is unchanged. */
 int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);
@@ -682,15 +640,11 @@ int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, 
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* ---- Order ------------------------------------------------------------------------------------------------------- */
-
-/* The curve that orders the Gaussians, and sums for its middle and spread. */
 struct order_state {
     curve of;
     double sums[3];
 };
 
-/* One block per axis: sums for the middle, or with is_spread for the spread. */
 __global__ void __launch_bounds__(CURVE_SUMS) sum_planes(fxs_fit_model m, order_state *state, int is_spread)
 {
     __shared__ double sums[CURVE_SUMS];
@@ -741,7 +695,6 @@ uint64_t cut_order(order_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* As fxs_fit_model_order. If memory is short, the model is unchanged. */
 int model_order(device_model *m, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);

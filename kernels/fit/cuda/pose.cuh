@@ -1,4 +1,4 @@
-/* Poses of photographs on a device: src/fit/pose.h, in the same order of operations as src/fit/stepper.c. */
+/* Poses of photographs on a device (src/fit/pose.h), with the CPU's order of floating-point operations. */
 #ifndef FXS_CUDA_FIT_POSE_CUH
 #define FXS_CUDA_FIT_POSE_CUH
 
@@ -10,9 +10,8 @@ namespace {
 #include "src/fit/pose.h"
 #undef static
 
-const uint32_t POSE_THREADS = FXS_FIT_POSE * GAIN_PARTS;    /* one thread per part of a sum */
+const uint32_t POSE_THREADS = FXS_FIT_POSE * GAIN_PARTS;
 
-/* A batch's photographs in order: numbers, cameras, and gradients from launch_by_pose. */
 struct pose_batch {
     uint32_t count, numbers[FXS_FIT_BATCH];
     fxs_fit_camera given[FXS_FIT_BATCH];
@@ -30,7 +29,6 @@ __global__ void pose_cameras(const __grid_constant__ pose_batch batch, fxs_fit_p
     memcpy(posed[v].eye, camera.eye, sizeof camera.eye);
 }
 
-/* Computes the posed cameras of a batch, before the first projection. */
 cudaError_t launch_pose_cameras(const pose_batch *batch, const fxs_fit_poses *poses, posed_camera *posed,
                                 cudaStream_t stream)
 {
@@ -38,7 +36,6 @@ cudaError_t launch_pose_cameras(const pose_batch *batch, const fxs_fit_poses *po
     return cudaGetLastError();
 }
 
-/* A Gaussian's term of the gradient by the pose. */
 template <int Degree>
 __device__ inline void find_own_pose(const fxs_fit_camera *camera, const device_model &m, const float *planes,
                                      uint32_t i, float own[FXS_FIT_POSE])
@@ -55,7 +52,6 @@ __device__ inline void find_own_pose(const fxs_fit_camera *camera, const device_
         own[k] = 0;
 }
 
-/* One block per part of the model. */
 template <int Degree>
 __global__ void __launch_bounds__(FXS_FIT_PART)
     sum_pose_parts(step_buffers b, device_model m, const float *planes, const __grid_constant__ fxs_fit_camera given,
@@ -94,8 +90,7 @@ __global__ void __launch_bounds__(POSE_THREADS)
         out[k] = gain_sum(parts[k], values);
 }
 
-/* Computes the sums that pose_step takes, from a view's planes (launch_gather). `parts`: room for FXS_FIT_POSE numbers
-   per part of the model. */
+/* parts: room for FXS_FIT_POSE floats per FXS_FIT_PART Gaussians. */
 cudaError_t launch_by_pose(const step_buffers *b, const device_model *m, const float *planes,
                            const fxs_fit_camera *given, const posed_camera *posed, int degree, float *parts,
                            float out[FXS_FIT_POSE], cudaStream_t stream)

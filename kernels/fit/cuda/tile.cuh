@@ -1,5 +1,5 @@
-/* blend and backward (gradients from the pixels back to the splats). One block of threads per tile, half a warp per
- * block of 4x4 pixels, one thread per pixel. */
+/* Blends the splats of each tile, and converts gradients of pixels to gradients of splats (backward). A block of
+ * threads per tile of 16x16 pixels, half a warp per block of 4x4 pixels, a thread per pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
@@ -7,28 +7,25 @@
 
 namespace {
 
-const uint32_t HALF = WARP / 2;    /* threads of a half-warp: the 16 pixels of a block */
-const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* list entries per batch */
-const uint32_t GROUP = HALF / 2;   /* splats that a half-warp sums at a time in backward */
-const uint32_t BACKWARD_PAIRS = 448;   /* most (splat, block) pairs per batch of backward: at least those of 32
-                                          splats */
+const uint32_t HALF = WARP / 2;    /* half a warp: the 16 pixels of a 4x4 block */
+const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;
+const uint32_t GROUP = HALF / 2;
+const uint32_t BACKWARD_PAIRS = 448;   /* capacity in pairs of splat and 4x4 block; enough for 28 splats */
 
-/* The splats of a batch, as pixels read them. */
 template <uint32_t Splats>
 struct tile_splats {
-    float4 shape[Splats];          /* ux, uy, vy, offset */
-    float4 colour[Splats];         /* limit, red, green, blue */
-    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* u and v at each block's first pixel; v per row of
-                                                                       blocks */
-    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* per block: one bit per splat */
+    float4 shape[Splats];          /* ux, uy, vy and offset of each splat */
+    float4 colour[Splats];         /* limit and colour of each splat */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* normalised coordinates u and v of each splat at
+                                                                       the first pixel of each 4x4 block */
+    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* bit set of the splats that may touch each 4x4 block */
 };
 
-/* A thread's pixel. */
 struct tile_place {
-    uint32_t block, lane;          /* block: in the tile; lane: in the half-warp, pixel of the block */
-    float along, down;             /* distance from the block's first pixel */
+    uint32_t block, lane;
+    float along, down;
     int32_t left, top;             /* first pixel of the tile */
-    int32_t x, y;                  /* in the picture */
+    int32_t x, y;
     bool is_inside;
 };
 
@@ -47,13 +44,11 @@ __device__ inline tile_place place_of_thread(const fxs_fit_camera &c, uint32_t t
     return p;
 }
 
-/* A ballot of the thread's half-warp, in bits 0 to 15. */
 __device__ inline uint32_t half_ballot(bool x)
 {
     return __ballot_sync(ALL_LANES, x) >> (threadIdx.x & HALF) & 0xffffu;
 }
 
-/* Stores the thread's splat, like find_corners in src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &s, const tile_place &p)
 {
@@ -71,7 +66,6 @@ __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &
     }
 }
 
-/* Bit set of the blocks that the splat's ellipse may touch, as find_blocks in src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fxs_fit_splat &s)
 {
@@ -87,7 +81,7 @@ __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fx
     return s.radius2 < 0 ? (1u << FXS_FIT_BLOCKS) - 1 : blocks;
 }
 
-/* By whole warps: transposes each splat's bits per block to each block's bits per splat. */
+/* Transposes bit sets of 4x4 blocks per splat to bit sets of splats per block. Called by whole warps. */
 template <uint32_t Splats>
 __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
 {
@@ -102,8 +96,7 @@ __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
         to->words[lane][threadIdx.x / WARP] = own;
 }
 
-/* Calls put(index in the list, splat) for each splat of the half-warp's block, two per lane and word. Returns their
-   number. */
+/* Calls put(index, splat) for each splat that may touch the half-warp's 4x4 block. */
 template <uint32_t Splats, class Put>
 __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile_place &p, Put put)
 {
@@ -121,13 +114,12 @@ __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile
     return count;
 }
 
-/* The larger count of the two half-warps. */
 __device__ inline uint32_t most_of_halves(uint32_t count)
 {
     return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
 }
 
-/* Zeroes the lists, so that entries beyond a list's end are valid splat numbers. */
+/* Makes entries beyond a list's end valid indices. */
 template <uint32_t Splats>
 __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
 {
@@ -135,7 +127,7 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* u, v and level of the thread's pixel, in the order of operations of src/fit/tile.h. */
+/* Computes level = u^2 + v^2 + offset of a splat at the thread's pixel, with normalised coordinates u and v. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {
@@ -145,11 +137,9 @@ __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, c
     return (*u * *u + *v * *v) + shape.w;
 }
 
-/* ---- blend ------------------------------------------------------------------------------------------------------- */
-
 struct blend_shared : tile_splats<BLEND_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
-    uint32_t taken[BLEND_SPLATS];  /* blocks that blend each splat */
+    uint32_t taken[BLEND_SPLATS];  /* bit set of the 4x4 blocks that each splat changes */
     uint32_t needed;
 };
 
@@ -157,7 +147,6 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Blends a splat into the thread's pixel. Returns whether it has any weight there. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
@@ -173,8 +162,7 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     return takes;
 }
 
-/* taken: bit i is set if the thread's pixel blended splat i of 32. Records which splats any pixel of the block
-   blended. */
+/* Records which of 32 splats changed the 4x4 block. taken: bit i is set if splat i changed the thread's pixel. */
 __device__ inline void note_taken(blend_shared *s, const uint8_t *list, const tile_place &p, uint32_t taken)
 {
     for (uint32_t apart = HALF / 2; apart; apart /= 2)
@@ -184,7 +172,6 @@ __device__ inline void note_taken(blend_shared *s, const uint8_t *list, const ti
             atomicOr(&s->taken[list[i]], 1u << p.block);
 }
 
-/* Blends the splats of a batch that may touch the half-warp's block. */
 __device__ inline void blend_batch(blend_shared *s, const tile_place &p, blend_pixel *pixel)
 {
     uint8_t *list = s->lists[p.block];
@@ -247,7 +234,6 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     }
 }
 
-/* Allows a kernel to use more than the default amount of shared memory. */
 template <class Kernel>
 cudaError_t allow_shared(Kernel kernel, size_t bytes)
 {
@@ -264,27 +250,23 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
     return error ? error : cudaGetLastError();
 }
 
-/* ---- backward ---------------------------------------------------------------------------------------------------- */
-
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* blocks: per splat; pairs: first pair of each
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks and first pair of each
                                                                         splat */
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
-    float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue per pixel */
-    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* h and weight; + 2 avoids bank conflicts for both access
-                                                         patterns */
+    float4 gradient[FXS_FIT_PIXELS];
+    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* + 2 avoids bank conflicts */
     float sums[BACKWARD_PAIRS][FXS_FIT_SUMS];
 };
 
-/* State of a pixel in backward, and its gradient. */
 struct backward_pixel {
     passed_pixel passed;
     float red, green, blue;
 };
 
-/* Passes the thread's pixel back through a splat. Returns h and the weight. */
+/* Returns h = -alpha dL/dalpha and the weight of a splat at the thread's pixel. */
 __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     backward_pixel *pixel)
 {
@@ -297,12 +279,12 @@ __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, co
     return make_float2(h, weight);
 }
 
-/* A lane's half of a block's pixels (every second one), for one splat. */
+/* One of two lanes that share the 16 pixels of a 4x4 block for a splat. */
 struct backward_lane {
-    const float2 *staged;          /* of the lane's splat */
-    const float4 *gradient;        /* of the block's pixels */
-    uint32_t parity;               /* parity of the lane's pixels */
-    float along[2], down[4], v[4]; /* ux x and uy y per column and row; v per row */
+    const float2 *staged;
+    const float4 *gradient;
+    uint32_t parity;               /* 0: even pixels; 1: odd pixels */
+    float along[2], down[4], v[4];
     float corner_u;
 };
 
@@ -325,7 +307,6 @@ __device__ inline backward_lane begin_lane(const backward_shared *s, const tile_
     return l;
 }
 
-/* Terms of the splat's sums at the lane's n-th pixel. */
 __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     const uint32_t place = 2 * (uint32_t)n + l.parity;
@@ -335,8 +316,7 @@ __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_F
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
-/* Sums over the lane's pixels n, n + Apart / 2, n + Apart, ... as a binary tree in the order of src/fit/tile.h: pixels
-   p and p + 8 are added first. */
+/* Sums every second pixel of a 4x4 block as a binary tree, in the order of src/fit/tile.h. */
 template <int Apart>
 __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
@@ -351,7 +331,6 @@ __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_
     }
 }
 
-/* Sums of GROUP splats over the half-warp's block, two lanes per splat. */
 __device__ inline void add_group(backward_shared *s, const tile_place &p, uint32_t first, uint32_t count)
 {
     const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0];
@@ -384,8 +363,8 @@ __device__ inline void backward_batch(backward_shared *s, const tile_place &p, b
     }
 }
 
-/* Assigns pairs to as many of the batch's splats as BACKWARD_PAIRS allows; s->splats: their number. BACKWARD_SPLATS
-   threads work, all threads must call. */
+/* Numbers the pairs of splat and 4x4 block, as far as they fit. s->splats: number of splats that fit. All threads must
+   call. */
 __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
 {
     const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);
@@ -411,7 +390,6 @@ __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
     turn_bits(blocks, s);
 }
 
-/* Adds up each splat's sums over its blocks, in order, and writes them to its slot. */
 __device__ inline void add_blocks(const backward_shared *s, uint32_t count, float *sums)
 {
     for (uint32_t i = threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS) {
@@ -468,7 +446,7 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
         add_blocks(s, here, b.sums);
         __syncthreads();
     }
-    /* entries that no pixel blends */
+    /* zeroes the sums of list entries without any effect */
     for (uint32_t i = needed * FXS_FIT_SUMS + threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS)
         b.sums[(size_t)b.slots[start + i / FXS_FIT_SUMS] * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0;
 }

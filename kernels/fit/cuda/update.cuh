@@ -1,5 +1,5 @@
-/* update: sums each Gaussian's gradients over its tiles, converts them to gradients of its parameters, and takes a step
-   of Adam. */
+/* Update of the Gaussians: sums each Gaussian's gradients over its tiles, converts them to gradients of its parameters,
+ * and takes a step of Adam. */
 #ifndef FXS_CUDA_FIT_UPDATE_CUH
 #define FXS_CUDA_FIT_UPDATE_CUH
 
@@ -9,20 +9,17 @@
 
 namespace {
 
-/* Number of parts (FXS_FIT_PART Gaussians each, src/fit/fit_stage.h). */
 inline uint32_t part_count(const device_model *m)
 {
     return (m->count + FXS_FIT_PART - 1) / FXS_FIT_PART;
 }
 
-/* ---- gather ------------------------------------------------------------------------------------------------------ */
-
-const uint32_t GATHERED = WARP;    /* Gaussians per block of threads */
+const uint32_t GATHERED = WARP;
 const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
 const uint32_t GATHER_WARPS = GATHER_THREADS / WARP;
-const uint32_t TILES_AT_ONCE = 64; /* per warp, for Gaussians with many tiles */
+const uint32_t TILES_AT_ONCE = 64;
 
-/* Sum over up to FEW_TILES tiles. Missing tiles add 0, which changes no sum that begins with 0. */
+/* Missing tiles add 0, which changes no sum that starts at 0. */
 __device__ inline float sum_few(const float *sums, uint32_t tiles)
 {
     float numbers[FEW_TILES], total = 0;
@@ -35,8 +32,7 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* Sum over many tiles, by a warp or a block; the first FXS_FIT_SUMS threads hold one sum each. Loads Tiles tiles at a
-   time. */
+/* Each of the first FXS_FIT_SUMS threads returns a sum. */
 template <uint32_t Threads, uint32_t Tiles, class Sync>
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
@@ -56,8 +52,6 @@ __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged
     return total;
 }
 
-/* Sums each Gaussian over its tiles, in order, and writes planes. FXS_FIT_SUMS threads per Gaussian; large ones by
-   visit_large. */
 __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b, device_model m, float *planes)
 {
     __shared__ union {
@@ -102,17 +96,14 @@ __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b,
         planes[(size_t)row * m.stride + gaussian] = shared.totals[row][column];
 }
 
-/* Writes a view's sums to FXS_FIT_SUMS planes of m->stride numbers, then one plane that is 1 for Gaussians in the
-   picture, else 0. */
+/* Writes planes of m->stride floats: FXS_FIT_SUMS gradient sums, then 1 for visible Gaussians, else 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
     return launch_early(gather_view, LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream, *b,
                         *m, planes);
 }
 
-/* ---- Gradients --------------------------------------------------------------------------------------------------- */
-
-/* Gradient of a Gaussian by one view. The gradient of SH is the basis (a function of the direction) times g. */
+/* A Gaussian's gradient from one view. The gradient by the SH is the SH basis times g, the gradient by the colour. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
@@ -126,8 +117,7 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* Computes a Gaussian's gradient by a view; 0 if any component is not finite or too large. `at`: its first
-   parameter. */
+/* A gradient that is not finite or too large counts as 0. */
 template <int Degree>
 __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
                                           const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
@@ -147,9 +137,6 @@ __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const fl
         memset(out, 0, sizeof *out);
 }
 
-/* ---- Adam -------------------------------------------------------------------------------------------------------- */
-
-/* Adds the gradients of the regularisers (mean opacity and mean scale). */
 __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride,
                                         real gradient[FXS_FIT_SH])
 {
@@ -170,13 +157,12 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-/* Address of a Gaussian's number in a plane. */
 __device__ inline float *number_at(float *planes, const device_model &m, int plane, uint32_t i)
 {
     return planes + (size_t)plane * m.stride + i;
 }
 
-/* Adam's step for one parameter. The moments are written past the cache, as nothing reads them again soon. */
+/* Streaming stores keep Adam's moments out of the cache, as nothing reads them soon. */
 __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, real number, real mean, real square,
                                 const device_model &m, float *to, uint32_t i)
 {
@@ -186,8 +172,7 @@ __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, 
     *number_at(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
 }
 
-/* Adam's step for `Count` parameters from `first` on, with gradients gradient_of(k). All loads come before the first
-   store, so that many are in flight. */
+/* All loads precede the first store, so that many are in flight. */
 template <int Count, class Gradient>
 __device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
                                  Gradient gradient_of)
@@ -204,28 +189,25 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         move_one(adam, first + k, gradient_of(first + k), number[k], mean[k], square[k], m, to, i);
 }
 
-/* ---- update ------------------------------------------------------------------------------------------------------ */
-
-/* Planes of a view (launch_gather). Once the sums are read, g and the direction overwrite them. */
+/* After the gradient sums are read, the colour gradient and the view direction overwrite them. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
     uint32_t count;
     float *planes[FXS_FIT_BATCH];
     fxs_fit_camera cameras[FXS_FIT_BATCH];
-    const posed_camera *posed;     /* per view, if IsPosed */
+    const posed_camera *posed;
 };
 
-const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;      /* per multiprocessor; limits registers per thread */
+const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;
 
-/* Shared memory: a block's parameters and moments, staged because they exceed a thread's registers. */
+/* Parameters and moments of a block's Gaussians are in shared memory, as they exceed a thread's registers. */
 template <int Degree>
 struct shape_rows {
     float parameters[FXS_FIT_SH + 3 * SH_COUNT(Degree)][SHAPE_THREADS];
     float means[FXS_FIT_SH][SHAPE_THREADS], squares[FXS_FIT_SH][SHAPE_THREADS];
 };
 
-/* Starts asynchronous copies of the block's part of `count` planes, by all threads. */
 __device__ inline void fetch_rows(float (*rows)[SHAPE_THREADS], const float *planes, uint32_t stride, uint32_t count)
 {
     for (uint32_t row = threadIdx.x / WARP; row < count; row += SHAPE_THREADS / WARP)
@@ -241,7 +223,6 @@ __device__ inline bool is_seen(const batch_views &views, const device_model &m, 
     return found;
 }
 
-/* Loads the block's rows; SH only if a view sees one of its Gaussians. */
 template <int Degree>
 __device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views &views, const device_model &m,
                                     uint32_t i)
@@ -257,7 +238,6 @@ __device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views 
     __syncthreads();
 }
 
-/* Adds the gradient by a view, and replaces its planes by g and direction. */
 template <int Degree, bool IsPosed>
 __device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
                                 const shape_rows<Degree> &rows, real total[FXS_FIT_SH])
@@ -316,9 +296,8 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
                  m.masters ? m.masters : m.parameters, i);
 }
 
-const int SH_AT_ONCE = 2;          /* coefficients, three colours each */
+const int SH_AT_ONCE = 2;
 
-/* Updates SH_AT_ONCE coefficients from First on. */
 template <int Degree, int First>
 __device__ inline void update_some_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
                                       uint32_t i)
@@ -341,7 +320,6 @@ __device__ inline void update_some_sh(const fxs_fit_adam *adam, const batch_view
                          [&](int k) { return gradient[k - first]; });
 }
 
-/* Calls update_some_sh for the block's part of the coefficients. */
 template <int Degree, int First>
 __device__ inline void update_part_of_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
                                          uint32_t i, uint32_t part)
@@ -362,9 +340,7 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
         update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
-/* ---- Quantised parameters ---------------------------------------------------------------------------------------- */
-
-/* grid.chunks: in device memory. */
+/* grid.chunks is in device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -379,7 +355,6 @@ __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, 
         *number_at(m.parameters, m, k, i) = to[k];
 }
 
-/* blockIdx.y + 1: degree. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_sh(device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -400,7 +375,6 @@ fxs_fit_grid grid_on_device(const device_model *m, const fxs_fit_grid *grid)
     return there;
 }
 
-/* Sets the parameters to the masters rounded to the grid: shapes are all but SH above degree 0. */
 cudaError_t launch_quantise_shapes(const device_model *m, const fxs_fit_grid *grid, cudaStream_t stream)
 {
     quantise_shapes<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*m, grid_on_device(m, grid));
@@ -415,10 +389,8 @@ cudaError_t launch_quantise_sh(const device_model *m, const fxs_fit_grid *grid, 
     return cudaGetLastError();
 }
 
-/* ---- The whole update -------------------------------------------------------------------------------------------- */
-
-/* Updates the model from the planes of `count` views, in order. `posed`: null, or the cameras' poses in device memory;
-   `grid`: of the masters, or null. SH above degree 0 are updated on the side stream. */
+/* Updates the model from the gradient sums of `count` views, in order. posed, grid: may be null. The second stream
+   updates SH above degree 0. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
                           const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
                           const fxs_fit_adam *adam, const fxs_fit_grid *grid, cudaStream_t stream,
@@ -447,8 +419,6 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
     return first_of(cudaGetLastError(), cudaEventRecord(beside->end, beside->stream));
 }
 
-/* ---- After the update -------------------------------------------------------------------------------------------- */
-
 __global__ void __launch_bounds__(FXS_FIT_PART) move_by_noise(step_buffers b, device_model m, fxs_fit_noise noise)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -462,7 +432,7 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
     return cudaGetLastError();
 }
 
-/* `cameras`: in device memory. */
+/* cameras.of is in device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART)
     smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras, int divisor)
 {
