@@ -1,4 +1,4 @@
-/* The parts of outputs that are the same on every system. */
+/* Parts of file outputs that are the same on every system. */
 #include "output_internal.h"
 
 #include <errno.h>

@@ -1,5 +1,5 @@
-/* Converts a scene's up direction and start view between doubles and the fields of the packed header. Up is stored
- * as two 15-bit codes by the octahedral map. */
+/* Converts a scene's up direction and start view to and from the packed header. Up is stored as two 15-bit
+   octahedral codes. */
 #include <fixsplat/start.h>
 
 #include <math.h>
@@ -7,21 +7,18 @@
 
 #include <fixsplat/packed.h>
 
-/* The tangent of half the field of view: 11.5 for 170 degrees, 0.0087 for 1 degree. */
+/* Tangent of half the field of view; 11.5 for 170 degrees. */
 #define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28
-#define UP_ONE 16383               /* code of 1; codes of up have 15 bits with sign */
+#define UP_ONE 16383               /* code of 1.0 */
 #define UP_BITS 0x7FFFu
-
-/* ---- Up ---------------------------------------------------------------------------------------------------------- */
 
 static double sign_of(double x)
 {
     return x < 0 ? -1 : 1;
 }
 
-/* Folds the lower half of the octahedron |x| + |y| + |z| = 1, seen from above, into the corners around its upper
-   half. Inverts itself. */
+/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 outwards. Its own inverse. */
 static void fold(double *x, double *y)
 {
     const double old = *x;
@@ -29,7 +26,7 @@ static void fold(double *x, double *y)
     *y = (1 - fabs(old)) * sign_of(*y);
 }
 
-/* The octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit Vectors). */
+/* Octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit Vectors). */
 static uint32_t code_of_up(const double up[3])
 {
     const double sum = fabs(up[0]) + fabs(up[1]) + fabs(up[2]);
@@ -42,7 +39,7 @@ static uint32_t code_of_up(const double up[3])
     return FXS_PACKED_UP | (u & UP_BITS) << 1 | (v & UP_BITS) << 16;
 }
 
-/* The 15-bit code from `bit` on, as -1 to 1; below -1 if invalid. */
+/* Decodes 15 bits to -1..1. Below -1: invalid. */
 static double part_of_code(uint32_t flags, int bit)
 {
     const int32_t code = (int32_t)(flags >> bit & UP_BITS);
@@ -63,8 +60,6 @@ static void up_of_code(double up[3], uint32_t flags)
     up[1] = y / length;
     up[2] = z / length;
 }
-
-/* ---- View -------------------------------------------------------------------------------------------------------- */
 
 static int is_view(const fxs_start *s)
 {

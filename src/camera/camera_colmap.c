@@ -10,8 +10,8 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 16
 
-/* Indexed by COLMAP's model id. Parameters: focal lengths, principal point, then lens coefficients, by the letters
-   of fxs_lens_coefficient. */
+/* Camera models by COLMAP's model id. Parameters: focal lengths, principal point, then lens coefficients by the
+   letters of fxs_lens_coefficient. */
 static const struct {
     const char *name;
     int focals;
@@ -91,7 +91,7 @@ static int compare_ids(const void *a, const void *b)
     return (p->id > q->id) - (p->id < q->id);
 }
 
-/* The rows of the rotation of a quaternion w, x, y, z of any length. Returns 0 if the length is 0 or not finite. */
+/* Rotation of a quaternion w, x, y, z of any length. Returns 0 if the length is 0 or not finite. */
 static int quaternion_rows(const double q[4], double r[9])
 {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -170,7 +170,7 @@ static int read_images_bin(fxs_view_list *list, const camera_list *cameras, cons
             return fxs_fail(list->message, "%s: cut short", list->path);
         in.left -= (size_t)(end + 1 - name);
         in.at = end + 1;
-        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 24);   /* x, y, id of a 3D point */
+        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 24);   /* 2D points: x, y, id of a 3D point */
         if (in.short_of)
             return fxs_fail(list->message, "%s: cut short", list->path);
         FXS_TRY(add_image(list, cameras, (const char *)name, pose, camera_id));
@@ -200,7 +200,7 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
     return 0;
 }
 
-/* Two lines per image: numbers and a name that ends with the line; then its 2D points, possibly none. */
+/* An image has a line of numbers and a name, and a line of 2D points. */
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
     char *rest = fxs_text_begin(text), *line;

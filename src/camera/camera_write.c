@@ -1,4 +1,4 @@
-/* Writes cameras.json, as camera_json.c reads it. */
+/* Writes cameras.json. */
 #include <fixsplat/camera_file.h>
 #include "src/base/output_internal.h"
 #include "view_print.h"

@@ -1,7 +1,7 @@
-/* Chooses a view by rendering a small sample of the scene from many stands and scoring the pictures. A score counts
- * the Gaussians that a picture shows; it is lower if one Gaussian fills the picture or if the border cuts through
- * the subject. Steps: find the core and free places inside the scene, decide which way is up and whether to look
- * from within, try 12 yaws at two distances around each box, then other heights and distances on the best sides. */
+/* Chooses a first view of a scene by rendering a small sample from many camera positions. The score counts visible
+   Gaussians. It is lower if a Gaussian fills the picture or if the border cuts through the subject. Steps: find
+   the scene's core and free places inside, choose the up direction, try 12 yaws around each box, then refine
+   height and distance. */
 #include "first_view.h"
 
 #include <math.h>
@@ -16,19 +16,19 @@
 #include "within.h"
 #include "src/base/try_internal.h"
 
-enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };            /* small picture */
+enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
 #define FOV 50                       /* degrees */
-#define LARGEST (PIXELS / 16)        /* a Gaussian with more pixels lowers the score */
-#define UNBOUNDED 2                  /* least size of an unbounded scene / size of its core */
-#define OPEN 0.65                    /* least mean coverage of level views from a place worth a view */
-#define CLOSED 0.88                  /* least mean coverage of level views from within a room */
-#define WITHIN 0.74                  /* Gaussians seen within (weighed) / outside: above, looks from within */
-#define WITHIN_STANDING 1.1          /* Gaussians seen within / outside: above, no standing figure */
+#define LARGEST (PIXELS / 16)        /* pixels; larger Gaussians lower the score */
+#define UNBOUNDED 2                  /* minimum size of an unbounded scene relative to its core */
+#define OPEN 0.65                    /* minimum mean coverage around a useful place inside */
+#define CLOSED 0.88                  /* minimum mean coverage inside a closed room */
+#define WITHIN 0.74                  /* minimum ratio of Gaussians seen inside to outside, for an inside view */
+#define WITHIN_STANDING 1.1          /* above this ratio, the scene is no standing figure */
 
-/* A small picture, and the pixels of each Gaussian in it. */
+/* A test picture and the pixels of each Gaussian. */
 typedef struct look {
     unsigned char colour[PIXELS][4], coverage[PIXELS];
     uint32_t depth[PIXELS];
@@ -36,49 +36,47 @@ typedef struct look {
     uint16_t pixels[FXS_SAMPLE_MOST + 1];
 } look;
 
-/* Measurements of a small picture. */
+/* Measurements of a test picture. */
 typedef struct sight {
-    int64_t seen;                    /* Gaussians that contribute most to some pixel */
-    int64_t largest;                 /* pixels of the largest Gaussian */
+    int64_t seen;                    /* Gaussians that dominate some pixel */
+    int64_t largest;
     int64_t detail;                  /* sum of differences between neighbouring pixels */
     int64_t covered;                 /* sum of coverage, 255 per pixel */
-    int64_t close;                   /* pixels nearer than chooser.close, blocking the view */
-    int64_t cut;                     /* covered border pixels, weighted; BORDER if all are covered */
+    int64_t close;                   /* pixels nearer than chooser.close */
+    int64_t cut;                     /* weighted covered border pixels, at most BORDER */
 } sight;
 
 typedef struct box {
     double low[3], high[3];
 } box;
 
-/* Position of a camera. */
+/* Camera position around a box. */
 typedef struct stand {
-    int yaw;                         /* angle in twelfths of a turn */
-    double out, rise;                /* direction from the middle: level part, upward part */
-    double part;                     /* as in fxs_first_choice; 0: in the middle, looking outwards */
+    int yaw;                         /* twelfths of a turn */
+    double out, rise;                /* horizontal and upward part of the direction */
+    double part;                     /* relative distance; 0: in the middle, looking outwards */
     const box *about;
 } stand;
 
 typedef struct chooser {
-    fxs_context context;             /* for one thread */
-    const fxs_config *config;        /* the caller's, with all threads */
+    fxs_context context;             /* for a single thread */
+    const fxs_config *config;
     uint32_t threads;
     fxs_sample sample;
     fxs_core core;
-    box boxes[BOXES];                /* the scene; if unbounded, also its core and the middle of its core */
+    box boxes[BOXES];                /* the scene, and if unbounded, its core and the core's middle */
     int box_count;
-    box places[FXS_WITHIN_MOST];     /* boxes around places within the scene */
+    box places[FXS_WITHIN_MOST];     /* boxes around free places inside */
     int place_count;
-    int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
-    int is_within;                   /* 1: the best views are from within */
-    int outlined;                    /* 0: surroundings that thin out with distance */
+    int standing;                    /* 1 or 2: a subject standing along y or z */
+    int is_within;                   /* 1: inside views are best */
+    int outlined;                    /* 0: the surroundings thin out with distance */
     double up[3], close;             /* close: nearer pixels block the view */
     size_t frame_bytes;
-    unsigned char *frames;           /* working memory of a frame, per thread */
-    look *looks;                     /* one per thread */
+    unsigned char *frames;
+    look *looks;
     fxs_message *message;
 } chooser;
-
-/* ---- Small pictures ---------------------------------------------------------------------------------------------- */
 
 static int is_covered(const look *l, int pixel)
 {
@@ -94,14 +92,13 @@ static void count_seen(look *l, double close, double far, sight *s)
         s->close += depth < close;
         if (l->id[i].object == FXS_NOTHING || l->coverage[i] < 48)
             continue;
-        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];    /* an object's id is the index
-                                                                                        of its first Gaussian */
+        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];
         s->seen += pixels == 1;
         s->largest = pixels > s->largest && depth < far ? pixels : s->largest;
     }
 }
 
-/* Difference in luminance, at most 40, so that a few bright spots do not dominate. */
+/* Luminance difference, at most 40, so that bright spots do not dominate. */
 static int difference(const unsigned char *a, const unsigned char *b)
 {
     const int d = abs(2 * (a[0] - b[0]) + 5 * (a[1] - b[1]) + a[2] - b[2]) / 8;
@@ -113,7 +110,7 @@ static void count_detail(const look *l, sight *s)
     for (int y = 0; y + 1 < HEIGHT; y++)
         for (int x = 0; x + 1 < WIDTH; x++) {
             const int i = y * WIDTH + x;
-            for (int step = 1; step <= WIDTH; step += WIDTH - 1)     /* to the right, and down */
+            for (int step = 1; step <= WIDTH; step += WIDTH - 1)
                 if (is_covered(l, i) && is_covered(l, i + step))
                     s->detail += difference(l->colour[i], l->colour[i + step]);
         }
@@ -127,13 +124,11 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
-/* Distance from the camera to the far end of the core. */
 static double end_of_core(const chooser *c, const fxs_file_view *view)
 {
     return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
 }
 
-/* Renders and measures a view. A view that the renderer refuses counts as empty. */
 static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
 {
     look *l = &c->looks[thread];
@@ -156,8 +151,6 @@ static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *vie
     return 0;
 }
 
-/* ---- Views ------------------------------------------------------------------------------------------------------- */
-
 int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_file_view *view,
                         fxs_message *message)
 {
@@ -169,7 +162,6 @@ int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, in
     return 0;
 }
 
-/* Cosine and sine of the yaws. */
 static const double turns[YAWS][2] = {
     {1, 0}, {0.8660254037844386, 0.5}, {0.5, 0.8660254037844386}, {0, 1}, {-0.5, 0.8660254037844386},
     {-0.8660254037844386, 0.5}, {-1, 0}, {-0.8660254037844386, -0.5}, {-0.5, -0.8660254037844386}, {0, -1},
@@ -197,7 +189,7 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
     return fxs_first_view_make(&first, FOV, WIDTH, HEIGHT, view, c->message);
 }
 
-/* Views shared by several threads: thread t takes views t, t + threads, ... */
+/* Thread t renders views t, t + threads, ... */
 typedef struct looking {
     const chooser *c;
     fxs_file_view views[STANDS];
@@ -228,9 +220,7 @@ static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sig
     return 0;
 }
 
-/* ---- Which way is up --------------------------------------------------------------------------------------------- */
-
-/* Gaussians seen and detail from above, on the side of c->up: the larger of the sums from far and from near. */
+/* Looks from above, on the side of c->up: Gaussians seen and detail. */
 static int look_down(chooser *c, double *seen, double *detail)
 {
     stand stands[AROUND];
@@ -256,8 +246,7 @@ static int is_direction(const double up[3])
     return up && (up[0] != 0 || up[1] != 0 || up[2] != 0);
 }
 
-/* Decides which direction is up. Captures show most from above, and subjects stand on the ground. In doubt, up is -y
-   or z, as in most files. */
+/* Captures show most from above, and subjects stand on the ground. In doubt, up is -y or z, as in most files. */
 static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
@@ -280,19 +269,17 @@ static int find_up(chooser *c, const double known[3])
     return 0;
 }
 
-/* ---- The choice -------------------------------------------------------------------------------------------------- */
-
-/* Directions to the camera, level and up: that of fxs_view_frame_box, a lower one, a higher one. */
+/* Horizontal and upward part of directions to the camera: normal, lower, higher. */
 static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
 
-/* The best stand so far, and the best for each yaw. */
+/* The best camera position, overall and for each yaw. */
 typedef struct choice {
     stand best, sides[YAWS];
     double score, scores[YAWS];
 } choice;
 
-/* Factor 0.5 if the border cuts through the subject, up to 1 if it does not. A border that is all covered, or
-   surroundings that fill the picture, have no outline to cut. */
+/* Score factor: 0.5 if the border cuts through the subject, up to 1 if not. A completely covered border has no
+   outline to cut. */
 static double uncut(const chooser *c, const sight *s)
 {
     const double cut = (double)s->cut / BORDER, covered = (double)s->covered / (255 * PIXELS);
@@ -344,10 +331,10 @@ static int try_place(chooser *c, int place, choice *made)
     return try_stands(c, stands, YAWS, !c->is_within ? 1 : c->box_count == 1 ? 1.5 : 3, made);
 }
 
-/* Tries other heights and distances on the best side that was not refined yet. */
+/* Refines the best unrefined side. */
 static int try_heights(chooser *c, choice *made)
 {
-    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were already tried level */
+    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were already tried */
     stand stands[STANDS];
     uint32_t count = 0;
     int yaw = 0;
@@ -362,10 +349,7 @@ static int try_heights(chooser *c, choice *made)
     return 0;
 }
 
-/* ---- From within ------------------------------------------------------------------------------------------------- */
-
-/* Over some stands: the largest number of Gaussians seen, reduced if one is large; the mean covered and close parts
-   of the picture. */
+/* Measures several views: most Gaussians seen, mean coverage, mean share of close pixels. */
 static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
     sight sights[STANDS];
@@ -380,15 +364,14 @@ static int look_about(chooser *c, const stand *stands, uint32_t count, double *m
     return 0;
 }
 
-/* True if a free place lies in the middle of the core: the core is hollow. */
+/* Returns 1 if a free place lies in the middle of the core, so the core is hollow. */
 static int is_amid(const chooser *c, const double place[3])
 {
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* Finds places with something to see around them. *seen: most Gaussians seen from one of the places. *weighed: the same
-   number with factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers
-   every view. */
+/* seen: most Gaussians seen from a place inside. weighed: `seen`, raised in a room or a hollow core, and lowered
+   elsewhere in an unbounded scene, because its sky covers every view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];
@@ -437,14 +420,13 @@ static void find_boxes(chooser *c)
     c->box_count = size_of(&b[0]) > UNBOUNDED * size_of(&b[1]) ? BOXES : 1;
 }
 
-/* Finds the boxes and places to look from, the up direction, and whether to look from within. */
 static int find_stands(chooser *c, const double known[3])
 {
     stand stands[2 * AROUND];
     double outside, inside, weighed, covered, close;
     FXS_TRY(fxs_core_find(&c->core, &c->sample, c->message));
     find_boxes(c);
-    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down, so also from below */
+    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down */
         const double rise = i & 2 && c->box_count > 1 ? -heights[0][1] : heights[0][1];
         stands[i] = (stand){i / 2 * 2, heights[0][0], rise, i % 2 ? 0.5 : 1, &c->boxes[c->box_count - 1]};
     }
@@ -475,8 +457,6 @@ static int choose(chooser *c, const double up[3], fxs_first_choice *first)
     }
     return first_of(first, &made.best, c->up, c->message);
 }
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 static int set_up(chooser *c)
 {

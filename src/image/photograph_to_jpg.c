@@ -9,7 +9,7 @@
 #include "png_internal.h"
 #include "src/base/try_internal.h"
 
-/* Writes the .jpg's start marker, an APP1 segment with the EXIF, then the rest. */
+/* Inserts an APP1 segment with the EXIF after the start marker of a .jpg. */
 static int write_jpg(const char *path, const fxs_encoded *jpg, const fxs_exif_bytes *exif, fxs_message *message)
 {
     fxs_output output;

@@ -1,4 +1,4 @@
-/* Passes Gaussians to the writer of a format, chosen by its name or the path's ending. */
+/* Passes Gaussians to the writer of a format. */
 #include <fixsplat/scene_write.h>
 
 #include <math.h>
@@ -13,8 +13,7 @@
 struct fxs_scene_writer {
     const fxs_writer *writer;
     void *data;
-    double origin[3];            /* added to positions before the format's writer gets them; 0 if that writer adds it
-                                    itself */
+    double origin[3];            /* added to positions; 0 if the format's writer adds the origin */
     fxs_scene_write_report report;
 };
 

@@ -1,4 +1,4 @@
-/* Placements of scenes in a world: checks them, and converts them to objects, matrices and boxes. */
+/* Checks placements of scenes in a world, and converts them to objects, matrices and boxes. */
 #include <fixsplat/world.h>
 
 #include <math.h>
@@ -10,7 +10,7 @@
 #define FARTHEST 0x1p28
 #define SCALE_LEAST 0x1p-16
 #define SCALE_MOST 0x1p16
-#define CROP_MOST 0x1p30           /* larger than any coordinate; crop sides beyond it are moved to it */
+#define CROP_MOST 0x1p30           /* crop sides are clamped to this, beyond all coordinates */
 
 void fxs_placement_init(fxs_placement *p, uint32_t file, uint32_t id)
 {
@@ -38,7 +38,7 @@ void fxs_placement_turn_up(fxs_placement *p, const double up[3])
     memcpy(p->rotation, turn[0] > 1e-12 ? turn : opposite, sizeof p->rotation);
 }
 
-/* q = r q, r: the rotation about the axis */
+/* q = r q, with r the rotation about the axis. */
 void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
 {
     const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
@@ -50,8 +50,6 @@ void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
     q[j] = c * old[j] - s * old[k];
     q[k] = c * old[k] + s * old[j];
 }
-
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
 static int no_memory(fxs_message *message)
 {
@@ -103,8 +101,6 @@ void fxs_world_free(fxs_world *world)
     free(world->objects);
     memset(world, 0, sizeof *world);
 }
-
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 static int out_of_range(fxs_message *message, const char *what, const char *expected)
 {

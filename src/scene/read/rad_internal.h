@@ -1,4 +1,4 @@
-/* The columns of a .rad, shared by reader and writer. */
+/* Columns of a .rad file. */
 #ifndef FXS_RAD_INTERNAL_H
 #define FXS_RAD_INTERNAL_H
 
@@ -16,7 +16,7 @@ enum {
 typedef struct fxs_rad_property {
     const char *name;
     int numbers;                   /* per Gaussian */
-    unsigned encodings;            /* bit mask of the allowed encodings */
+    unsigned encodings;            /* bit mask of allowed encodings */
 } fxs_rad_property;
 
 typedef struct fxs_rad_encoding {

@@ -1,10 +1,7 @@
-/* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles. Contents are .glb and .gltf
-   files or other tilesets. Draws the finest contents: all contents of tiles refined by ADD; contents of tiles refined
-   by REPLACE if no descendant has contents. Ignores bounding volumes and geometric errors.
-
-   A tileset is z up and its contents are y up. The Gaussians get the axes that a content read alone would have. A
-   tileset on the globe is moved to the frame of its first tile there, because floats resolve only half a metre at the
-   Earth's radius. */
+/* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles. The finest contents are
+   drawn: all contents of tiles refined by ADD; contents of tiles refined by REPLACE if no descendant has contents.
+   A tileset is z up and its contents are y up. A tileset on the globe is moved to the frame of its first tile,
+   because floats are too coarse at the Earth's radius. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -19,38 +16,38 @@
 
 enum {
     MAX_CONTENTS = 16384,
-    MAX_NESTING = 16,          /* depth of nested tilesets */
-    MOST_OPEN = 32             /* open contents; all others are reopened in each pass */
+    MAX_NESTING = 16,
+    MOST_OPEN = 32             /* open contents; others are reopened in each pass */
 };
 
-static const double GLOBE = 1e6;   /* a tile this far from the origin lies on the globe */
+static const double GLOBE = 1e6;   /* metres from the origin; farther tiles lie on the globe */
 
 typedef struct matrix {
-    double m[3][4];            /* rows; the implied last row is 0 0 0 1 */
+    double m[3][4];            /* the last row is 0 0 0 1 */
 } matrix;
 
 typedef struct content {
-    char *name;                /* path from the folder of the first tileset */
-    matrix up, tile;           /* up: from the content's axes to the tile's; tile: then to the tileset's, z up */
+    char *name;                /* relative to the first tileset */
+    matrix up, tile;           /* up: from the content's axes to the tile's; tile: from there to the tileset's, z up */
     int nesting, is_tileset;
     size_t parent;             /* 1 + index of the tileset that names it; 0: the first tileset */
-    uint64_t device, inode;    /* identify a file opened by its path; else 0 */
+    uint64_t device, inode;    /* of a file opened by path; else 0 */
     uint64_t count;
     fxs_scene_source source;
-    void *reader;              /* while open; else null */
+    void *reader;
 } content;
 
 typedef struct tileset {
     const fxs_scene_source *source;
-    fxs_message *message;      /* message of the current call */
+    fxs_message *message;
     content *contents;
     size_t count, capacity;
     uint64_t repeated;         /* bytes of repeated contents */
     int is_on_globe;
     matrix globe;              /* frame of the first tile on the globe */
     matrix frame;              /* from the tileset's axes to the Gaussians' axes */
-    size_t open;               /* number of open contents */
-    size_t at;                 /* content being read */
+    size_t open;
+    size_t at;
     int is_entered;            /* 1: the content at `at` is open and rewound */
 } tileset;
 
@@ -60,7 +57,7 @@ typedef struct index_file {
     const char *name;
     int nesting;
     size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
-    matrix up;                 /* rotates contents' axes to tiles' axes */
+    matrix up;                 /* from contents' axes to tiles' axes */
 } index_file;
 
 static int fail(const tileset *t, const char *path, const char *fault)
@@ -72,8 +69,6 @@ static const cJSON *member(const cJSON *object, const char *name)
 {
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
-
-/* ---- Matrices -------------------------------------------------------------------------------------------------- */
 
 static const matrix identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
@@ -87,7 +82,6 @@ static matrix multiply(const matrix *a, const matrix *b)
     return out;
 }
 
-/* Returns 0, or -1 if the matrix has no inverse. */
 static int invert(matrix *out, const matrix *of)
 {
     const double (*m)[4] = (const double (*)[4])of->m;
@@ -110,8 +104,6 @@ static int invert(matrix *out, const matrix *of)
     return is_finite ? 0 : -1;
 }
 
-/* ---- Listing of contents --------------------------------------------------------------------------------------- */
-
 static int grow(tileset *t)
 {
     if (t->count == MAX_CONTENTS)
@@ -127,11 +119,10 @@ static int grow(tileset *t)
     return 0;
 }
 
-/* Returns 1, or an error and a message. */
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
-    uri = uri ? uri : fxs_json_string(item, "url");   /* the name used before version 1.0 */
+    uri = uri ? uri : fxs_json_string(item, "url");   /* name before version 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
     FXS_TRY(grow(t));
@@ -151,7 +142,6 @@ static int add_content(tileset *t, const index_file *from, const cJSON *item, co
     return 1;
 }
 
-/* Adds the contents of one tile. Returns 1, or 0 if it has none, or an error and a message. */
 static int add_contents(tileset *t, const index_file *from, const cJSON *tile, const matrix *rows)
 {
     const cJSON *extensions = member(tile, "extensions"), *more = member(extensions, "3DTILES_multiple_contents");
@@ -182,7 +172,7 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* Returns 1 for REPLACE, 0 for ADD, the parent's value by default; or an error and a message. */
+/* Returns 1 for REPLACE, 0 for ADD, by default the parent's value; or an error and a message. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -193,8 +183,8 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* Adds the contents to draw from a tile and its descendants. Returns 1, or 0 if none were added, or an error and a
-   message. cJSON limits the recursion depth. */
+/* Adds the contents to draw. Returns 1, or 0 if none were added, or an error and a message. cJSON limits the
+   recursion depth. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
     const cJSON *children = member(tile, "children"), *child;
@@ -252,16 +242,14 @@ static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *sour
     return result < 0 ? result : 0;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------------------------- */
-
 /* Through links, a file can have several names. */
 static int is_same(const content *a, const content *b)
 {
     return a->inode ? a->inode == b->inode && a->device == b->device : fxs_compare_names(a->name, b->name) == 0;
 }
 
-/* A file may be the content of several tiles, but must not contain itself. Repeated bytes are limited, because a small
-   tileset could otherwise demand much work. */
+/* Refuses a tileset that contains itself. Limits the bytes of repeated contents, because a small tileset could
+   otherwise demand much work. */
 static int check_identity(tileset *t, size_t index, const fxs_scene_source *source)
 {
     content *c = &t->contents[index];
@@ -327,8 +315,6 @@ static int list_all(tileset *t)
     return result;
 }
 
-/* ---- Open contents --------------------------------------------------------------------------------------------- */
-
 static void close_content(tileset *t, content *c)
 {
     if (c->reader) {
@@ -340,7 +326,7 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* fxs_import.drop: frees decompressed data, then closes open contents, last ones first. Keeps data being read. */
+/* Frees decompressed data, then closes open contents, last first. Data being read is kept. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;
@@ -408,8 +394,6 @@ static int tileset_rewind(void *handle, fxs_message *message)
     leave_content(t);
     return 0;
 }
-
-/* ---- The format ------------------------------------------------------------------------------------------------ */
 
 static int describe_content(tileset *t, fxs_scene_file_info *info)
 {
@@ -507,7 +491,7 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 
 #endif
 
-/* Returns 1 for a tileset. Its tiles have a geometric error, unlike a glTF with the same first name. */
+/* Recognises a tileset by geometric errors, which a glTF lacks. */
 static int is_tileset(const fxs_head *head, fxs_message *message)
 {
     (void)message;

@@ -1,4 +1,4 @@
-/* Writes text: a line with the property names of Inria's .ply, without normals, then a line of values per Gaussian. */
+/* Writes text: a line with the property names of Inria's .ply without normals, then a line of values per Gaussian. */
 #include <string.h>
 
 #include "scene_write_internal.h"

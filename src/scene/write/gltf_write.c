@@ -1,5 +1,5 @@
-/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate): floats only, in one bufferView of rows, so
-   that Gaussians are written as they arrive. Positions are rotated by half a turn about z, because y is up in glTF. */
+/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate), all floats, a row per Gaussian.
+   Positions are rotated by half a turn about z, because y is up in glTF. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,18 +12,15 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/read/spz_internal.h"
 
-/* Byte offsets in a row: position, scale, rotation, opacity, then SH from degree 0. glTF allows rows up to 252
-   bytes. */
+/* Byte offsets in a row. glTF allows rows up to 252 bytes. */
 enum { SCALE = 12, ROTATION = 24, OPACITY = 40, SH = 44, MAX_ROW = SH + 16 * 12 };
 
 enum { JSON_MOST = 8000 };         /* bytes; the longest text has 4000 */
 
 typedef struct glb_writer {
     fxs_output output;
-    uint32_t row;                  /* bytes per row */
+    uint32_t row;
 } glb_writer;
-
-/* ---- The header -------------------------------------------------------------------------------------------------- */
 
 static void add_attributes(FILE *json, int sh_degree)
 {
@@ -92,7 +89,7 @@ static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row
         fputc(' ', json);
 }
 
-/* Returns the JSON text, for free(), or null if memory ran out. */
+/* Returns JSON for free(), or null if memory ran out. */
 static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *length)
 {
     fxs_printed printed;
@@ -134,8 +131,6 @@ static int glb_open(void *writer, const char *path, const fxs_scene_write_option
     free(json);
     return error;
 }
-
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
 /* (0, 0, 0, 1) q, normalised, as x, y, z, w */
 static void turn_rotation(float to[4], const float q[4])

@@ -1,4 +1,4 @@
-/* Writes .splat: records of 32 bytes, which splat.c reads. Clamps scales to 4.85e8 and positions to 2^27. */
+/* Writes .splat: records of 32 bytes. Clamps scales to 4.85e8 and positions to 2^27. */
 #include <math.h>
 
 #include "scene_write_internal.h"

@@ -1,6 +1,5 @@
-/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and next to it
-   folders, each with the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same
-   leaves. */
+/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and folders with
+   the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same leaves. */
 #include "sog_internal.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
@@ -18,14 +17,13 @@
 #include "src/pack/coarsen.h"
 
 enum {
-    LEAF_SETS = 64,                /* sets of level 0 in a leaf: 16,384 Gaussians */
+    LEAF_SETS = 64,                /* 16,384 Gaussians */
     MOST_LEVELS = 7,               /* in the last level, a leaf has one set */
     FILE_GAUSSIANS = 1 << 18,      /* limit for a file; a single leaf may exceed it */
-    PRECISION = 7                  /* digits of numbers in the index */
+    PRECISION = 7
 };
 
-#define PLANE 1.8137993642342178   /* pi / sqrt(3): the integral of G^2 over a plane, divided by the area of a
-                                      fxs_coarse */
+#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of G^2 over a plane per area of a fxs_coarse */
 
 /* A file: leaves `first` to `last` - 1 of a level. */
 typedef struct part {
@@ -39,7 +37,7 @@ typedef struct streamed_writer {
     fxs_levels levels;
     uint32_t leaves, part_count, parts_made;
     part *parts;
-    float (*bounds)[2][3];         /* box of each leaf (minimum, maximum), with ellipsoids of one sigma */
+    float (*bounds)[2][3];         /* box of each leaf, with ellipsoids of one sigma */
     fxs_progress_fn *progress;
     void *argument;
 } streamed_writer;
@@ -78,9 +76,7 @@ static int advance(void *writer, double done)
     return !w->held.output.error;
 }
 
-/* ---- Leaves ------------------------------------------------------------------------------------------------------ */
-
-/* Returns the first Gaussian of a leaf in a level; beyond the last leaf, the end. */
+/* Returns the first Gaussian of a leaf in a level. Beyond the last leaf, returns the end. */
 static uint32_t leaf_begin(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     const uint64_t set = (uint64_t)leaf * LEAF_SETS >> level;
@@ -131,8 +127,6 @@ static int find_bounds(streamed_writer *w)
     }
     return 1;
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static int list_parts(streamed_writer *w)
 {
@@ -185,7 +179,6 @@ static int write_files(streamed_writer *w, const part *p, const fxs_zip_entry *f
     return result;
 }
 
-/* Progress from the share of a part that is done. */
 static int progress_of_part(void *writer, double done)
 {
     const streamed_writer *w = writer;
@@ -227,8 +220,6 @@ static void remove_parts(const streamed_writer *w)
         }
 }
 
-/* ---- The index --------------------------------------------------------------------------------------------------- */
-
 static void print_corner(FILE *json, const char *before, const float corner[3])
 {
     fputs(before, json);
@@ -239,7 +230,7 @@ static void print_corner(FILE *json, const char *before, const float corner[3])
     fputs("]", json);
 }
 
-/* Returns the energy of a leaf in the units of the errors: the sum over its Gaussians, each taken alone. */
+/* Returns a leaf's energy in the units of the errors: the sum over its Gaussians, each alone. */
 static double energy_of(const streamed_writer *w, uint32_t leaf)
 {
     double sum = 0;
@@ -293,7 +284,6 @@ static void print_leaf(FILE *json, const streamed_writer *w, uint32_t leaf)
     print_errors(json, w, leaf);
 }
 
-/* Prints the leaves `first` to `last` - 1 as a binary tree. */
 static void print_node(FILE *json, const streamed_writer *w, uint32_t first, uint32_t last)
 {
     float bounds[2][3];
@@ -354,8 +344,6 @@ static void write_index(streamed_writer *w, fxs_message *message)
         fxs_output_write(&w->held.output, printed.text, printed.size, message);
     free(printed.text);
 }
-
-/* ---- The format -------------------------------------------------------------------------------------------------- */
 
 static int make_files(streamed_writer *w, fxs_message *message)
 {
