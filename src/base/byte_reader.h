@@ -11,7 +11,7 @@ enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 
 typedef struct fxs_byte_reader {
     const fxs_scene_source *source;
-    const char *fault;          /* message of a failed call */
+    const char *fault;          /* message of a failed read or seek */
     uint64_t offset;            /* file offset of the buffer's end, bytes */
     size_t begin, end;          /* unread bytes in the buffer */
     uint8_t buffer[FXS_BYTE_READER_BUFFER];
@@ -20,14 +20,14 @@ typedef struct fxs_byte_reader {
 /* Returns the next `size` bytes, at most FXS_BYTE_READER_BUFFER, valid until the next call. NULL: end of the file. */
 const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size);
 
-/* Return 0, or FXS_ERR_FILE beyond the end of the file. */
+/* Returns 0, or FXS_ERR_FILE for a position beyond the end of the file. */
 int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset);
 int fxs_bytes_skip(fxs_byte_reader *reader, uint64_t size);
 
-/* Stores a fault and returns FXS_ERR_FILE. */
+/* Stores the fault for a later message and returns FXS_ERR_FILE. */
 int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault);
 
-/* Writes a message with the stored fault and a row number, counted from 0. Returns FXS_ERR_FILE. */
+/* Writes the stored fault and a row number, counted from 0. Returns FXS_ERR_FILE. */
 int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,
                        fxs_message *message);
 

@@ -1,4 +1,4 @@
-/* Recognises unexpected files by their first bytes, for messages. */
+/* Recognises unexpected files by their first bytes. */
 #include "foreign.h"
 
 #include <string.h>
@@ -39,7 +39,6 @@ static const struct {
     {0, 8, "PXR-USDC", "a .usdc of OpenUSD"},
 };
 
-/* Line beginnings of .obj meshes. */
 static const char *const lines[] = {"mtllib ", "usemtl ", "o ", "g ", "v ", "vn ", "vt "};
 
 static const char *const pages[] = {"<!doctype html", "<html", "<head"};
@@ -49,8 +48,7 @@ static int begins(const char *line, const char *end, const char *words)
     return (size_t)(end - line) >= strlen(words) && !strncasecmp(line, words, strlen(words));
 }
 
-/* Tests the first nonempty line without comment. The file must begin as plain text, because .obj keywords are
-   short. */
+/* The file must begin as plain text, because the keywords of .obj meshes are short. */
 static int is_obj(const char *text, const char *end)
 {
     enum { LOOKED_AT = 256 };

@@ -17,7 +17,6 @@ static size_t unsafe_bytes(const unsigned char *c)
     return (c[1] == 0x80 && c[2] >= 0xa8 && c[2] <= 0xae) || (c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9) ? 3 : 0;
 }
 
-/* Number of UTF-8 bytes after a lead byte. */
 static int bytes_behind(unsigned char lead)
 {
     return lead < 0xc2 || lead > 0xf4 ? 0 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
@@ -30,7 +29,7 @@ void fxs_text_make_safe(char *text)
     for (const unsigned char *from = to; *from;) {
         const size_t unsafe = unsafe_bytes(from);
         const int continues = behind && (*from & 0xc0) == 0x80;
-        const int is_stray = !continues && *from >= 0x80 && *from < 0xa0;   /* C1 control of 8-bit terminals */
+        const int is_stray = !continues && *from >= 0x80 && *from < 0xa0;
         behind = continues ? behind - 1 : unsafe ? 0 : bytes_behind(*from);
         *to++ = unsafe || is_stray ? '?' : *from;
         from += unsafe ? unsafe : 1;

@@ -7,7 +7,7 @@
 /* Prints up to `digits` significant digits. 9 digits restore a float, 17 a double. */
 void fxs_print_number(FILE *file, int digits, double value);
 
-/* Reads a finite decimal number of at most 256 characters. Returns 1, or 0 for other words. */
+/* Reads a finite decimal number. Returns 1, or 0 for any other word. */
 int fxs_read_number(const char *word, double *value);
 
 #endif

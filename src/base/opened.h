@@ -1,5 +1,4 @@
-/* Hooks for a program that must not overwrite its inputs. The hooks learn of every opened file and of every
-   output. */
+/* Hooks that learn of every opened file and of every output, so that a program never overwrites its inputs. */
 #ifndef FXS_OPENED_H
 #define FXS_OPENED_H
 

@@ -11,25 +11,23 @@
 #include "try_internal.h"
 
 typedef struct fxs_output {
-    FILE *file;                /* perhaps a pipe, so never seek */
-    char *path;                /* path from the user */
-    char *target, *temporary;  /* resolved path, and temporary name beside it; null: no renaming */
+    FILE *file;                /* possibly a pipe, so never seek in this file */
+    char *path;                /* file name from the user */
+    char *target, *temporary;  /* name with links resolved, and temporary name; null: no renaming */
     struct fxs_output *next;   /* list of open outputs, which must not move in memory */
     int lock;                  /* locked descriptor of the temporary file; -1: none */
     uint64_t left;             /* Gaussians announced but not written */
-    int error;                 /* errno of the first failure, or 0; callers may set it */
+    int error;                 /* errno of the first failure; 0: no failure */
 } fxs_output;
 
-/* Begins a file for `count` Gaussians; 0: none. A failed output needs no close. */
+/* Begins a file for `count` Gaussians. After an error, the output needs no close. */
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message);
 
-/* Converts an errno to an error and a message. */
 int fxs_output_fail(const char *path, int error, fxs_message *message);
 
-/* Call before writing n Gaussians. Fails if they exceed the announced number. */
+/* Call before writing n Gaussians. Fails if more Gaussians than announced are written. */
 int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message);
 
-/* Callers may also write to output->file directly. */
 int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message);
 
 /* Flushes the file to disk and renames it. After an error, an existing file of that name is unchanged. */

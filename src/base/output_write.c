@@ -1,4 +1,4 @@
-/* Parts of file outputs that are the same on every system. */
+/* Parts of file output that every system shares. */
 #include "output_internal.h"
 
 #include <errno.h>

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* Asks for large pages for a memory block, to save page faults. Null is accepted. */
+/* Asks for large pages for a memory block, to save page faults. */
 void fxs_use_large_pages(void *block, size_t bytes);
 
 #endif

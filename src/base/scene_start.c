@@ -7,10 +7,10 @@
 
 #include <fixsplat/packed.h>
 
-/* Tangent of half the field of view; 11.5 for 170 degrees. */
+/* Largest tangent of half the field of view, above 170 degrees. */
 #define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28
-#define UP_ONE 16383               /* code of 1.0 */
+#define UP_ONE 16383               /* octahedral code of the number 1 */
 #define UP_BITS 0x7FFFu
 
 static double sign_of(double x)
@@ -18,7 +18,7 @@ static double sign_of(double x)
     return x < 0 ? -1 : 1;
 }
 
-/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 outwards. Its own inverse. */
+/* Octahedral map: folds the lower half of |x| + |y| + |z| = 1 outwards. The function is its own inverse. */
 static void fold(double *x, double *y)
 {
     const double old = *x;
@@ -39,7 +39,7 @@ static uint32_t code_of_up(const double up[3])
     return FXS_PACKED_UP | (u & UP_BITS) << 1 | (v & UP_BITS) << 16;
 }
 
-/* Decodes 15 bits to -1..1. Below -1: invalid. */
+/* Decodes a 15-bit number to -1..1. Below -1: invalid code. */
 static double part_of_code(uint32_t flags, int bit)
 {
     const int32_t code = (int32_t)(flags >> bit & UP_BITS);

@@ -4,14 +4,14 @@
 
 #include <stdint.h>
 
-/* floor(x) for |x| < 2^62. Faster than the library call. */
+/* floor(x) for |x| < 2^62, faster than the library call. */
 static inline double fxs_floor(double x)
 {
     const double towards_zero = (double)(int64_t)x;
     return towards_zero > x ? towards_zero - 1 : towards_zero;
 }
 
-/* sin(2 pi t): reduces t to -1/4..1/4, then Taylor series to x^15. */
+/* sin(2 pi t) by a Taylor series to x^15, for t reduced to -1/4..1/4. */
 static inline double fxs_sine(double t)
 {
     static const double taylor[] = {

@@ -16,14 +16,14 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* first: the file must lie in the folder of `first`; null: anywhere. */
+/* Opens a file. first: another file in whose folder the file must lie; null: any folder. */
 static int open_file(fxs_scene_source *source, const char *first, fxs_message *message)
 {
     fxs_file_facts facts;
     FILE *file;
     FXS_TRY(first ? fxs_file_open_within(first, source->path, &file, &facts, message)
                   : fxs_file_open(source->path, &file, &facts, message));
-    setvbuf(file, NULL, _IONBF, 0);   /* readers have their own buffers */
+    setvbuf(file, NULL, _IONBF, 0);
     source->input = (fxs_scene_input){facts.size, read_file, NULL, close_file, file};
     source->device = facts.device;
     source->inode = facts.inode;
@@ -49,7 +49,6 @@ static int hex_digit(int c)
     return at ? (int)(at - digits) % 16 : -1;
 }
 
-/* Takes a character of a URI and decodes %XX. */
 static int take_letter(const char **text)
 {
     const char *at = *text;
@@ -58,7 +57,7 @@ static int take_letter(const char **text)
     return low < 0 ? (unsigned char)*at : high << 4 | low;
 }
 
-/* Returns 1 for a drive or a URL scheme, such as "C:" or "https:". */
+/* Returns 1 if a name begins with a drive or a URL scheme, such as "C:" or "https:". */
 static int begins_elsewhere(const char *name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
@@ -79,7 +78,7 @@ static int is_separator(int letter)
 int fxs_name_stays(const char *name)
 {
     const char *at = name;
-    size_t length = 0, dots = 0;   /* of the current path component */
+    size_t length = 0, dots = 0;
     int letter = take_letter(&at);
     if (is_separator(letter) || begins_elsewhere(name))
         return 0;
@@ -123,7 +122,6 @@ void fxs_decode_percent(char *text)
     *text = '\0';
 }
 
-/* Sets source->path to `folder` characters of `path`, then `name`. */
 static int set_path(fxs_scene_source *source, const char *path, size_t folder, const char *name, fxs_message *message)
 {
     size_t length = strlen(name);
@@ -135,7 +133,7 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     return 0;
 }
 
-static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a (Fowler, Noll, Vo) */
+static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a hash (Fowler, Noll, Vo) */
 {
     for (const unsigned char *byte = bytes; size > 0; size--, byte++)
         so_far = (so_far ^ *byte) * 0x100000001b3u;
@@ -206,8 +204,8 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-/* Replaces backslashes by slashes unless a file has exactly this name. Callbacks never get a backslash, because
-   names may become part of a URL. */
+/* Replaces backslashes in a name by slashes, unless a file has exactly this name. Callbacks never get a backslash,
+   because names may become part of a URL. */
 static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {

@@ -1,5 +1,5 @@
-/* Sources of a scene's bytes (file, memory or callbacks), with limits on files and memory. Functions with a
-   message return 0, or an error and the message. */
+/* Sources of a scene's bytes: a file, memory or callbacks. Functions with a message return 0, or an error and the
+   message. */
 #ifndef FXS_SOURCE_INTERNAL_H
 #define FXS_SOURCE_INTERNAL_H
 
@@ -9,26 +9,27 @@
 /* Totals over all sources of a scene. */
 typedef struct fxs_import {
     uint64_t file_bytes;              /* size of all files, each counted once */
-    uint64_t *files;                  /* hash set of file keys with `room` slots; 0: free slot */
+    uint64_t *files;                  /* hash set of file keys; 0: free slot */
     size_t file_count, room;
     uint64_t held;                    /* bytes allocated by fxs_hold */
-    int (*drop)(void *reader);        /* frees data that can be read again; returns 0 if none is left */
+    int (*drop)(void *reader);        /* callback that frees data which can be read again; returns 0 if none is left */
     void *reader;
-    double origin[3];                 /* subtracted from positions */
-    int moves;                        /* 1: `origin` may change */
+    double origin[3];                 /* origin that is subtracted from positions */
+    int moves;                        /* 1: the origin may change */
 } fxs_import;
 
 typedef struct fxs_scene_source fxs_scene_source;
 struct fxs_scene_source {
     fxs_scene_input input;
     char *path;
-    const fxs_scene_source *first;    /* the main file, if this is a companion file; else NULL */
+    const fxs_scene_source *first;    /* main file of the scene, for a companion file; else NULL */
     fxs_scene_file_options options;
-    fxs_import *import;               /* NULL: no limits */
-    uint64_t device, inode;           /* of a file opened by path; else 0 */
+    fxs_import *import;
+    uint64_t device, inode;
 };
 
-/* The caller sets source->options and clears all other fields. Close the source even after an error. */
+/* Opens a source. The caller sets source->options and clears all other fields. Close the source even after an
+   error. */
 int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message);
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
                                 fxs_message *message);
@@ -39,18 +40,16 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
 
-/* Adds a file's size to the total, once per file. */
+/* Adds a file's size to the total of the scene, once per file. */
 int fxs_import_count(const fxs_scene_source *source, fxs_message *message);
 
 /* Returns 1 if a name stays within its folder. Forbidden are an empty name, "..", a leading slash, a drive, a URL
-   scheme and control characters. A backslash counts as a slash, and %XX as its character. read.js has the same
-   check. */
+   scheme and control characters. Backslashes count as slashes, and %XX is decoded. read.js has an equal check. */
 int fxs_name_stays(const char *name);
 
-/* Applies fxs_name_stays. NULL is an error. */
 int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message);
 
-/* Compares names; "a/b", "a//b" and "./a/b" are equal. */
+/* Compares file names; "a/b", "a//b" and "./a/b" are equal. */
 int fxs_compare_names(const char *a, const char *b);
 
 /* Decodes %XX of a URI in place. */
@@ -59,13 +58,12 @@ void fxs_decode_percent(char *text);
 /* Returns 1 if a companion file exists, 0 if not, or an error. */
 int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name, fxs_message *message);
 
-/* Makes an input from memory. The data is not copied. */
+/* Makes an input from memory without copying the data. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);
 
 int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,
                           fxs_message *message);
 
-/* Loads at most FXS_TEXT_MAX bytes, to be freed by fxs_text_let_go. */
 int fxs_scene_source_load(const fxs_scene_source *source, uint64_t offset, uint64_t size, fxs_text *text,
                           fxs_message *message);
 void fxs_text_let_go(const fxs_scene_source *source, fxs_text *text);
@@ -73,17 +71,16 @@ void fxs_text_let_go(const fxs_scene_source *source, fxs_text *text);
 /* Reports progress, 0 to 1. Returns an error if the caller cancels. */
 int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_message *message);
 
-/* Closes the file but keeps source->path. */
 void fxs_scene_source_shut(fxs_scene_source *source);
 
 void fxs_scene_source_close(fxs_scene_source *source);
 
 int fxs_limit_gaussians(const fxs_scene_source *source, uint64_t count, fxs_message *message);
 
-/* Checks that `bytes` more can be allocated, and calls import->drop if necessary. */
+/* Checks that `bytes` more can be allocated within the limit. May free data to make room. */
 int fxs_limit_memory(const fxs_scene_source *source, uint64_t bytes, fxs_message *message);
 
-/* Allocates a block that counts against the limit until fxs_let_go. Returns NULL and a message on failure. */
+/* Allocates a block that counts against the memory limit until fxs_let_go. Returns NULL and a message on failure. */
 void *fxs_hold(const fxs_scene_source *source, uint64_t bytes, fxs_message *message);
 void fxs_let_go(const fxs_scene_source *source, void *block, uint64_t bytes);
 

@@ -13,14 +13,14 @@
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Allocates memory aligned to 64 bytes. Null: out of memory. */
+/* Allocates memory aligned to 64 bytes. Returns null if out of memory. */
 void *fxs_aligned_allocate(size_t bytes);
 
 void fxs_aligned_free(void *block);
 
 typedef struct fxs_printed {
     FILE *file;
-    char *text;                /* from fxs_print_end: `size` bytes and a zero byte, for free() */
+    char *text;                /* text for free(), set by fxs_print_end */
     size_t size;
 } fxs_printed;
 
@@ -36,15 +36,15 @@ enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_
 
 typedef struct fxs_file_facts {
     uint64_t size, device, inode;
-    uint64_t modified;         /* time of modification, nanoseconds modulo 2^64 */
+    uint64_t modified;         /* time of modification in nanoseconds */
 } fxs_file_facts;
 
-/* These functions follow symbolic links, except fxs_file_look_at_name, and store the facts of a file or folder. */
+/* All functions of file kinds follow symbolic links, except fxs_file_look_at_name. */
 enum fxs_file_kind fxs_file_kind(const char *path);
 
 enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts);
 
-/* A symbolic link is FXS_FILE_OTHER. */
+/* Returns FXS_FILE_OTHER for a symbolic link. */
 enum fxs_file_kind fxs_file_look_at_name(const char *path, fxs_file_facts *facts);
 
 enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts);
@@ -61,7 +61,7 @@ static inline int fxs_path_is_whole(const char *path)
     return *path == '/';
 }
 
-/* On Windows, replaces backslashes by slashes. */
+/* On Windows, replaces backslashes in a path by slashes. */
 static inline void fxs_path_take(char *path)
 {
 #ifdef _WIN32
@@ -73,7 +73,7 @@ static inline void fxs_path_take(char *path)
 #endif
 }
 
-/* Replaces backslashes by slashes unless a file has exactly this name. */
+/* Replaces backslashes in a path by slashes, unless a file has exactly this name. */
 static inline void fxs_path_settle(char *path)
 {
     for (char *c = fxs_file_is_named(path) ? NULL : strchr(path, '\\'); c; c = strchr(c, '\\'))
@@ -87,7 +87,7 @@ static inline int fxs_ends_in(const char *path, const char *ending)
     return length > size && !strncasecmp(path + length - size, ending, size);
 }
 
-/* Returns why the system forbids a path, for example "is the name of a device in Windows". Null: allowed. */
+/* Returns the reason why the system forbids a path. Null: the path is allowed. */
 const char *fxs_path_fault(const char *path);
 
 int fxs_file_remove(const char *path);
@@ -105,13 +105,13 @@ int fxs_links_folders(void);
 /* Removes a link made by fxs_file_link, but no other file. */
 void fxs_file_unlink(const char *name);
 
-/* Locks a file, created if missing, until this process ends. Returns 1 if another process holds the lock. */
+/* Locks a file until this process ends. Returns 1 if another process holds the lock. */
 int fxs_file_lock(const char *path);
 
-/* Returns the absolute path without symbolic links, for free(). Null and errno on failure. */
+/* Returns the absolute path without symbolic links, for free(). Returns null and errno on failure. */
 char *fxs_path_whole(const char *path);
 
-/* Returns 0, also if the folder exists; or an error and a message. */
+/* Makes a folder. Returns 0, also if the folder exists; or an error and a message. */
 int fxs_folder_make(const char *path, fxs_message *message);
 
 /* Calls `each` with every name in a folder, in arbitrary order. */
@@ -120,17 +120,16 @@ int fxs_folder_each(const char *path, void (*each)(void *argument, const char *n
 /* ---- User data and fonts
    ----------------------------------------------------------------------------------------- */
 
-/* Stores the path of a user data file in $XDG_STATE_HOME/fixsplat, ~/.local/state/fixsplat or %APPDATA%\fixsplat.
-   is_written: 1 creates the folders. */
+/* Stores the path of a file in the user's data folder. is_written: 1 creates the folders. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room);
 
-/* Finds a sans-serif font. Returns 0, or -1 and a message. */
 int fxs_font_find(char *path, size_t room, fxs_message *message);
 
 /* ---- Shell commands in messages
    ---------------------------------------------------------------------------------- */
 
-/* The quote around a word, an escaped quote inside a word, and the character doubled before a quote. */
+/* Characters for quoting in shell commands: the quote around a word, an escaped quote, and the character doubled
+   before a quote. */
 #ifdef _WIN32
 #define FXS_SHELL_QUOTE '"'
 #define FXS_SHELL_QUOTED_QUOTE "\\\""
@@ -139,19 +138,19 @@ int fxs_font_find(char *path, size_t room, fxs_message *message);
 #else
 #define FXS_SHELL_QUOTE '\''
 #define FXS_SHELL_QUOTED_QUOTE "'\\''"
-#define FXS_SHELL_DOUBLED '\0'         /* none */
+#define FXS_SHELL_DOUBLED '\0'
 #define FXS_PYTHON "python3"
 #endif
 
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
-/* Opens a file like fopen, with mode r, w or a. Mode b keeps line ends. Returns null and errno on failure. */
+/* Opens a file like fopen, with mode r, w or a. Mode b keeps line ends. */
 FILE *fxs_stream_open(const char *path, const char *mode);
 
-/* Opens a temporary file that is deleted on close. Returns null and errno on failure. */
+/* Opens a temporary file that is deleted on close. */
 FILE *fxs_stream_temporary(void);
 
-/* Truncates a file to 0 bytes. errno EINVAL: this kind of file has no length. */
+/* Truncates a file to 0 bytes. */
 int fxs_stream_empty(FILE *file);
 
 /* Returns the errno of a failed write, never 0. Set errno to 0 before the write. */
@@ -159,10 +158,10 @@ int fxs_stream_fault(FILE *file);
 
 int fxs_is_terminal(FILE *file);
 
-/* Returns 1 if the terminal window closes with this program, as after a double click in Windows. */
+/* Returns 1 if the terminal window closes together with this program. */
 int fxs_terminal_ends_with_this(void);
 
-/* Escape sequence that clears the current line. */
+/* Escape sequence that clears the current line of a terminal. */
 extern const char fxs_erase_line[];
 
 /* Returns 1 if a terminal accepts colours (ECMA-48). */
@@ -171,10 +170,9 @@ int fxs_terminal_takes_codes(FILE *file);
 /* ---- File descriptors
    -------------------------------------------------------------------------------------------- */
 
-/* Descriptors allow positional reads from any thread. Child processes do not inherit them. -1: failure, with
-   errno. */
+/* Descriptors allow positional reads from any thread. Child processes do not inherit descriptors. */
 
-/* 1: an open file may be replaced by another. */
+/* 1: the system can replace an open file by another file. */
 #ifdef _WIN32
 enum { FXS_OPEN_MAY_BE_REPLACED = 0 };
 #else
@@ -197,14 +195,14 @@ void fxs_descriptor_close(int descriptor);
 
 /* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
-/* First call in main. Makes standard files binary, replaces closed standard files, and converts arguments to UTF-8
-   with slashes in paths. */
+/* Must be the first call in main. Makes standard files binary, replaces closed standard files, and converts
+   arguments to UTF-8. */
 void fxs_program_begin(int *argc, char ***argv);
 
-/* Stores the path of this program; empty: unknown. */
+/* Stores the path of the running program; empty: unknown. */
 void fxs_program_path(char *path, size_t room);
 
-/* Return 1 if the program is in PATH, or the library is installed; else 0. */
+/* Returns 1 if a program is in PATH, or a library is installed; else 0. */
 int fxs_program_is_here(const char *name);
 int fxs_library_is_here(const char *name);
 
@@ -214,18 +212,18 @@ void fxs_program_set(const char *variable, const char *value);
 /* Receives a program's output in pieces. */
 typedef void fxs_program_said_fn(void *argument, const char *data, size_t size);
 
-enum { FXS_PROGRAM_MISSING = 127,      /* shells' exit status for a missing program */
+enum { FXS_PROGRAM_MISSING = 127,      /* exit status of shells for a missing program */
        FXS_PROGRAM_SIGNAL = 256 };
 
 /* Runs the program arguments[0] from PATH; `arguments` ends with null. Standard output goes to `said`, standard
-   error to `log`. If this process dies, even by SIGKILL, the program and its children are killed. Returns the exit
-   status, FXS_PROGRAM_SIGNAL plus the signal's number, FXS_PROGRAM_MISSING, or -1. */
+   error to `log`. If this process dies, the program and its children are killed. Returns the exit status,
+   FXS_PROGRAM_SIGNAL plus a signal's number, FXS_PROGRAM_MISSING, or -1. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 
 /* Replaces this process by a program. Returns only on failure. */
 void fxs_program_become(const char *path, char **argv);
 
-/* Opens an address in the desktop's browser without waiting. Does nothing without a desktop. */
+/* Opens an address in the desktop's browser without waiting. */
 int fxs_browse(const char *address);
 
 /* ---- Shutdown ---------------------------------------------------------------------------------------------------- */
@@ -233,23 +231,22 @@ int fxs_browse(const char *address);
 /* Makes the first SIGHUP, SIGINT, SIGTERM or Ctrl-C only set a flag. Ignored signals stay ignored. */
 void fxs_end_listen(void);
 
-/* Nonzero after such a signal. */
+/* Returns nonzero after a signal that asks this process to end. */
 int fxs_end_asked(void);
 
-/* Restores the usual effect of signals. */
+/* Restores the default effect of the signals. */
 void fxs_end_listen_no_more(void);
 
 /* Ends this process by the signal that arrived. */
 void fxs_end_as_asked(void);
 
-/* Server mode, instead of fxs_end_listen: blocks SIGHUP, SIGINT and SIGTERM for fxs_end_wait, in this thread and
-   its future threads. Ignores SIGPIPE. */
+/* Server mode: blocks SIGHUP, SIGINT and SIGTERM, which fxs_end_wait then receives. Ignores SIGPIPE. */
 void fxs_end_hold(void);
 
 /* Waits for a signal. Returns 1 if a signal arrived within `milliseconds`, else 0. */
 int fxs_end_wait(unsigned milliseconds);
 
-/* Calls a function with all signals blocked, so that its new threads receive none. */
+/* Calls a function with all signals blocked, so that its new threads receive no signals. */
 void fxs_without_signals(void (*call)(void *argument), void *argument);
 
 #endif

@@ -8,12 +8,12 @@
 #include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
-#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* byte order mark */
+#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* UTF-8 byte order mark */
 
 typedef struct fxs_text {
     const char *path;
     char *data;
-    size_t size;        /* without the final zero byte */
+    size_t size;        /* bytes, without the final zero byte */
 } fxs_text;
 
 /* Loads a regular file. The caller frees text->data. */
@@ -32,13 +32,13 @@ struct fxs_scene_source;
 int fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, struct cJSON **root,
                    fxs_message *message);
 
-/* Reads exactly `count` numbers. Returns 1, else 0. */
+/* Reads exactly `count` numbers from an array. Returns 1, or 0 if the array differs. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);
 
-/* Reads a whole number, 0 to `most`. Returns 1, else 0. */
+/* Reads a whole number from 0 to `most`. Returns 1, or 0 if the item differs. */
 int fxs_json_whole(const struct cJSON *item, size_t most, size_t *out);
 
-/* Returns a member's string, or NULL. */
+/* Returns a string member of an object, or NULL. */
 const char *fxs_json_string(const struct cJSON *object, const char *name);
 
 #endif

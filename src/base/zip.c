@@ -9,14 +9,14 @@
 
 #include "fail_list.h"
 
-enum { MAX_INFLATION = 1032 };   /* output bytes per input byte of deflate */
+enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate */
 
 struct fxs_zip {
     const fxs_scene_source *source;
-    uint64_t offset;           /* libzip's read position */
+    uint64_t offset;           /* libzip's read position, bytes */
     zip_error_t error;
     zip_t *archive;
-    char *folder;              /* prefix of all names; NULL: none */
+    char *folder;              /* prefix of the names of all entries; NULL: none */
 };
 
 static zip_int64_t read_source(fxs_zip *zip, void *out, zip_uint64_t size)
@@ -112,7 +112,6 @@ static int check_entry(const fxs_zip *zip, const char *name, const zip_stat_t *e
     return 0;
 }
 
-/* Length of the folder if an entry is `name` in a folder, else 0. */
 static size_t folder_before(const char *entry, const char *name)
 {
     const size_t length = strlen(entry), size = strlen(name);
@@ -156,7 +155,7 @@ static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
     return -1;
 }
 
-/* The read of an extra byte makes libzip verify the checksum. */
+/* Reads a zip entry. Reading an extra byte makes libzip verify the checksum. */
 static int read_entry(zip_file_t *file, char *data, size_t size)
 {
     return zip_fread(file, data, size) == (zip_int64_t)size && zip_fread(file, data + size, 1) == 0;

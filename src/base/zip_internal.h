@@ -7,15 +7,15 @@
 
 typedef struct fxs_zip fxs_zip;
 
-/* Opens an archive; `source` must outlive it. Returns 0, or an error and a message. FXS_ERR_FILE: not a zip
-   archive. FXS_ERR_UNSUPPORTED: built without libzip. */
+/* Opens a zip archive; `source` must outlive it. Returns 0, or an error and a message. FXS_ERR_UNSUPPORTED: built
+   without libzip. */
 int fxs_zip_open(const fxs_scene_source *source, fxs_zip **zip, fxs_message *message);
 
-/* Makes names relative to the folder that contains the entry `name`, unless the top level contains it. The
-   shortest path wins. Returns 0, or an error and a message. */
+/* Makes names relative to the folder of the entry `name`, unless the top level contains it. Returns 0, or an error
+   and a message. */
 int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message);
 
-/* Loads an entry, to be freed by fxs_text_let_go. Returns 0, or an error and a message. */
+/* Loads a zip entry, to be freed by fxs_text_let_go. Returns 0, or an error and a message. */
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message);
 
 void fxs_zip_close(fxs_zip *zip);
@@ -26,8 +26,7 @@ typedef struct fxs_zip_entry {
     size_t size;
 } fxs_zip_entry;
 
-/* Writes uncompressed entries dated 1980, so that the bytes depend only on the entries. Returns 0, or an error
-   that stays in the output. */
+/* Writes uncompressed zip entries dated 1980, so that the bytes depend only on the entries. */
 int fxs_zip_write(fxs_output *output, const fxs_zip_entry *entries, uint32_t count, fxs_message *message);
 
 #endif

@@ -26,7 +26,7 @@ static void cross(double out[3], const double a[3], const double b[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Returns 0 if the vector has no direction. */
+/* Scales a vector to length 1. Returns 0 if the vector has no direction. */
 static int normalise(double v[3])
 {
     double length = sqrt(dot(v, v));
@@ -87,7 +87,7 @@ int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double
         for (int k = 0; k < 3; k++)
             mean[k] -= rotation[3 + k] / (double)count;
     }
-    for (int k = 0; k < 3; k++)       /* times the determinant, which is positive */
+    for (int k = 0; k < 3; k++)       /* inverse times the determinant, which is positive */
         cross(inverse[k], a[(k + 1) % 3], a[(k + 2) % 3]);
     for (int k = 0; k < 3; k++)
         up[k] = dot(inverse[k], mean);
@@ -187,7 +187,7 @@ void fxs_view_resize(fxs_file_view *view, int width, int height)
     const double scale = (double)width / view->width;
     view->fx *= scale;
     view->fy *= scale;
-    /* keeps a centred principal point exactly centred */
+    /* A centred principal point stays exactly centred. */
     view->cx = width / 2.0 + scale * (view->cx - view->width / 2.0);
     view->cy = height / 2.0 + scale * (view->cy - view->height / 2.0);
     view->width = width;
@@ -269,7 +269,7 @@ int fxs_to_rotation(double r[9])
 }
 
 /* With q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ... on its diagonal, and sums and
-   differences of r elsewhere. Each row is parallel to q. The largest diagonal is the most accurate. */
+   differences of r elsewhere. Each row is parallel to q. The row with the largest diagonal is the most accurate. */
 void fxs_quaternion_of(const double r[9], double q[4])
 {
     const double trace = r[0] + r[4] + r[8];
@@ -323,7 +323,7 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     return 0;
 }
 
-/* The tolerance is 1e-6, because the matrix may come from single precision. */
+/* Compares with a tolerance of 1e-6, because OpenGL matrices may come from single precision. */
 static int is_near(double x, double wanted)
 {
     return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
@@ -362,10 +362,10 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
                                  "of -1 to 1");
 }
 
-/* x = width (x_clip / w + 1) / 2, y = height (1 - y_clip / w) / 2. */
+/* Pixels from clip coordinates: x = width (x_clip / w + 1) / 2, y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* 0 in both kinds of projection */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* matrix elements that are 0 in all projections */
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)

@@ -11,7 +11,7 @@
 
 enum { SIZE = 800 };
 
-/* Tries the names that Bundler, VisualSFM, COLMAP and RealityCapture use. */
+/* Finds the list of photographs under the names that Bundler, VisualSFM, COLMAP and RealityCapture use. */
 static int find_list(const char *model, char path[FXS_CAMERA_PATH])
 {
     static const struct {
@@ -49,11 +49,11 @@ static void cut_focal(char *line)
         ends[i] = line + length;
         line[length - 1] = 0;
     }
-    if (ends[0] && !ends[1])               /* a single number belongs to the name */
+    if (ends[0] && !ends[1])               /* a single number belongs to the photograph's name */
         ends[0][-1] = ' ';
 }
 
-/* r, t: world to camera, with y up and z backwards. */
+/* Adds a view. r and t map world to camera, with y up and z backwards. */
 static int add_view(fxs_view_list *list, const char *name, const double camera[3], const double r[9], const double t[3])
 {
     fxs_listed_view *listed;

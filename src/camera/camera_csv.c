@@ -13,16 +13,16 @@ enum { COLUMNS_MOST = 64, SIZE = 800 };
 static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading", "pitch", "roll", "f", "px", "py",
                                              "k1", "k2", "k3", "k4", "t1", "t2"};
 
-#define FILM 36.0                  /* mm along the picture's longer side, for focal lengths */
+#define FILM 36.0                  /* mm: width of 35 mm film, to which focal lengths refer */
 #define RADIANS 0.017453292519943295
 
 typedef struct table {
-    int columns[COLUMNS_MOST];     /* value index of each column; -1: ignored */
+    int columns[COLUMNS_MOST];     /* for each column, the index of its value; -1: ignored */
     int count;
-    char separator;                /* comma; or semicolon, with decimal commas */
+    char separator;                /* comma, or semicolon for files with decimal commas */
 } table;
 
-/* Cuts off the next field of a line; NULL: no more. A quoted field may contain separators. */
+/* Cuts off the next field of a line; NULL: no more fields. A quoted field may contain separators. */
 static char *next_field(char **rest, char separator)
 {
     const char separators[2] = {separator, 0};
@@ -40,7 +40,7 @@ static char *next_field(char **rest, char separator)
     return field + strspn(field, " \t");
 }
 
-/* The separator is the character after the first name. */
+/* Reads the column names. The separator is the character after the first name. */
 static int read_headings(const fxs_view_list *list, char *line, table *t)
 {
     int seen[VALUES] = {0};
@@ -62,7 +62,7 @@ static int read_headings(const fxs_view_list *list, char *line, table *t)
     return 0;
 }
 
-/* Sine and cosine from the tangent t of half the angle: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
+/* Sine and cosine of an angle from the tangent t of its half: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
 static void turn(double degrees, double *sine, double *cosine)
 {
     const double within = fmod(degrees, 360), sign = within < 0 ? -1 : 1;
@@ -91,8 +91,7 @@ static void set_pose(fxs_file_view *view, const double v[VALUES])
     }
 }
 
-/* The principal point is relative to the picture's middle, as a fraction of the longer side. Lens coefficients are
-   OpenCV's. */
+/* The file states the principal point relative to the picture's middle, as a fraction of the longer side. */
 static int add_view(fxs_view_list *list, const char *name, const double v[VALUES])
 {
     fxs_listed_view *listed;

@@ -17,27 +17,27 @@ enum fxs_view_part {FXS_VIEW_OF_ANY, FXS_VIEW_TO_FIT, FXS_VIEW_TO_TEST, FXS_VIEW
 enum fxs_view_size {
     FXS_SIZE_STATED,
     FXS_SIZE_OF_WIDTH,             /* Blender: field of view across the width */
-    FXS_SIZE_OF_LONGER,            /* RealityCapture: relative to the longer side, from the middle */
-    FXS_SIZE_OF_PIXELS             /* Bundler: focal length in pixels, principal point in the middle */
+    FXS_SIZE_OF_LONGER,            /* RealityCapture: relative to the longer side */
+    FXS_SIZE_OF_PIXELS             /* Bundler: focal length in pixels */
 };
 
 typedef struct fxs_listed_view {
     fxs_file_view view;
     fxs_lens lens;
-    char *image;        /* photograph's name; NULL: none */
-    char *mask;         /* mask's name; NULL: none */
+    char *image;        /* name of the photograph, or NULL */
+    char *mask;         /* name of the mask, or NULL */
     enum fxs_view_part part;
     enum fxs_view_size sizeless;
 } fxs_listed_view;
 
 typedef struct fxs_view_list {
-    const char *path;   /* for messages */
+    const char *path;
     fxs_message *message;
     fxs_listed_view *views;
     size_t count, capacity;
     enum fxs_camera_format {FXS_CAMERAS_OF_COLMAP, FXS_CAMERAS_OF_TRANSFORMS, FXS_CAMERAS_OF_INRIA, FXS_CAMERAS_OF_CSV,
                             FXS_CAMERAS_OF_BUNDLER, FXS_CAMERAS_OF_METASHAPE} format;
-    int moved;          /* 1: a geographic offset was subtracted */
+    int moved;          /* 1: a geographic offset was subtracted from positions */
     int has_parts;      /* 1: the file splits photographs into fitting and testing */
     char *points;       /* path of a .ply point cloud, or NULL */
 } fxs_view_list;
@@ -45,7 +45,7 @@ typedef struct fxs_view_list {
 int fxs_view_list_read(fxs_view_list *list);
 void fxs_view_list_free(fxs_view_list *list);
 
-/* Appends a cleared view, valid until the next call. name NULL: the view is named by its index. */
+/* Appends a cleared view. name NULL: the view is named by its index. The view is valid until the next call. */
 int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **view);
 
 int fxs_view_list_mask(const fxs_view_list *list, fxs_listed_view *view, const char *mask);
@@ -58,24 +58,23 @@ int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 /* Sets the size of the last view, validates the view, and makes its rotation orthonormal. */
 int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
-/* Frames a box from direction `from`. */
+/* Frames a box with the camera in direction `from`. */
 int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double high[3], const double from[3],
                         const double up[3], double fov, int width, int height, fxs_message *message);
 
-/* Direction from a scene to the camera of fxs_view_frame_box, perpendicular to `axis`. Sets `axis` to the unit
+/* Computes the horizontal direction from a scene to its camera, perpendicular to `axis`. Sets `axis` to the unit
    vector of `up`. */
 int fxs_level_back(double back[3], double axis[3], const double up[3], fxs_message *message);
 
-/* Replaces a matrix by the nearest rotation. Returns 0 if it is not orthonormal within 1e-3. */
+/* Replaces a matrix by the nearest rotation. Returns 0 if the matrix is not orthonormal within 1e-3. */
 int fxs_to_rotation(double r[9]);
 
 /* Unit quaternion w, x, y, z of a rotation by rows. */
 void fxs_quaternion_of(const double r[9], double q[4]);
 
-/* Returns the file name of a Windows path; else the whole name. */
 const char *fxs_without_drive(const char *name);
 
-/* Skips leading "./". */
+/* Skips leading "./" of a path. */
 static inline const char *fxs_without_dots(const char *path)
 {
     while (path[0] == '.' && path[1] == '/')
@@ -86,7 +85,6 @@ static inline const char *fxs_without_dots(const char *path)
 /* Sets the size of a view. Derives the intrinsics if the camera file states no size. */
 void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height);
 
-/* Readers of each format, which may change the text. */
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);
 int fxs_camera_csv_parse(fxs_view_list *list, const fxs_text *csv);

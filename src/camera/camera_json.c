@@ -9,14 +9,14 @@
 
 #include <cjson/cJSON.h>
 
-/* `absent` if the member is missing, INFINITY if it is no number. */
+/* Returns a number member; `absent` if missing, INFINITY if not a number. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
 }
 
-/* Reads `size` rows of `size` numbers. Returns 1, else 0. */
+/* Reads a square matrix. Returns 1, or 0 if the array differs. */
 static int matrix(const cJSON *array, double *out, int size)
 {
     const cJSON *row;
@@ -56,8 +56,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* For each camera_model, a letter of fxs_lens_coefficient for each of lens_names; -: unused. k4 of a perspective
-   camera belongs to r^8, except in FULL_OPENCV. */
+/* For each camera_model, a letter of fxs_lens_coefficient for each of lens_names; -: unused. Coefficient k4
+   belongs to r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;
@@ -71,7 +71,7 @@ static const struct lens_model {
 };
 enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
-/* NAN: absent. */
+/* Intrinsics in a file; NAN: absent. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];
@@ -133,7 +133,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return fxs_view_list_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
-    /* camera to world with y up and z backwards */
+    /* camera to world, with y up and z backwards */
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = m[4 * i];
         view->rotation[3 + i] = -m[4 * i + 1];
@@ -150,8 +150,8 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     return fxs_view_list_finish(list, width, height);
 }
 
-/* A file without camera_model has FULL_OPENCV if k5 or k6 exists, OPENCV_FISHEYE for instant-ngp's "is_fisheye",
-   else OPENCV. NULL: unknown name. */
+/* Finds a lens model by name; NULL: unknown. A file without camera_model has FULL_OPENCV if k5 or k6 exists,
+   OPENCV_FISHEYE for instant-ngp's "is_fisheye", else OPENCV. */
 static const struct lens_model *find_model(const cJSON *root, const char *name)
 {
     const int full = cJSON_HasObjectItem(root, "k5") || cJSON_HasObjectItem(root, "k6");
@@ -166,7 +166,7 @@ static const struct lens_model *find_model(const cJSON *root, const char *name)
 
 enum { TRAIN, TEST, VAL, PARTS };
 
-/* Sorted list of distinct names. met[i]: 1 if a frame has name i. */
+/* Sorted names without duplicates. met[i]: 1 if a frame has name i. */
 typedef struct name_list {
     const char **names;
     unsigned char *met;

@@ -16,12 +16,12 @@
 
 enum { DEPTH_MOST = 64, NAME_ROOM = 24, TEXT_MOST = 2048, ID_ROOM = 24, ITEMS_MOST = 1000000 };
 
-/* Calibration parameters; f = 0: none. */
+/* Calibration parameters; f = 0: not calibrated. */
 enum { F, CX, CY, B1, B2, K1, K2, K3, K4, P1, P2, P3, P4, NUMBERS };
 static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2",
                                                    "p3", "p4"};
 
-/* find_item needs the id as first field. */
+/* find_item needs the sensor's id as first field. */
 typedef struct sensor {
     char id[ID_ROOM], type[ID_ROOM];
     double width, height, numbers[NUMBERS];
@@ -35,7 +35,7 @@ typedef struct placement {
     int given;
 } placement;
 
-#define ON_EARTH 65536.0           /* larger translations are geographic, too far for floats */
+#define ON_EARTH 65536.0           /* scene units; larger translations are geographic, too far for floats */
 
 typedef struct photographed {
     char *label;
@@ -55,9 +55,9 @@ typedef struct reader {
     int error, chunks;
     char path[DEPTH_MOST][NAME_ROOM];
     int depth;
-    char text[TEXT_MOST];          /* text of the innermost element */
+    char text[TEXT_MOST];          /* text of the innermost XML element */
     size_t length;
-    int calibration;               /* 1: inside a used calibration */
+    int calibration;               /* 1: inside a calibration element that is used */
     placement chunk;
     double origin[3];
     items sensors, components, cameras;
@@ -91,7 +91,7 @@ static void *add_item(reader *r, items *i, size_t size)
     return memset((char *)i->data + i->count++ * size, 0, size);
 }
 
-/* Returns 1 if the innermost element and its parent have these names. */
+/* Returns 1 if the innermost XML element and its parent have these names. */
 static int is(const reader *r, const char *name, const char *parent)
 {
     return r->depth > 1 && r->depth <= DEPTH_MOST && !strcmp(r->path[r->depth - 1], name) &&
@@ -193,12 +193,12 @@ static void add_text(void *argument, const char *text, int length)
     r->length += taken;
 }
 
-/* Reads exactly `count` numbers from the text. */
+/* Reads exactly `count` numbers from the text of an XML element. */
 static void take_numbers(reader *r, double *out, int count)
 {
     char *rest = r->text;
     if (r->length == TEXT_MOST - 1)
-        r->text[0] = 0;            /* truncated */
+        r->text[0] = 0;
     for (char *c = r->text; *c; c++)
         *c = *c == '\n' ? ' ' : *c;
     if (!fxs_colmap_numbers(&rest, out, count) || *fxs_colmap_word(&rest))
@@ -253,7 +253,7 @@ static void end(void *argument, const char *name)
     r->length = 0;
 }
 
-/* Refuses document types, because declared entities could expand without limit. */
+/* Refuses XML document types, because declared entities could expand without limit. */
 static void begin_declarations(void *argument, const char *name, const char *system, const char *public, int internal)
 {
     (void)system, (void)public, (void)internal;
@@ -276,14 +276,14 @@ static const void *find_item(const items *i, const char *id, size_t size)
     return i->count ? bsearch(id, i->data, i->count, size, compare_ids) : NULL;
 }
 
-/* Returns the placement of a Metashape component, else of the chunk; NULL: none. */
+/* Returns the placement of a Metashape component, else of its chunk; NULL: none. */
 static const placement *find_placement(const reader *r, const char *id)
 {
     const placement *of = find_item(&r->components, id, sizeof *of);
     return of && of->given ? of : r->chunk.given ? &r->chunk : NULL;
 }
 
-/* An unaligned camera has no pose. */
+/* A camera that Metashape did not align has no pose. */
 static int is_view(const photographed *c)
 {
     return c->has_pose && !c->disabled;
@@ -302,7 +302,7 @@ static void find_origin(reader *r)
     }
 }
 
-/* Columns of `pose`: the axes x, y (down), z (forward), and the centre. */
+/* Places a view. Columns of `pose`: the axes x, y (down), z (forward), and the camera's centre. */
 static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16], const placement *p,
                  const double origin[3])
 {

@@ -23,10 +23,10 @@ void fxs_colmap_take_doubles(fxs_colmap_cursor *in, double *out, int count);
 /* Skips `count` records, or all remaining bytes. */
 void fxs_colmap_skip(fxs_colmap_cursor *in, uint64_t count, size_t bytes);
 
-/* Returns the next line without leading blanks; NULL at the end. */
+/* Returns the next line of a text without leading blanks; NULL at the end. */
 char *fxs_colmap_line(char **rest);
 
-/* Skips empty lines and comments. */
+/* Returns the next line that is not empty and no comment; NULL at the end. */
 char *fxs_colmap_entry(char **rest);
 
 /* Returns the next word of a line; empty at the end. */
@@ -35,7 +35,7 @@ char *fxs_colmap_word(char **line);
 /* Returns the rest of a line without surrounding blanks. */
 char *fxs_colmap_rest(char *line);
 
-/* Reads `count` finite numbers. Returns 1, else 0. */
+/* Reads `count` finite numbers. Returns 1, or 0 if a word is no number. */
 int fxs_colmap_numbers(char **line, double *out, int count);
 
 #endif

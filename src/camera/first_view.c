@@ -1,7 +1,7 @@
 /* Chooses a first view of a scene by rendering a small sample from many camera positions. The score counts visible
-   Gaussians. It is lower if a Gaussian fills the picture or if the border cuts through the subject. Steps: find
-   the scene's core and free places inside, choose the up direction, try 12 yaws around each box, then refine
-   height and distance. */
+   Gaussians. A single Gaussian that fills the picture, or a border that cuts through the subject, lowers the
+   score. Steps: find the scene's core and free places inside, choose the up direction, try 12 yaws around each
+   box, then refine height and distance. */
 #include "first_view.h"
 
 #include <math.h>
@@ -20,15 +20,15 @@ enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
-#define FOV 50                       /* degrees */
-#define LARGEST (PIXELS / 16)        /* pixels; larger Gaussians lower the score */
+#define FOV 50                       /* field of view, degrees */
+#define LARGEST (PIXELS / 16)        /* pixels; a larger Gaussian lowers the score */
 #define UNBOUNDED 2                  /* minimum size of an unbounded scene relative to its core */
 #define OPEN 0.65                    /* minimum mean coverage around a useful place inside */
 #define CLOSED 0.88                  /* minimum mean coverage inside a closed room */
 #define WITHIN 0.74                  /* minimum ratio of Gaussians seen inside to outside, for an inside view */
-#define WITHIN_STANDING 1.1          /* above this ratio, the scene is no standing figure */
+#define WITHIN_STANDING 1.1          /* maximum ratio of Gaussians seen inside to outside, for a standing figure */
 
-/* A test picture and the pixels of each Gaussian. */
+/* A small test picture and the pixel count of each Gaussian. */
 typedef struct look {
     unsigned char colour[PIXELS][4], coverage[PIXELS];
     uint32_t depth[PIXELS];
@@ -36,14 +36,14 @@ typedef struct look {
     uint16_t pixels[FXS_SAMPLE_MOST + 1];
 } look;
 
-/* Measurements of a test picture. */
+/* Measurements of a small test picture. */
 typedef struct sight {
-    int64_t seen;                    /* Gaussians that dominate some pixel */
+    int64_t seen;                    /* Gaussians that contribute most to some pixel */
     int64_t largest;
     int64_t detail;                  /* sum of differences between neighbouring pixels */
-    int64_t covered;                 /* sum of coverage, 255 per pixel */
-    int64_t close;                   /* pixels nearer than chooser.close */
-    int64_t cut;                     /* weighted covered border pixels, at most BORDER */
+    int64_t covered;                 /* sum of the pixels' coverage, 255 per pixel */
+    int64_t close;                   /* pixels so near that they block the view */
+    int64_t cut;                     /* weighted number of covered border pixels */
 } sight;
 
 typedef struct box {
@@ -52,26 +52,26 @@ typedef struct box {
 
 /* Camera position around a box. */
 typedef struct stand {
-    int yaw;                         /* twelfths of a turn */
-    double out, rise;                /* horizontal and upward part of the direction */
-    double part;                     /* relative distance; 0: in the middle, looking outwards */
+    int yaw;                         /* angle in twelfths of a turn */
+    double out, rise;                /* horizontal and upward part of the direction to the camera */
+    double part;                     /* relative distance from the box; 0: in its middle */
     const box *about;
 } stand;
 
 typedef struct chooser {
-    fxs_context context;             /* for a single thread */
+    fxs_context context;
     const fxs_config *config;
     uint32_t threads;
     fxs_sample sample;
     fxs_core core;
-    box boxes[BOXES];                /* the scene, and if unbounded, its core and the core's middle */
+    box boxes[BOXES];                /* boxes of the scene, and if unbounded, of its core and the core's middle */
     int box_count;
-    box places[FXS_WITHIN_MOST];     /* boxes around free places inside */
+    box places[FXS_WITHIN_MOST];     /* boxes around free places inside the scene */
     int place_count;
-    int standing;                    /* 1 or 2: a subject standing along y or z */
-    int is_within;                   /* 1: inside views are best */
+    int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
+    int is_within;                   /* 1: views from inside the scene are best */
     int outlined;                    /* 0: the surroundings thin out with distance */
-    double up[3], close;             /* close: nearer pixels block the view */
+    double up[3], close;             /* close: depth below which pixels block the view */
     size_t frame_bytes;
     unsigned char *frames;
     look *looks;
@@ -116,7 +116,7 @@ static void count_detail(const look *l, sight *s)
         }
 }
 
-/* The bottom border counts a third, because a ground may continue there. */
+/* The bottom border of the picture counts a third, because a ground may continue there. */
 static void count_cut(const look *l, sight *s)
 {
     for (int y = 0; y < HEIGHT; y++)
@@ -189,7 +189,7 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
     return fxs_first_view_make(&first, FOV, WIDTH, HEIGHT, view, c->message);
 }
 
-/* Thread t renders views t, t + threads, ... */
+/* Views shared by threads: thread t renders views t, t + threads, ... */
 typedef struct looking {
     const chooser *c;
     fxs_file_view views[STANDS];
@@ -220,7 +220,7 @@ static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sig
     return 0;
 }
 
-/* Looks from above, on the side of c->up: Gaussians seen and detail. */
+/* Renders views from above and counts Gaussians seen and detail. */
 static int look_down(chooser *c, double *seen, double *detail)
 {
     stand stands[AROUND];
@@ -246,7 +246,8 @@ static int is_direction(const double up[3])
     return up && (up[0] != 0 || up[1] != 0 || up[2] != 0);
 }
 
-/* Captures show most from above, and subjects stand on the ground. In doubt, up is -y or z, as in most files. */
+/* Decides which direction is up. Captures show most from above, and subjects stand on the ground. In doubt, up is
+   -y or z, as in most files. */
 static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
@@ -269,7 +270,7 @@ static int find_up(chooser *c, const double known[3])
     return 0;
 }
 
-/* Horizontal and upward part of directions to the camera: normal, lower, higher. */
+/* Horizontal and upward part of three directions to the camera. */
 static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
 
 /* The best camera position, overall and for each yaw. */
@@ -331,10 +332,10 @@ static int try_place(chooser *c, int place, choice *made)
     return try_stands(c, stands, YAWS, !c->is_within ? 1 : c->box_count == 1 ? 1.5 : 3, made);
 }
 
-/* Refines the best unrefined side. */
+/* Tries other heights and distances on the best side not yet refined. */
 static int try_heights(chooser *c, choice *made)
 {
-    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were already tried */
+    static const double parts[] = {1, 0.5, 0.85, 0.7};
     stand stands[STANDS];
     uint32_t count = 0;
     int yaw = 0;
@@ -349,7 +350,7 @@ static int try_heights(chooser *c, choice *made)
     return 0;
 }
 
-/* Measures several views: most Gaussians seen, mean coverage, mean share of close pixels. */
+/* Renders several views. Measures the most Gaussians seen, the mean coverage and the mean share of close pixels. */
 static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
     sight sights[STANDS];
@@ -370,8 +371,8 @@ static int is_amid(const chooser *c, const double place[3])
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* seen: most Gaussians seen from a place inside. weighed: `seen`, raised in a room or a hollow core, and lowered
-   elsewhere in an unbounded scene, because its sky covers every view. */
+/* Finds places inside the scene. seen: most Gaussians seen from such a place. weighed: `seen`, raised in a room or
+   a hollow core, and lowered elsewhere in an unbounded scene, because its sky covers every view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];
@@ -426,7 +427,7 @@ static int find_stands(chooser *c, const double known[3])
     double outside, inside, weighed, covered, close;
     FXS_TRY(fxs_core_find(&c->core, &c->sample, c->message));
     find_boxes(c);
-    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down */
+    for (int i = 0; i < 2 * AROUND; i++) {        /* also from below, as an unbounded scene may be upside down */
         const double rise = i & 2 && c->box_count > 1 ? -heights[0][1] : heights[0][1];
         stands[i] = (stand){i / 2 * 2, heights[0][0], rise, i % 2 ? 0.5 : 1, &c->boxes[c->box_count - 1]};
     }

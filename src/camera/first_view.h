@@ -6,8 +6,8 @@
 
 typedef struct fxs_first_choice {
     double up[3];                    /* unit vector */
-    double from[3];                  /* direction from the box's middle to the camera, which looks back */
-    double part;                     /* distance relative to a view of the whole box, 0.5 to 1; 0: in the middle */
+    double from[3];                  /* direction from the box's middle to the camera */
+    double part;                     /* relative distance to the camera, 0.5 to 1; 0: in the box's middle */
     double low[3], high[3];          /* box of the scene, of its core, or around a place inside */
 } fxs_first_choice;
 

@@ -1,5 +1,5 @@
 /* Finds the ground of a scene from flat Gaussians, because their thinnest axes gather around the up direction.
-   Refines -y and z to the mean normal within a cone, then compares both. */
+   Refines -y and z to the mean normal within a cone, then compares the results. */
 #include "ground.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void find_away(const weighed *s, uint32_t i, double away[3])
         away[k] = s->points[i].place[k] - s->middle[k];
 }
 
-/* weight = opacity * size^2 / (reach^2 + distance^2)^2, size capped at reach / 10 */
+/* weight of a Gaussian = opacity * size^2 / (reach^2 + distance^2)^2 */
 static void weigh(weighed *s)
 {
     double *w = s->weights, away[3];
@@ -59,13 +59,13 @@ static void weigh(weighed *s)
     }
 }
 
-/* A Gaussian's weight times flatness if its normal is along the axis; else 0. */
+/* Returns a Gaussian's weight times flatness if its normal is along the axis; else 0. */
 static double weight_across(const weighed *s, uint32_t i, const double axis[3])
 {
     return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
 }
 
-/* Share of the flat Gaussians' weight with normals along the axis. */
+/* Returns the share of flat Gaussians with normals along the axis, by weight. */
 static double share_of(const weighed *s, const double axis[3])
 {
     double all = 0, across = 0;
@@ -76,10 +76,10 @@ static double share_of(const weighed *s, const double axis[3])
     return all > 0 ? across / all : 0;
 }
 
-/* Moves the axis to the mean normal within a narrowing cone. */
+/* Moves an axis repeatedly to the mean normal within a narrowing cone. */
 static void refine(const weighed *s, double axis[3])
 {
-    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};    /* cosines */
+    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};    /* cosines of cone angles */
     for (size_t k = 0; k < sizeof cones / sizeof *cones; k++) {
         double sum[3] = {0, 0, 0};
         for (uint32_t i = 0; i < s->count; i++) {
@@ -95,7 +95,7 @@ static void refine(const weighed *s, double axis[3])
 }
 
 /* Finds the two neighbouring layers with most weight of flat Gaussians. Returns the shares of weight above and
-   below. */
+   below these layers. */
 static void weigh_sides(const weighed *s, const double axis[3], double thickness, double *above, double *below)
 {
     double across[LAYERS] = {0}, all[LAYERS] = {0}, total = 0, away[3];
@@ -129,7 +129,7 @@ static double sides_of(const weighed *s, const double axis[3], double share)
     return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
 }
 
-/* Median size of Gaussians in the last eighth along an axis, relative to the first eighth. */
+/* Median size of the Gaussians in the last eighth along an axis, relative to the first eighth. */
 static double growth_of(const weighed *s, const double axis[3], double *values)
 {
     const uint32_t step = s->count / GROWTH_POINTS + 1;
@@ -151,7 +151,7 @@ static double growth_of(const weighed *s, const double axis[3], double *values)
     return size[1] / size[0];
 }
 
-/* Picks the axis, y or z, that more flat Gaussians have as normal; y in doubt. The refined axis must be clearly
+/* Picks the axis, y or z, that most flat Gaussians have as normal; y in doubt. The refined axis must be clearly
    better, so that an upright scene stays upright. A wall captured from the front also faces z. Then subjects are
    on its -z side, or Gaussians grow along z. */
 static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)

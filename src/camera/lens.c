@@ -38,7 +38,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     return lens->kind != FXS_LENS_FISHEYE && lens->kind != FXS_LENS_FISHEYE_AFTER && lens->skew == 0;
 }
 
-/* Lambert's continued fraction for angle / 8, then three doublings. */
+/* Tangent by Lambert's continued fraction for angle / 8, then three doublings. */
 double fxs_tangent(double angle)
 {
     const double z = angle / 8, square = z * z;
@@ -51,7 +51,7 @@ double fxs_tangent(double angle)
     return t;
 }
 
-/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), four times; then ten terms of the series. */
+/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), applied four times, then ten terms of the series. */
 static double arc_tangent(double x)
 {
     double sum = 0;
@@ -85,7 +85,7 @@ static void bend_fisheye(const fxs_lens *lens, double x, double y, double bent[2
     bent[1] += p[0] * (square + 2 * v * v) + 2 * p[1] * u * v + square * (s[2] + square * s[3]);
 }
 
-/* Factor of the lens for x and y at a squared radius. */
+/* Returns the factor by which the lens scales x and y at a squared radius. */
 static double bend_by(const fxs_lens *lens, double square)
 {
     const double radius = sqrt(square), *k = lens->k;

@@ -19,14 +19,14 @@ enum fxs_lens_kind {
     FXS_LENS_EUCM            /* (x, y) / (k0 sqrt(k1 r^2 + 1) + 1 - k0) */
 };
 
-/* All 0: pinhole. */
+/* Coefficients of a lens model; all 0: pinhole. */
 typedef struct fxs_lens {
     enum fxs_lens_kind kind;
     double k[6], d[3], p[2], s[4];
     double skew;             /* x += skew * y, in the photograph */
 } fxs_lens;
 
-/* Letters: 0 to 5 for k, a to c for d, p and q for p, s to v for s. */
+/* Returns a coefficient by letter: k for 0 to 5, d for a to c, p for p and q, s for s to v. */
 double *fxs_lens_coefficient(fxs_lens *lens, char letter);
 
 /* Checks coefficients and fills in derived fields. Returns 0 if a coefficient is not finite or out of range.
@@ -35,8 +35,8 @@ int fxs_lens_complete(fxs_lens *lens);
 
 int fxs_lens_is_pinhole(const fxs_lens *lens);
 
-/* Maps a point of the pinhole picture to the photograph, both in focal lengths from the principal point. Not
-   finite where the lens sees nothing. */
+/* Maps a point of the pinhole picture to the photograph, both in focal lengths from the principal point. The
+   result is not finite where the lens sees nothing. */
 void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2]);
 
 /* Scales the focal lengths of a pinhole camera to the widest view that the photograph fills. The scale is 1/2 to

@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* Reads views and their lenses; the caller frees both arrays. width above 0: views are resized to this size. A
-   file without sizes takes it as the size of its photographs. */
+   file without sizes takes this size for its photographs. */
 long fxs_lens_file_read(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
                         fxs_message *message);
 

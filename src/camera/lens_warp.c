@@ -1,13 +1,13 @@
-/* Renders through a lens by resampling a perspective picture (`cover`) of the whole photograph. Pixel positions in
-   `cover` are the inverse of the lens, by Newton's method from a table of the radial part. */
+/* Renders through a lens by resampling a perspective picture of the whole photograph. A pixel's position is the
+   inverse of the lens, by Newton's method from a table of the radial part. */
 #include "lens_warp.h"
 
 #include <math.h>
 #include <string.h>
 
 #define FARTHEST 3.7320508075688772    /* tangent of 75 degrees */
-#define DIFFERENCE 1e-6                /* focal lengths, for numerical derivatives */
-#define NEAR_ENOUGH 1e-8               /* focal lengths; at most 1/100 pixel */
+#define DIFFERENCE 1e-6                /* step of numerical derivatives, focal lengths */
+#define NEAR_ENOUGH 1e-8               /* convergence limit, focal lengths */
 
 enum { NEWTON_MOST = 12, SAMPLES = 64, LARGER_MOST = 4, MARGIN = 2, POSITION_BITS = 8 };
 
@@ -30,7 +30,7 @@ static void make_table(fxs_lens_warp *w)
     }
 }
 
-/* Distance from the axis for a radius in the photograph, clamped to the table's end. */
+/* Returns the distance from the axis for a radius in the photograph, by table. */
 static double look_up(const fxs_lens_warp *w, double reach)
 {
     int low = 0, high = w->steps;
@@ -46,7 +46,7 @@ static double look_up(const fxs_lens_warp *w, double reach)
     return (low + (reach - w->reach[low]) / (w->reach[high] - w->reach[low])) * w->step;
 }
 
-/* Makes a step of Newton's method. Returns the squared error before. */
+/* Makes a step of Newton's method. Returns the squared error before this step. */
 static double improve(const fxs_lens *lens, const double bent[2], double at[2])
 {
     double here[2], right[2], below[2];
@@ -77,7 +77,7 @@ typedef struct box {
     double low[2], high[2], farthest;
 } box;
 
-/* Extends the box by a border point. Where the lens sees nothing, uses the farthest visible point. */
+/* Extends a box by a border point. Where the lens sees nothing, uses the farthest visible point. */
 static void take_place(const fxs_lens_warp *w, double x, double y, box *b)
 {
     const fxs_file_view *p = &w->photograph;
@@ -103,7 +103,7 @@ static double largest_scale(const fxs_lens_warp *w, double farthest)
     return scale > 0 ? scale : 1;
 }
 
-/* Maximum side of the perspective picture, without margins. */
+/* Returns the maximum side of the perspective picture in pixels, without margins. */
 static double most_pixels(double side)
 {
     return fmin(FXS_MAX_SIZE - 2 * MARGIN, LARGER_MOST * side);
@@ -141,7 +141,7 @@ void fxs_lens_warp_make(fxs_lens_warp *w, const fxs_lens *lens, const fxs_file_v
     w->cover.height = pixels((b.high[1] - b.low[1]) * w->cover.fy, size[1]);
 }
 
-/* Finds the first of two pixels around a coordinate, and the fraction, 0 to 255. */
+/* Finds the first of the two pixels around a coordinate, and the fraction between the pixels, 0 to 255. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);

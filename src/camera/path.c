@@ -5,14 +5,14 @@
 #include <fixsplat/camera.h>
 #include "camera_internal.h"
 
-/* Spline weights: key first - 1 + k has weight[k]. */
+/* Weights of a spline: key view first - 1 + k has weight[k]. */
 typedef struct spline {
     long first, count;
     double weight[4];
 } spline;
 
-/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. Both ends continue
-   linearly: 2 v0 - v1. */
+/* Catmull-Rom weights: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. Both ends
+   continue linearly: 2 v0 - v1. */
 static spline spline_at(long count, double at)
 {
     const long first = at >= (double)(count - 1) ? count - 2 : (long)at;
@@ -72,7 +72,7 @@ static void matrix_of(const double q[4], double r[9])
     }
 }
 
-/* q and -q are the same rotation, so each key takes the sign closer to the previous key. */
+/* Quaternions q and -q are the same rotation, so each key takes the sign closer to the previous key. */
 static void turn_between(const spline *s, const fxs_file_view *keys, double rotation[9])
 {
     double sum[4] = {0, 0, 0, 0}, before[4] = {0, 0, 0, 0}, q[4];
@@ -90,7 +90,7 @@ static void turn_between(const spline *s, const fxs_file_view *keys, double rota
     matrix_of(sum, rotation);
 }
 
-/* A whole `at` returns exactly that key. */
+/* Interpolates key views. A whole number `at` returns exactly that key. */
 void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view)
 {
     double lens[5];

@@ -16,11 +16,11 @@ typedef struct loose {
     int32_t scale_q16[3];            /* log2(sigma) */
     int32_t colour_q16[3];
     uint32_t rotation;
-    int32_t axis_bits;               /* bits of x and y in `rotation` */
+    int32_t axis_bits;               /* bits of x and y in the rotation word */
     uint32_t opacity;                /* 0 to 255 */
 } loose;
 
-/* Opacity in 0..255. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
+/* Opacity law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
 static uint32_t opacity_of(uint32_t code, uint32_t law)
 {
     static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* 255 * 4^(1 - law) - 1 */
@@ -54,7 +54,7 @@ static loose loosen(enum fxs_profile profile, const fxs_chunk *chunk, const fxs_
 /* 2^(x / 65536) */
 static double exp2_of(int32_t x_q16)
 {
-    const int32_t whole = -(-x_q16 >> 16);                        /* rounded up */
+    const int32_t whole = -(-x_q16 >> 16);
     return ldexp(fxs_exp2_q15((int32_t)((int64_t)whole * 65536 - x_q16) >> 1), whole - 15);
 }
 
@@ -86,12 +86,12 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     for (int i = 0; i < 3; i++)
         p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
     p.size = exp2_of((s[a] + s[b]) / 2) * scale;
-    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* quantised balls are slightly flat */
+    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* quantised spheres are slightly flat */
     p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
     return p;
 }
 
-/* Smallest step with which codes 0 to `codes` cover the range. */
+/* Returns the smallest quantisation step with which codes 0 to `codes` cover a range. */
 static uint64_t step_for(uint64_t reach, uint32_t codes)
 {
     return (reach + codes - 1) / codes;
@@ -133,7 +133,7 @@ static void pack_positions(fxs_chunk *chunk, const loose *l, uint32_t count, uns
     }
 }
 
-/* Converts a rotation word to `to` bits for x and y each. */
+/* Converts a packed rotation to `to` bits for x and y each. */
 static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
 {
     const uint32_t half = 1u << (31 - to), roll = ((word << 2 * from) + (1u << (2 * to - 1))) >> 2 * to;
@@ -141,7 +141,7 @@ static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
     return (word - y + half) >> (32 - to) << (32 - to) | y;
 }
 
-/* Adds larger_q16 to all log2(sigma). Code: sqrt((scale - x) / step). */
+/* Packs sizes, after adding larger_q16 to all log2(sigma). Code: sqrt((scale - x) / step). */
 static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
@@ -164,7 +164,7 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
     }
 }
 
-/* Call after pack_scales, because scale words hold the lowest colour bits. */
+/* Packs colours. Call after pack_scales, because scale words hold the lowest colour bits. */
 static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
 {
     uint32_t words[FXS_CHUNK], scales[FXS_CHUNK];
@@ -192,7 +192,7 @@ static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsig
     }
 }
 
-/* Unused slots keep opacity 0. */
+/* Packs a chunk of 256 Gaussians. Unused slots keep opacity 0. */
 static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *l, uint32_t count, int32_t larger_q16)
 {
     fxs_chunk chunk = {{0}, {0}, 0, {0}, {0}, 0, {0}, 0, 0, 0, {0}};
@@ -206,8 +206,8 @@ static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *
 
 typedef struct taking {
     fxs_sample *sample;
-    unsigned char *headers, *rows;   /* next chunk to write */
-    uint64_t step, next;             /* next: index of the next point within the object */
+    unsigned char *headers, *rows;
+    uint64_t step, next;             /* next: index of the next sampled Gaussian within the object */
     uint32_t each;                   /* one of `each` points is drawn */
     int32_t larger_q16;
 } taking;
@@ -280,7 +280,7 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* log2(x) / 3, linear between powers of two. Enlarging every x-th Gaussian by this keeps the filled share of
+/* log2(x) / 3, linear between powers of two. Enlarging every x-th Gaussian by this log2 keeps the filled share of
    space. */
 static int32_t larger_of(uint64_t x)
 {
@@ -301,7 +301,7 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     t.larger_q16 = larger_of(t.step * t.each);
     for (uint32_t i = 0; i < count; i++)
         chunks += (drawn(&objects[i]) / (t.step * t.each) + FXS_CHUNK) / FXS_CHUNK;
-    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each chunk has a Gaussian */
+    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,

@@ -5,7 +5,7 @@
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/message.h>
 
-#define FXS_SAMPLE_MOST 20480u       /* drawn Gaussians */
+#define FXS_SAMPLE_MOST 20480u       /* maximum number of drawn Gaussians */
 #define FXS_SAMPLE_POINTS (3 * FXS_SAMPLE_MOST)
 
 typedef struct fxs_sample_point {
@@ -16,15 +16,15 @@ typedef struct fxs_sample_point {
     double opacity;                  /* 0 to 1 */
 } fxs_sample_point;
 
-/* Every step-th Gaussian as a point. Points are also packed for drawing, enlarged and with SH degree 0. */
+/* A sample of Gaussians as points. Points are also packed for drawing, enlarged and with SH degree 0. */
 typedef struct fxs_sample {
     fxs_object *objects;
-    uint32_t count;                  /* objects with a drawn Gaussian */
+    uint32_t count;                  /* number of objects with a drawn Gaussian */
     fxs_sample_point *points;
     uint32_t point_count;
-    double step;                     /* Gaussians per point */
+    double step;                     /* Gaussians of the scene per point of the sample */
     fxs_scene *scenes;
-    unsigned char *bytes;            /* bytes of all scenes */
+    unsigned char *bytes;
 } fxs_sample;
 
 /* Takes a sample. Returns 0, or FXS_ERR_MEMORY or FXS_ERR_SCENE and a message. The result is the same on every

@@ -1,14 +1,14 @@
-/* Finds the core of a scene, the region of its small Gaussians, and free places in the core's lower half.
-   Surroundings are binned by direction. Merit: (covered bins)^2 * harmonic mean distance. */
+/* Finds the core of a scene, the region of its small Gaussians, and free places in the core's lower half. The
+   surroundings of a place are binned by direction. Merit: (covered bins)^2 * harmonic mean distance. */
 #include "within.h"
 
 #include <math.h>
 
 #include <fixsplat/allocator.h>
 
-enum { FACE = 6, BINS = 6 * FACE * FACE };    /* squares on the faces of a cube */
+enum { FACE = 6, BINS = 6 * FACE * FACE };    /* direction bins: squares on the faces of a cube */
 enum { GRID = 7, PLACES = GRID * GRID * GRID };
-enum { CORE_POINTS = 8192, POINTS = 2048 };   /* points to find the core, and to rate a place */
+enum { CORE_POINTS = 8192, POINTS = 2048 };   /* sampled points to find the core, and to rate a place */
 
 #define TALL 1.8                     /* minimum height / width of a standing subject */
 #define FLAT 0.25                    /* minimum width / depth of a standing subject */
@@ -28,7 +28,7 @@ static uint32_t stride_of(const fxs_sample *s, uint32_t most)
 
 enum measure { PLACE_X, PLACE_Y, PLACE_Z, DISTANCE };
 
-/* Collects coordinates or distances of points up to a size, in ascending order. Returns their number. */
+/* Collects coordinates or distances of points, in ascending order. Returns the number of points. */
 static uint32_t measure(const fxs_sample *s, double size, enum measure what, const double middle[3], double *values)
 {
     uint32_t n = 0;
@@ -85,7 +85,7 @@ static int bin_of(const double d[3])
     return ((axis * 2 + (d[axis] > 0)) * FACE + i) * FACE + j;
 }
 
-/* A bin is covered if Gaussians span half of its solid angle. */
+/* Rates a place. A direction is covered if Gaussians span half of its solid angle. */
 static void look_about(fxs_within *w, const fxs_sample *s)
 {
     const double pi = 3.141592653589793, most = 4 * pi / BINS;
@@ -123,7 +123,7 @@ static int is_low(const double place[3], const fxs_core *core, const double up[3
     return height < size / (2 * GRID);
 }
 
-/* Returns the best place that is not near a found place, or null. */
+/* Returns the best place that is not near a place found before, or null. */
 static const fxs_within *best_of(const fxs_within *all, int tried, const fxs_within *found, int count, double reach)
 {
     const fxs_within *best = NULL;

@@ -10,18 +10,17 @@
 typedef struct fxs_core {
     double middle[3];
     double reach;                    /* median distance from the middle */
-    double low[3], high[3];          /* box without 2 % of the points at each end of each axis */
+    double low[3], high[3];          /* box without the outer 2 % of the points on each side */
 } fxs_core;
 
 typedef struct fxs_within {
     double place[3];
     double clear;                    /* harmonic mean distance of the surroundings */
-    double merit;                    /* grows with covered directions and with `clear` */
+    double merit;                    /* rating; grows with covered directions and free distance */
 } fxs_within;
 
 double fxs_distance(const double a[3], const double b[3]);
 
-/* Returns 0, or FXS_ERR_MEMORY and a message. */
 int fxs_core_find(fxs_core *core, const fxs_sample *s, fxs_message *message);
 
 /* Returns 1 or 2 if the core stands tall along y or z, like a figure; else 0. */

@@ -47,7 +47,7 @@ double fxs_depths_farthest(const fxs_depths *d)
     return ldexp(farthest, -d->depth_bits);
 }
 
-/* 1 to 65535, clamped; 0: no depth. */
+/* Converts a depth to 1..65535, clamped; 0: no depth. */
 static unsigned grey(uint32_t depth, uint64_t range)
 {
     const uint64_t value = ((uint64_t)depth * 65535 + range / 2) / range;
@@ -122,7 +122,7 @@ static uint32_t scramble(uint32_t x)
     return x ^ x >> 16;
 }
 
-/* hue: 0 to 1535; white: 0 to 255, mixed in; value: brightness, 0 to 255. */
+/* Colour of a hue, 0 to 1535, with white, 0 to 255, mixed in. */
 static void colour_of(uint8_t rgb[3], uint32_t hue, uint32_t white, uint32_t value)
 {
     for (uint32_t c = 0; c < 3; c++) {

@@ -107,7 +107,7 @@ static int halved(int at, int size)
     return at / 2 < size ? at / 2 : size - 1;
 }
 
-/* Chroma is taken from the nearest sample. */
+/* Converts YCbCr to RGBA. Chroma is taken from the nearest sample. */
 static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
 {
     const int width = planes[0].width, height = planes[0].height;
@@ -156,7 +156,7 @@ static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int
 /* Bit reader of a NAL unit (ITU-T H.265, 7.3.1.1). Skips the 3 of bytes 0 0 3. Returns 0 past the end. */
 typedef struct bits {
     const uint8_t *bytes;
-    size_t size, at;               /* at: bits */
+    size_t size, at;               /* at: position in bits */
 } bits;
 
 static uint32_t take(bits *b, int count)
@@ -182,14 +182,14 @@ static uint32_t take_code(bits *b)
     return (1u << zeros) - 1 + take(b, zeros);
 }
 
-/* Pixels stated by a sequence parameter set (ITU-T H.265, 7.3.2.2). */
+/* Returns the number of pixels stated by a sequence parameter set (ITU-T H.265, 7.3.2.2). */
 static uint64_t stated_pixels(const uint8_t *unit, size_t size)
 {
     bits b = {unit, size, 16 + 4};
     uint32_t has[7];
     const int layers = (int)take(&b, 3);
     take(&b, 1);
-    for (int i = 0; i < 3; i++)    /* profile and level */
+    for (int i = 0; i < 3; i++)
         take(&b, 32);
     for (int i = 0; i < layers; i++)
         has[i] = take(&b, 2);
@@ -200,14 +200,14 @@ static uint64_t stated_pixels(const uint8_t *unit, size_t size)
         take(&b, has[i] & 1 ? 8 : 0);
     }
     take_code(&b);
-    if (take_code(&b) == 3)        /* chroma format */
+    if (take_code(&b) == 3)
         take(&b, 1);
     const uint64_t width = take_code(&b);
     return width * take_code(&b);
 }
 
-/* The decoder allocates by the size in its stream. Every sequence parameter set is therefore limited to twice the
-   pixels of a picture, because sizes are whole blocks. */
+/* The HEVC decoder allocates by the size in its stream. Every sequence parameter set is therefore limited to twice
+   the pixels of a picture, because sizes are whole blocks. */
 static const char *find_large_stream(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 2; at + 2 < size; at++) {
@@ -233,7 +233,7 @@ static uint32_t number_at(const uint8_t *bytes, size_t count)
     return number;
 }
 
-/* Adds to `to` how often pictures decode each picture they refer to. Layout of a child of an iref box: size, type,
+/* Counts in `to` how often pictures decode each picture they refer to. A child of an iref box has size, type,
    number, count, then numbers of `wide` bytes. Returns 0 if a number is too large or *left is used up. */
 static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to,
                      size_t *left)
@@ -259,7 +259,7 @@ static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, 
     return 1;
 }
 
-/* iref boxes may be nested, so their total work is limited. */
+/* iref boxes of a HEIF may be nested, so their total work is limited. */
 static int add_all(const uint8_t *bytes, size_t size, const uint32_t *from, uint32_t *to)
 {
     size_t left = size / 8 + 2 * MOST_TILES;

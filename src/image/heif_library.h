@@ -4,7 +4,7 @@
 
 #include <libheif/heif.h>
 
-/* Applies the macro `use` to each function used. */
+/* Applies the macro `use` to each libheif function used. */
 #define FXS_HEIF_FUNCTIONS(use) \
     use(heif_init) \
     use(heif_context_alloc) \
@@ -38,7 +38,7 @@ typedef struct fxs_heif_library {
 #undef FXS_HEIF_FIELD
 } fxs_heif_library;
 
-/* NULL: libheif is not installed. */
+/* Returns libheif's functions, or NULL if libheif is not installed. */
 const fxs_heif_library *fxs_heif_library_open(void);
 
 #endif

@@ -8,7 +8,7 @@
 
 #ifdef FXS_WITH_STB
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc reports these at the end of the file */
+#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc reports unused functions at the end of the file */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wsign-conversion"
@@ -51,7 +51,7 @@ int fxs_image_file_known(const char *path)
     return format >= FXS_IMAGE_PNG && format <= FXS_IMAGE_WEBP;
 }
 
-/* Encoders return 0 or an error, without a message. */
+/* Encoders of pictures return 0 or an error, without a message. */
 
 uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes)
 {
@@ -146,8 +146,7 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 #endif
 
 #ifdef FXS_WITH_WEBP
-/* Checks that a lossless picture decodes to these pixels, because libwebp 1.2.4 may truncate when memory runs out.
-   Its decoder then crashes, so an allocation is tried first. */
+/* Checks that a lossless picture decodes to these pixels, because libwebp 1.2.4 may truncate when memory runs out. */
 static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
 {
     const size_t bytes = 4 * (size_t)width * (size_t)height;
@@ -160,7 +159,7 @@ static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, i
     return same;
 }
 
-/* Lossless: least effort, and colours of transparent pixels are kept. */
+/* Lossless WebP uses least effort and keeps colours of transparent pixels. */
 static int encode_webp(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *webp)
 {
     WebPConfig config;
@@ -180,7 +179,7 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     picture.custom_ptr = &writer;
     const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture) &&
                         (quality || holds(&writer, rgba, width, height));
-    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* writer.mem needs WebPFree */
+    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;
     if (bytes) {
         webp->bytes = memcpy(bytes, writer.mem, writer.size);
         webp->size = writer.size;
@@ -246,7 +245,7 @@ int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message 
 {
     fxs_output output;
     FXS_TRY(fxs_output_open(&output, path, 0, message));
-    fxs_output_write(&output, encoded->bytes, encoded->size, message);   /* the output keeps its error */
+    fxs_output_write(&output, encoded->bytes, encoded->size, message);
     return fxs_output_close(&output, message);
 }
 

@@ -29,10 +29,10 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define FREE_PIXELS (1 << 20)     /* allowed in any file */
-#define MAX_BYTE_PIXELS 512       /* pixels per byte of the file, beyond FREE_PIXELS */
+#define FREE_PIXELS (1 << 20)     /* pixels allowed in a file of any size */
+#define MAX_BYTE_PIXELS 512       /* maximum number of pixels per byte of the file */
 #define MAX_WEBP_BYTES (1 << 28)
-#define MAX_JPEG_SCANS 100        /* a scan of a few bytes takes time for the whole picture */
+#define MAX_JPEG_SCANS 100        /* a JPEG scan of a few bytes takes time for the whole picture */
 
 static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
@@ -58,10 +58,10 @@ const char *fxs_image_refusal(int width, int height, uint64_t bytes)
                : NULL;
 }
 
-/* Readers return NULL, or the fault as text. */
+/* Readers of pictures return NULL, or the fault as text. */
 
 #if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
-/* fault: error of the library; refused: target of longjmp. */
+/* fault: error of the decoding library; refused: target of longjmp. */
 typedef struct decoding {
     const char *fault;
     jmp_buf refused;
@@ -85,7 +85,7 @@ static void make_room(decoding *picture, uint8_t **rgba, int width, int height, 
 #endif
 
 #ifdef FXS_WITH_PNG
-/* Also refuses after warnings, where libpng would skip damaged parts. */
+/* Refuses a .png also after warnings, where libpng would skip damaged parts. */
 static void refuse_png(png_structp png, const char *fault)
 {
     static __thread char words[200];
@@ -113,7 +113,7 @@ typedef struct png_reading {
     png_infop info;
 } png_reading;
 
-/* Ignores gamma and colour profiles. An index beyond the palette reads black. */
+/* Decodes a .png without gamma and colour profiles. An index beyond the palette reads black. */
 static void decode_png(png_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     decoding *picture = &reading->picture;
@@ -183,7 +183,7 @@ static void limit_scans(j_common_ptr jpeg)
         refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
-/* CMYK without profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
+/* Converts CMYK without profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
 static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
 {
     const int flip = is_inverted ? 0 : 255;
@@ -194,7 +194,7 @@ static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
     }
 }
 
-/* The integer inverse DCT and smooth chroma are identical on every processor. */
+/* Decodes a .jpg with integer inverse DCT and smooth chroma, which are identical on every processor. */
 static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, fxs_exif_bytes *exif)
 {
     j_decompress_ptr jpeg = &reading->jpeg;
@@ -245,7 +245,7 @@ static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 }
 #endif
 
-/* libwebp gives the same result with every instruction set. */
+/* libwebp gives identical pixels with every instruction set. */
 static const char *read_webp(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
 #ifdef FXS_WITH_WEBP
@@ -288,7 +288,7 @@ static const char *read_heif(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 #endif
 }
 
-/* Reads a number of a .ppm header, with blanks and comments before and a blank after it. -1: no number. */
+/* Reads a number of a .ppm header, with surrounding blanks and comments. -1: no number. */
 static int header_number(FILE *file)
 {
     int c = getc(file), comment = 0, value = 0;
@@ -319,7 +319,7 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return fxs_no_memory;
-    uint8_t *rgb = *rgba + pixels;   /* read into the end of the block, then spread */
+    uint8_t *rgb = *rgba + pixels;   /* pixels are read into the end of the block, then spread */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
     for (size_t i = 0; i < pixels; i++) {

@@ -7,13 +7,13 @@
 #define ONE_Q30 ((int64_t)1 << 30)
 #define HALF_PI_Q30 1686629713
 
-/* `side` pixels span 90 degrees; `margin` is added on all sides. */
+/* A cube face: `side` pixels span 90 degrees, and `margin` is added on all sides. */
 typedef struct face {
     int side, margin, size;
 } face;
 
-/* The side is even, so that focal length and middle are integers. A pixel of the panorama spans 1 to 2 pixels of a
-   face. */
+/* The side of a cube face is even, so that focal length and middle are integers. A pixel of the panorama spans 1
+   to 2 pixels of a face. */
 static face face_of(int width)
 {
     const int side = (width / 2 + 3) / 4 * 4, margin = side / 16 + 2;
@@ -25,7 +25,7 @@ int fxs_panorama_face_size(int width)
     return face_of(width).size;
 }
 
-/* Axes right, down and forward of each face: 1 is the view's x, -3 its -z. */
+/* Axes right, down and forward of each cube face: 1 is the view's x, -3 its -z. */
 static const signed char axes[FXS_PANORAMA_FACES][3] = {
     {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
 };
@@ -73,7 +73,7 @@ static int64_t cos_q30(uint32_t turns_q32)
     return sin_q30(turns_q32 + 0x40000000u);
 }
 
-/* Weighted sums over the faces that show a pixel. */
+/* Weighted sums over the cube faces that show a pixel. */
 typedef struct samples {
     int64_t sums[4], weight;
 } samples;
@@ -97,7 +97,7 @@ static int64_t component(const int64_t d[3], int axis)
     return axis < 0 ? -d[-axis - 1] : d[axis - 1];
 }
 
-/* Weights each face by the distance from its edge, so that no seam is visible. */
+/* Weights each cube face by the distance from its edge, so that no seam is visible. */
 static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
 {
     const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;

@@ -10,7 +10,7 @@ extern "C" {
 
 #define FXS_PANORAMA_FACES 6
 
-/* Side of a face in pixels: 90 degrees plus overlapping margins. */
+/* Returns the side of a cube face in pixels: 90 degrees plus overlapping margins. */
 int fxs_panorama_face_size(int width);
 
 /* Makes the view of a cube face: 0 to 5 are ahead, right, behind, left, up, down. */

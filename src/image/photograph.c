@@ -49,7 +49,7 @@ void fxs_exif_keep(fxs_exif_bytes *exif, const void *bytes, size_t size)
 
 #ifdef FXS_WITH_EXIF
 
-/* Skips libexif's corrections of non-standard data. NULL: out of memory. */
+/* Loads EXIF without libexif's corrections of non-standard data. NULL: out of memory. */
 static ExifData *load(const fxs_exif_bytes *bytes)
 {
     ExifData *data = exif_data_new();
@@ -61,7 +61,7 @@ static ExifData *load(const fxs_exif_bytes *bytes)
     return data;
 }
 
-/* First number of an EXIF entry; 0: missing. */
+/* Returns the first number of an EXIF entry; 0: missing. */
 static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[ifd], tag);
@@ -78,7 +78,6 @@ static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
     return r.denominator ? (double)r.numerator / (double)r.denominator : 0;
 }
 
-/* Copies the printable ASCII characters of a name. */
 static void say_text(ExifData *data, ExifTag tag, char text[40])
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[EXIF_IFD_0], tag);
@@ -104,7 +103,7 @@ void fxs_exif_parse(const fxs_exif_bytes *bytes, fxs_exif *exif)
     const double sensitivity = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
     if (!bytes->is_upright && orientation >= 1 && orientation <= 8)
         exif->orientation = (int)orientation;
-    /* 65535 means that the sensitivity does not fit */
+    /* 65535 means that the sensitivity does not fit the EXIF field */
     if (seconds > 1e-6 && seconds < 1e5 && aperture > 0.1 && aperture < 1e3 && sensitivity > 0 && sensitivity < 65535)
         exif->exposure = seconds * sensitivity / (aperture * aperture);
     say_text(data, EXIF_TAG_MAKE, maker);

@@ -6,7 +6,7 @@
 
 #include "photograph.h"
 
-/* "Exif\0\0" and TIFF data, from malloc; null: no EXIF. */
+/* An EXIF block: "Exif\0\0" and TIFF data, from malloc; null: no EXIF. */
 typedef struct fxs_exif_bytes {
     uint8_t *bytes;
     size_t size;
@@ -16,13 +16,13 @@ typedef struct fxs_exif_bytes {
 /* fxs_no_heif: libheif is not linked or not installed. */
 extern const char fxs_no_memory[], fxs_no_heif[];
 
-/* Returns why a picture of this size in a compressed file of `bytes` bytes is refused, or NULL. */
+/* Returns the reason to refuse a picture of this size in a file of `bytes` bytes, or NULL. */
 const char *fxs_image_refusal(int width, int height, uint64_t bytes);
 
 /* Reads a HEIF in builds with FXS_WITH_HEIF. Returns NULL, or the fault as text. `exif` may be null. */
 const char *fxs_heif_read(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif);
 
-/* Copies the first EXIF block. Does nothing if a block is kept already or memory runs out. */
+/* Keeps a copy of the first EXIF block. Does nothing if memory runs out. */
 void fxs_exif_keep(fxs_exif_bytes *exif, const void *bytes, size_t size);
 
 void fxs_exif_parse(const fxs_exif_bytes *bytes, fxs_exif *exif);

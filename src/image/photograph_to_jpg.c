@@ -15,7 +15,7 @@ static int write_jpg(const char *path, const fxs_encoded *jpg, const fxs_exif_by
     fxs_output output;
     const uint8_t head[4] = {0xff, 0xe1, (uint8_t)((exif->size + 2) >> 8), (uint8_t)(exif->size + 2)};
     FXS_TRY(fxs_output_open(&output, path, 0, message));
-    fxs_output_write(&output, jpg->bytes, 2, message);     /* the output keeps its error */
+    fxs_output_write(&output, jpg->bytes, 2, message);
     if (exif->bytes) {
         fxs_output_write(&output, head, sizeof head, message);
         fxs_output_write(&output, exif->bytes, exif->size, message);

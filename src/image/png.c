@@ -8,7 +8,7 @@
 #include <libdeflate.h>
 #endif
 
-/* Higher levels cost far more time than they save bytes. */
+/* Higher compression levels cost far more time than they save bytes. */
 #ifdef FXS_WITH_DEFLATE
 enum { LEVEL = 1 };
 
@@ -17,7 +17,7 @@ static size_t bound_of(size_t size)
     return libdeflate_zlib_compress_bound(NULL, size);
 }
 
-/* Returns the number of bytes in `out`; 0: out of memory. */
+/* Returns the number of compressed bytes; 0: out of memory. */
 static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size_t size)
 {
     struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(LEVEL);
@@ -38,7 +38,7 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
     if (deflateInit2(&stream, 1, Z_DEFLATED, MAX_WBITS, 9, Z_RLE) != Z_OK)
         return 0;
     stream.next_in = (Bytef *)(uintptr_t)rows;
-    stream.avail_in = (uInt)size;              /* at most 2^30 bytes plus one per row */
+    stream.avail_in = (uInt)size;
     stream.next_out = out;
     stream.avail_out = (uInt)room;
     const int ended = deflate(&stream, Z_FINISH);
@@ -48,7 +48,7 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
 }
 #endif
 
-/* First row: filter 0 (none). Other rows: filter 2 (difference from the row above). */
+/* PNG filter of the first row: 0 (none). Other rows: 2 (difference from the row above). */
 
 /* Subtracts four bytes at once. The upper bit of each byte catches the borrow. */
 static inline uint32_t minus_bytes(uint32_t a, uint32_t b)
@@ -99,7 +99,7 @@ static void filter(uint8_t *out, int kind, const uint8_t *pixels, int width, int
         filter_colours(out, pixels, w, h, 4);
 }
 
-enum { AROUND_DATA = 8 + 25 + 12 + 12 };       /* signature, IHDR, frame of IDAT, IEND */
+enum { AROUND_DATA = 8 + 25 + 12 + 12 };       /* PNG signature, IHDR, frame of IDAT, IEND */
 
 static uint8_t *put_32(uint8_t *out, uint32_t value)
 {
@@ -108,7 +108,7 @@ static uint8_t *put_32(uint8_t *out, uint32_t value)
     return out;
 }
 
-/* Frames the data at out + 8 with length, type and checksum. */
+/* Adds length, type and checksum around a PNG chunk's data at out + 8. */
 static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 {
     put_32(out, (uint32_t)length);

@@ -21,8 +21,8 @@
 
 /* The first format that matches a file is chosen. Formats without a magic number therefore come last. */
 static const fxs_format_row formats[] = {
-    /* columns: name, endings, description, read, written, SH degree, anti-aliased, loss when written, distant
-       origin, reader, writer */
+    /* columns of the table: name, endings, description, read, written, SH degree, anti-aliased, loss when written,
+       distant origin, reader, writer */
     {{"fxs", ".fxs", SAYS("packed: opens at once, and is rendered from the file as it lies"),
       1, 1, 3, 1, SAYS("by its profile"), 1},
      READ_PACKED, NULL},

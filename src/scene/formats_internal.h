@@ -12,7 +12,7 @@ typedef struct fxs_writer {
     /* Begins a file. `data` is zeroed. After an error, no close is needed. */
     int (*open)(void *data, const char *path, const fxs_scene_write_options *options, fxs_message *message);
     int (*put)(void *data, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
-    /* Completes the file, adds this format's losses to the report, and frees memory, also after an error. */
+    /* Completes the file, adds the losses of this format to the report, and frees memory, also after an error. */
     int (*close)(void *data, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
                  fxs_message *message);
 } fxs_writer;
@@ -26,7 +26,7 @@ typedef struct fxs_format_row {
 /* Finds the format of a file by its first bytes. */
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message);
 
-/* Returns the format to write by `name`, or if null, by the ending of `path`. Null: unknown format. */
+/* Returns the format to write by `name`, or if null, by the ending of `path`. Returns null for an unknown format. */
 const fxs_format_row *fxs_format_to_write(const char *name, const char *path);
 
 /* Returns a file name that stands for a whole folder, such as tileset.json. Null: no more names. The name ends at

@@ -98,19 +98,19 @@ typedef struct part {
     int is_open;
     fxs_part_header head;
     fxs_part_layout layout;
-    fxs_packed_header scene;             /* in the file's byte order */
-    unsigned char *heads;                /* headers of all chunks */
+    fxs_packed_header scene;             /* scene header in the file's byte order */
+    unsigned char *heads;                /* bytes from the scene's header to the first chunk data */
 } part;
 
 typedef struct merger {
     const fxs_part_merge *how;
     fxs_message *message;
     fxs_crc32_table table;
-    part *parts;                         /* in ascending order of their numbers */
+    part *parts;                         /* parts in ascending order of their numbers */
     uint32_t count;
     fxs_packed_header header;
     fxs_scene_parts layout;
-    unsigned char *head, *tree_bytes;    /* bytes of the output before its Gaussians, and of the tree */
+    unsigned char *head, *tree_bytes;    /* bytes before the chunks' data, in the output and in its tree */
     void *head_block, *tree_block;
     fxs_scene scene;
     fxs_palette *palette;
@@ -137,7 +137,7 @@ static int progress(const merger *m, double done)
                ? fxs_fail_as(FXS_ERR_STOPPED, m->message, "merging stopped") : 0;
 }
 
-/* Allocates nothing until the file's size agrees with the headers. */
+/* Opens a part file. Allocates nothing until the file's size agrees with the headers. */
 static int open_part(merger *m, part *p, const char *path)
 {
     fxs_packed_header scene;
@@ -298,7 +298,7 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     merger *m = argument;
     const size_t bytes = m->header.chunk_bytes;
     uint32_t i = 0;
-    (void)message;                   /* equals m->message */
+    (void)message;
     while (leaf >= m->parts[i].head.first + m->parts[i].head.chunk_count)
         i++;
     const part *p = &m->parts[i];
@@ -308,7 +308,7 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     return 0;
 }
 
-/* Searches linearly, because the list is short. */
+/* Finds a node of a part. The search is linear, because the list is short. */
 static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians,
                     uint32_t *count, fxs_message *message)
 {
@@ -329,7 +329,7 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
         fxs_little_endian(gaussians, 0, *count * sizeof *gaussians / sizeof(float), sizeof(float));
         fxs_chunk_turn(header);
         int valid = fxs_chunk_valid(header);
-        for (uint32_t g = 0; g < *count; g++)      /* other values need no check */
+        for (uint32_t g = 0; g < *count; g++)      /* other values of a Gaussian need no check */
             for (int k = 0; k < 3; k++)
                 valid = valid && fabsf(gaussians[g].gaussian.position[k]) <= 0x1p28f;
         return valid ? 0 : fail_damaged(m, p, "its tree is");
@@ -404,7 +404,7 @@ static int plan_tree(merger *m)
     return error;
 }
 
-/* Checks all node headers before the output is opened. */
+/* Checks all node headers of the tree before the output is opened. */
 static int check_nodes(const merger *m)
 {
     const unsigned char *headers = m->tree_bytes + (m->layout.node_chunks - m->layout.tree);
@@ -487,7 +487,7 @@ static int write_nodes(merger *m, fxs_output *output)
     return 0;
 }
 
-/* Writes headers before their data are checked. An error discards the output. */
+/* Writes headers before the chunks' data are checked. An error discards the output. */
 static int write_all(merger *m, fxs_output *output)
 {
     FXS_TRY(fxs_output_write(output, m->head, (size_t)m->layout.rows, m->message));

@@ -19,9 +19,9 @@ typedef struct fxs_part_merge {
     void *progress_argument;
 } fxs_part_merge;
 
-/* Merges `count` part files of a scene, in any order, into the file `out`. The bytes equal those of the scene
-   packed as a whole. Memory: about 500 bytes per chunk of 256 Gaussians. Returns 0, or FXS_ERR_FILE,
-   FXS_ERR_VERSION, FXS_ERR_MEMORY or FXS_ERR_STOPPED and a message, with `out` unchanged. */
+/* Merges all part files of a scene into the file `out`. The bytes equal those of the scene packed as a whole.
+   Memory: about 500 bytes per chunk of 256 Gaussians. Returns 0, or FXS_ERR_FILE, FXS_ERR_VERSION, FXS_ERR_MEMORY
+   or FXS_ERR_STOPPED and a message, with `out` unchanged. */
 int fxs_part_files_merge(char *const *paths, uint32_t count, const char *out, const fxs_part_merge *how,
                          fxs_message *message);
 

@@ -1,4 +1,4 @@
-/* Passes Gaussians to the writer of a format. */
+/* Passes Gaussians to the writer of a scene format. */
 #include <fixsplat/scene_write.h>
 
 #include <math.h>
@@ -13,7 +13,7 @@
 struct fxs_scene_writer {
     const fxs_writer *writer;
     void *data;
-    double origin[3];            /* added to positions; 0 if the format's writer adds the origin */
+    double origin[3];            /* origin added to positions; 0 if the format's writer adds it */
     fxs_scene_write_report report;
 };
 

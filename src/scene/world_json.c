@@ -102,7 +102,7 @@ static int take_crops(const reader *r, const cJSON *list, fxs_placement *p)
     return error;
 }
 
-/* Returns 0 for an item of another name. */
+/* Reads a number or an array of numbers. Returns 0 if the item has another name. */
 static int take_numbers(const cJSON *item, fxs_placement *p, const char **fault)
 {
     const struct {

@@ -12,8 +12,8 @@ enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1
 
 #define LOG2_E 1.4426950408889634
 
-/* For each strength: the largest log2 of the cell width of a faint and of an opaque Gaussian, relative to the
-   median, and whether both ends of a Gaussian need neighbours. */
+/* For each strength of the filter: the largest log2 cell width of a faint and of an opaque Gaussian, relative to
+   the median. */
 static const struct {
     int wider[2], ends;
 } strengths[FXS_FLOATER_STRENGTHS + 1] = {

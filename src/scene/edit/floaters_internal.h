@@ -6,8 +6,8 @@
 
 typedef struct fxs_floater {
     float position[3];
-    float end[3];                 /* one sigma along the longest axis */
-    int16_t level;                /* log2 of the width of the cells in which neighbours are counted */
+    float end[3];                 /* vector of one sigma along the longest axis */
+    int16_t level;                /* log2 of the width of the grid cells */
     uint8_t opaque, floats;
 } fxs_floater;
 

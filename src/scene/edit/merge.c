@@ -11,7 +11,7 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
-#define FARTHEST 0x1p28             /* scene units, for the centre of a start view */
+#define FARTHEST 0x1p28             /* largest coordinate of a start view, scene units */
 
 typedef struct part {
     fxs_placement placement;
@@ -29,7 +29,7 @@ typedef struct merge_reader {
     const fxs_reader *reader;
     void *data;
     const fxs_allocator *allocator;
-    fxs_scene_file **files;           /* null for file 0 and unused files */
+    fxs_scene_file **files;
     uint32_t file_count;
     part *parts;
     fxs_import *import;
@@ -192,7 +192,7 @@ static void close_all(fxs_scene_file **files, uint32_t count)
 
 static void normalise(double to[4], const double q[4])
 {
-    int scale;                     /* exponent of the largest component, against overflow of squares */
+    int scale;
     double square = 0, most = 0;
     for (int i = 0; i < 4; i++)
         most = fabs(q[i]) > most ? fabs(q[i]) : most;
@@ -240,7 +240,7 @@ static int is_known(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* Fills missing fields of the common start view from an object's start view. */
+/* Fills missing fields of the merged start view from an object's start view. */
 static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_file_info *own)
 {
     fxs_start start = own->start;

@@ -14,7 +14,7 @@
 
 enum {
     CHUNK = 256,
-    NEAREST = 16,                   /* candidates for a pair */
+    NEAREST = 16,                   /* candidate neighbours for a pair */
     COEFFICIENTS = 45
 };
 
@@ -108,7 +108,8 @@ static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
     return FXS_SH_0 * FXS_SH_0 * sum;
 }
 
-/* Loss: ((v + w) ln |joint| - v ln |A| - w ln |B|) / 2 + v w / (v + w) colour_weight difference. */
+/* Loss of merging A and B: ((v + w) ln |joint| - v ln |A| - w ln |B|) / 2 + v w / (v + w) colour_weight
+   difference. */
 static double loss_of(const decimated *d, uint32_t a, uint32_t b)
 {
     const shape *s = &d->shapes[a], *t = &d->shapes[b];
@@ -218,7 +219,7 @@ static int compare_pairs(const void *a, const void *b)
                               : (x->b > y->b) - (x->b < y->b);
 }
 
-/* Merges disjoint pairs from the best quarter. */
+/* Merges disjoint pairs from the best quarter of all pairs. */
 static void merge_pairs(decimated *d, uint32_t pairs, uint32_t target)
 {
     uint32_t left = d->count, kept = 0;

@@ -1,12 +1,12 @@
-/* Reads PlayCanvas's compressed .ply. 32-bit words code Gaussians relative to the bounds of a chunk of 256
-   Gaussians. Layout: gsplat-compressed-data.js of the PlayCanvas engine. */
+/* Reads PlayCanvas's compressed .ply. 32-bit words code Gaussians relative to the bounds of 256 Gaussians. Layout:
+   gsplat-compressed-data.js of the PlayCanvas engine. */
 #include "ply_header.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { CHUNK = 256, WORDS = 4 };
 
-/* Indices of the bounds: three lower and three upper bounds for each attribute. */
+/* Bounds of attributes: three lower, then three upper bounds each. */
 enum { POSITION = 0, SCALE = 6, COLOUR = 12, BOUNDS = 18 };
 
 static const char *const bound_names[BOUNDS] = {
@@ -21,16 +21,16 @@ typedef struct rows {
     const fxs_ply_element *element;
     uint64_t start;                      /* file offset of the first row, bytes */
     int columns;
-    uint32_t column[FXS_PLY_MAX_REST];   /* offsets within a row, bytes */
+    uint32_t column[FXS_PLY_MAX_REST];   /* byte offsets of the columns in a row */
     fxs_byte_reader bytes;
 } rows;
 
 typedef struct compressed_reader {
     fxs_ply_header header;
     int sh_degree, stored_sh_degree;
-    uint64_t read;                       /* Gaussians read so far */
-    float bounds[BOUNDS];                /* bounds of the current chunk */
-    rows chunk, vertex, sh;              /* sh.element is NULL for SH degree 0 */
+    uint64_t read;
+    float bounds[BOUNDS];
+    rows chunk, vertex, sh;              /* sh.element NULL: SH degree 0 */
 } compressed_reader;
 
 static int is_compressed_ply(const fxs_head *head, fxs_message *message)
@@ -179,7 +179,8 @@ static double between(const float *bounds, int low, double t)
     return (double)bounds[low] * (1 - t) + (double)bounds[low + 3] * t;
 }
 
-/* Smallest three: the omitted, largest component is positive; the others are within +-1/sqrt(2), w first. */
+/* Smallest three: the omitted, largest component of the quaternion is positive. Other components are within
+   +-1/sqrt(2), w first. */
 static void decode_rotation(uint32_t word, float rotation[4])
 {
     int largest = (int)(word >> 30);
@@ -210,7 +211,7 @@ static void decode_words(const compressed_reader *reader, const uint8_t *row, fx
     gaussian->opacity = fxs_logit_of_code(words[3] & 255);
 }
 
-/* Codes 0 and 255 are -4 and 4. Other codes are the centre of their 256th of [-4, 4]. */
+/* SH codes 0 and 255 are -4 and 4. Other codes are the centre of their 256th of [-4, 4]. */
 static float decode_coefficient(int code)
 {
     return code == 0 ? -4 : code == 255 ? 4 : (float)(((code + 0.5) / 256 - 0.5) * 8);

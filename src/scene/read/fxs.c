@@ -16,11 +16,11 @@ enum { MOST_PALETTE = FXS_PALETTE_STAGES * FXS_PALETTE_ENTRIES * FXS_PALETTE_STR
 typedef struct fxs_file_reader {
     const fxs_scene_source *source;
     fxs_crc32_table crc;
-    fxs_scene scene;                     /* pointers unset except for the palette */
+    fxs_scene scene;                     /* pointers are null, except to the SH palette */
     uint64_t rows_at;                    /* file offset of the first chunk's rows, bytes */
-    uint32_t slots, holes;               /* Gaussian slots and empty slots in the file */
-    uint32_t next, passed;               /* next slot to read, and empty slots passed */
-    fxs_chunk chunk;                     /* current chunk and its rows */
+    uint32_t slots, holes;               /* numbers of Gaussian slots and of empty slots in the file */
+    uint32_t next, passed;               /* next slot to read, and empty slots before it */
+    fxs_chunk chunk;
     unsigned char rows[MOST_ROWS];
     int8_t palette[MOST_PALETTE];
 } fxs_file_reader;
@@ -38,7 +38,7 @@ static int damaged(const fxs_file_reader *r, const char *what, fxs_message *mess
     return fxs_fail(message, "%s: %s is damaged", r->source->path, what);
 }
 
-/* Checks a checksum inside `bytes`: CRC-32 of the bytes with a checksum field of 0. */
+/* Verifies a CRC-32 stored inside `bytes`, where the checksum field counts as 0. */
 static int is_whole(const fxs_file_reader *r, uint32_t *checksum, const void *bytes, size_t size, const void *more,
                     size_t more_size)
 {

@@ -42,7 +42,7 @@ static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "b
 
 typedef struct buffer {
     const fxs_scene_source *source;
-    fxs_scene_source own;        /* open if the data is in another file or in memory */
+    fxs_scene_source own;        /* opened if the data is in another file or in memory */
     uint8_t *memory;
     uint64_t memory_size;
     uint64_t offset, size;
@@ -55,16 +55,16 @@ typedef struct range {
 
 typedef struct buffer_view {
     range bytes;
-    int64_t stride;              /* 0: not given */
-    const char *fault;           /* reported when the view is used; null: no fault */
+    int64_t stride;              /* bytes between elements; 0: not given */
+    const char *fault;           /* null: no fault; reported when the view is used */
 } buffer_view;
 
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* glTF's componentType minus 5120 */
 
 typedef struct accessor {
     range bytes;                 /* buffer NULL: all elements are 0 */
-    range indices, values;       /* of a sparse accessor, for replaced elements */
-    uint32_t replaced, at;       /* number of replaced elements; next replaced element */
+    range indices, values;       /* replaced elements of a sparse accessor */
+    uint32_t replaced, at;       /* number of replaced elements, and the next to read */
     uint32_t count, stride, size;
     uint8_t type, is_normalized, components, index_size;
 } accessor;
@@ -72,9 +72,9 @@ typedef struct accessor {
 enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 
 typedef struct splats {
-    range spz;                   /* buffer null: plain attributes instead of .spz */
+    range spz;                   /* .spz data; buffer null: plain attributes */
     fxs_spz *opened;
-    int first;                   /* index of the first primitive with the same .spz data */
+    int first;                   /* index of the first primitive with equal .spz data */
     accessor attributes[ATTRIBUTES];
     int attribute_count;
     uint32_t count;
@@ -83,7 +83,6 @@ typedef struct splats {
     double middle[3];            /* centre of the positions if far from 0 */
 } splats;
 
-/* Range of a mesh's primitives with Gaussians, valid if is_read is set. */
 typedef struct mesh {
     int is_read, first, end;
 } mesh;
@@ -96,8 +95,8 @@ typedef struct part {
 typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;
-    double frame[3][4];          /* from the file's axes to the Gaussians' axes */
-    list lists[LISTS];           /* valid only during opening */
+    double frame[3][4];          /* matrix from the file's axes to the Gaussians' axes */
+    list lists[LISTS];
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;
@@ -107,7 +106,7 @@ typedef struct gltf {
     splats *splats;
     part *parts;
     int splats_count, parts_count;
-    const char *other;           /* kind of a primitive without Gaussians, or null */
+    const char *other;           /* kind of a glTF primitive without Gaussians, or null */
     int part;
     uint32_t next;
     fxs_transform transform;
@@ -175,7 +174,7 @@ static int make_list(gltf *g, const cJSON *root, int which)
 
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))     /* capacity is the next power of two */
+    if (count & (count - 1))
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -189,7 +188,7 @@ static int base64_digit(int c)
            : c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/* Returns the number of decoded bytes, or -1. */
+/* Decodes base64. Returns the number of bytes, or -1. */
 static int64_t decode_base64(const char *text, uint8_t *out)
 {
     const uint8_t *start = out;
@@ -238,7 +237,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     return result;
 }
 
-/* Opens a buffer. A buffer without bytes, the fallback of a compressed buffer, stays empty. */
+/* Opens a glTF buffer. A buffer without bytes, the fallback of a compressed buffer, stays empty. */
 static int open_buffer(gltf *g, int index)
 {
     const cJSON *item = g->lists[BUFFERS].items[index];
@@ -302,7 +301,7 @@ static int use_buffer_view(const gltf *g, int index, buffer_view *out)
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
-/* Also tries the attribute's draft name: _SCALE for KHR_gaussian_splatting:SCALE. */
+/* Finds an attribute, also under its draft name: _SCALE for KHR_gaussian_splatting:SCALE. */
 static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 {
     const cJSON *found = member(attributes, name);
@@ -314,7 +313,7 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
     return member(attributes, draft);
 }
 
-/* Masks of component types: bit 2 type if plain, bit 2 type + 1 if normalized. */
+/* Bit masks of glTF component types: bit 2 type if plain, bit 2 type + 1 if normalized. */
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
@@ -373,7 +372,7 @@ static int fail_indices(const gltf *g)
     return fail(g, "indices of a sparse accessor that do not ascend, or are beyond its elements");
 }
 
-/* Overwrites g->bytes with the replaced elements from `first` to `end` - 1. */
+/* Overwrites g->bytes with replaced elements of a sparse accessor. */
 static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
 {
     uint8_t indices[4 * BATCH], values[BATCH * 16];
@@ -397,8 +396,7 @@ static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
     return end < a->count || a->at == a->replaced ? 0 : fail_indices(g);
 }
 
-/* Reads up to BATCH elements into g->bytes, a->stride bytes apart, in ascending order. Set a->at to 0 before the
-   first element. */
+/* Reads up to BATCH elements into g->bytes, in ascending order. Set a->at to 0 before the first element. */
 static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
 {
     const size_t size = (count - 1) * a->stride + a->size;
@@ -458,7 +456,7 @@ static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const 
         gaussian->opacity = fxs_logit_of_opacity(v[0]);
     if (attribute == ROTATION)
         for (int i = 0; i < 4; i++)
-            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* x y z w in the file */
+            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* rotations in the file are x y z w */
     if (attribute == ROTATION || attribute == OPACITY)
         return;
     float *out = attribute == POSITION ? gaussian->position : attribute == SCALE ? gaussian->scale
@@ -616,7 +614,7 @@ static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
     return number ? read_accessor(g, number, name, 1, PLAIN(FLOAT), &s->attributes[OPACITY]) : 0;
 }
 
-/* Finds the .spz compression under all draft names. */
+/* Finds the .spz compression under all names of drafts. */
 static const cJSON *find_spz(const cJSON *extensions)
 {
     static const char *const names[] = {
@@ -648,7 +646,7 @@ static int is_same(const splats *a, const splats *b)
            same_range(&own->values, &other->values) && own->count == other->count;
 }
 
-/* Checks that the renderer supports the file's kernel and colour space. */
+/* Checks that the renderer supports the kernel and colour space of a glTF. */
 static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear)
 {
     enum { SPACES = 6, LINEAR = 3 };
@@ -756,7 +754,6 @@ static int take_numbers(const cJSON *object, const char *name, double *out, int 
     return !item || fxs_json_numbers(item, out, count);
 }
 
-/* Computes a node's matrix, in glTF's column-major order. */
 static int local_matrix(const gltf *g, int index, double m[16])
 {
     const cJSON *node = g->lists[NODES].items[index];
@@ -829,7 +826,7 @@ int fxs_gltf_drop(void *handle)
     return 0;
 }
 
-/* Starts reading a part; g->parts_count: end. */
+/* Starts reading part `index` of a glTF; g->parts_count: end. */
 static int enter(gltf *g, int index)
 {
     g->part = g->parts_count;
@@ -856,7 +853,7 @@ static int enter(gltf *g, int index)
 }
 
 /* Decides if scales are logarithms, as in a draft, or linear, as in the standard. Signed integers are logarithms.
-   Floats are if a quarter of the Gaussians have a negative scale. */
+   Floats are logarithms if a quarter of the Gaussians have a negative scale. */
 static int find_log_scales(gltf *g)
 {
     uint64_t below = 0, count = 0;
@@ -1090,7 +1087,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* before its source is closed */
+        fxs_spz_close(g->splats[i].opened);
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
@@ -1117,7 +1114,7 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 
 #endif
 
-/* Returns 1 if a JSON object may be a glTF by the name of its first member. */
+/* Returns 1 if a JSON object whose first member is `name` may be a glTF. */
 static int is_gltf_name(const char *name)
 {
     static const char *const names[] = {

@@ -44,7 +44,7 @@ typedef struct gsplat {
     int sh_most;                   /* largest SH code */
     fxs_text arrays[2];            /* palette and labels in .npy format */
     const uint8_t *palette, *labels;
-    size_t entries, entry_step, value_step;    /* steps in bytes */
+    size_t entries, entry_step, value_step;    /* entries of the palette; steps in bytes */
 } gsplat;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -151,8 +151,8 @@ static int load_image(gsplat *g, int image, fxs_message *message)
     return result;
 }
 
-/* Finds the array in .npy data (numpy.lib.format). Returns null if the type or shape differs, or data are missing.
-   columns: 0 for one dimension. */
+/* Finds the array in .npy data (numpy.lib.format). Returns null if the type or shape differs. columns: 0 for one
+   dimension. */
 static const uint8_t *find_array(const fxs_text *npy, const char *type, size_t size, size_t columns, size_t *rows,
                                  int *is_by_column)
 {

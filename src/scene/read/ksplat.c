@@ -30,7 +30,7 @@ typedef struct ksplat_reader {
     uint32_t sections, sections_begun;
     section section;
     uint32_t section_read;
-    uint32_t buckets_begun, bucket_left;    /* buckets begun; Gaussians left in the bucket */
+    uint32_t buckets_begun, bucket_left;    /* buckets begun, and Gaussians left in the current bucket */
     float centre[3];
     fxs_byte_reader headers, lengths, centres, rows;
 } ksplat_reader;
@@ -84,7 +84,7 @@ static int begin_section(ksplat_reader *reader, fxs_message *message)
         return fxs_bytes_fail_row(&reader->headers, "section", reader->sections_begun, reader->sections, message);
     reader->sections_begun++;
     reader->section_read = reader->buckets_begun = reader->bucket_left = 0;
-    if (s->count > 0) {   /* cannot fail after check_section */
+    if (s->count > 0) {   /* seeks cannot fail after check_section */
         fxs_bytes_seek(&reader->lengths, s->lengths);
         fxs_bytes_seek(&reader->centres, s->centres);
         fxs_bytes_seek(&reader->rows, s->rows);
@@ -189,7 +189,7 @@ static int advance(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Within each SH degree, the file stores a channel after the other. */
+/* Decodes SH. Within each degree, the file stores a channel after the other. */
 static void decode_sh(const ksplat_reader *reader, const uint8_t *values, float sh[45])
 {
     for (int degree = 1; degree <= reader->section.sh_degree; degree++) {

@@ -19,11 +19,11 @@
 
 enum {
     MAX_LEVELS = 1000,
-    LEVEL_SIZE = 16,       /* bytes per level in the index, after 4 bytes for the cell */
-    ROW = 32, SH_ROW = 64  /* bytes */
+    LEVEL_SIZE = 16,       /* bytes per level of a cell in index.bin */
+    ROW = 32, SH_ROW = 64  /* bytes per Gaussian */
 };
 
-/* Values of the smallest and largest code, for three channels. */
+/* Values of the smallest and largest code of three channels. */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
@@ -38,7 +38,7 @@ typedef struct lcc_reader {
     size_t levels;
     int has_sh;
     bounds scale[2], sh[2];   /* [0]: cells; [1]: environment */
-    cell *cells;              /* in the order of data.bin, then the environment */
+    cell *cells;              /* cells in the order of data.bin, then the environment */
     size_t cell_room, cell_count, environment;   /* index of the environment in `cells` */
     fxs_scene_source data_file, sh_file, environment_file;
     fxs_byte_reader rows, sh_rows;
@@ -205,7 +205,7 @@ static int open_data(lcc_reader *r, fxs_message *message)
     return check_cells(r, message);
 }
 
-/* The environment stores SH in the rows of its Gaussians. */
+/* Opens the environment, which stores SH in the rows of its Gaussians. */
 static int open_environment(lcc_reader *r, fxs_message *message)
 {
     const uint64_t row = r->has_sh ? ROW + SH_ROW : ROW;
@@ -269,7 +269,7 @@ static void decode(const lcc_reader *r, const uint8_t *row, const uint8_t *sh_ro
     fxs_transform_apply(&r->transform, g, sh_row ? 3 : 0);
 }
 
-/* Cells are in the order of data.bin, so each byte is read once. */
+/* Moves to a cell. Cells are in the order of data.bin, so each byte is read once. */
 static int enter_cell(lcc_reader *r)
 {
     const cell *c = &r->cells[r->at];
@@ -277,7 +277,7 @@ static int enter_cell(lcc_reader *r)
         r->rows.source = &r->environment_file;
         return fxs_bytes_seek(&r->rows, 0);
     }
-    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));   /* within the file, as check_cells ensured */
+    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));
     return r->has_sh ? fxs_bytes_skip(&r->sh_rows, 2 * c->begin - fxs_bytes_tell(&r->sh_rows)) : 0;
 }
 
@@ -312,7 +312,7 @@ static int lcc_rewind(void *handle, fxs_message *message)
 
 static int lcc_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* rotation from z up to y down */
     lcc_reader *r = handle;
     const int level = source->options.level;
     r->source = source;

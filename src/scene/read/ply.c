@@ -7,7 +7,7 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* Fields are indices into the floats of fxs_gaussian, then FILTER. */
+/* Fields of a Gaussian: indices into the floats of fxs_gaussian, then FILTER. */
 enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS, FIELDS, NO_FIELD = -1 };
 
 static const char *const field_names[FIRST_REST] = {
@@ -27,7 +27,7 @@ typedef struct column {
     uint8_t type, field;
 } column;
 
-/* Consecutive floats in a row, for fields `stride` apart. */
+/* A run of consecutive floats in a row, for fields `stride` apart. */
 typedef struct run {
     uint16_t offset;
     uint8_t count, field, stride;
@@ -38,12 +38,12 @@ typedef struct ply_reader {
     const fxs_ply_element *vertex;
     int sh_degree, stored_sh_degree;
     int is_flat;                         /* 1: 2D Gaussians, without scale_2 */
-    int is_filtered;                     /* 1: has filter_3D of Mip-Splatting */
-    double full;                         /* full brightness of a plain colour; 0: colours are f_dc */
+    int is_filtered;                     /* 1: the file has filter_3D of Mip-Splatting */
+    double full;                         /* full brightness of plain colours; 0: colours are f_dc */
     float fields[FIELDS];
     int columns, all_float;
-    int runs;                            /* number of runs, if all columns are floats */
-    uint64_t vertex_offset;              /* file offset, bytes */
+    int runs;                            /* number of runs of floats */
+    uint64_t vertex_offset;              /* file offset of the first vertex, bytes */
     uint64_t vertices_read;
     int8_t field_table[FXS_PLY_MAX_PROPERTIES];
     column column_table[FIELDS];
@@ -133,7 +133,7 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
     return 0;
 }
 
-/* Reads unsigned 16-bit integers other than colours as halves, because some programs store halves so. */
+/* Reads unsigned 16-bit integers as halves, because some programs store halves so. Colours are excepted. */
 static void find_halves(ply_reader *reader)
 {
     for (int i = reader->vertex->first; i < reader->vertex->end; i++) {

@@ -96,7 +96,7 @@ static int parse_type(const parser *p, const char *name, uint8_t *type)
     return fail_line(p, "unknown type", name);
 }
 
-/* words: 3, or 5 for a list. */
+/* Parses a .ply property from 3 words, or 5 for a list. */
 static int parse_property(parser *p, char **words, int is_list)
 {
     fxs_ply_header *header = p->header;
@@ -175,7 +175,7 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
     return 0;
 }
 
-/* An ASCII value needs at least a digit and a separator, except at the end of the file. */
+/* Checks a .ply file's size. A text value needs at least a digit and a separator. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message)
 {
     uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->input.size, values = 0;

@@ -18,7 +18,7 @@ enum {
 typedef struct fxs_ply_type {
     const char *name, *alias;
     uint8_t size;
-    double full;               /* value of full brightness for colours */
+    double full;               /* number that means full brightness in colours */
 } fxs_ply_type;
 
 extern const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES];
@@ -46,7 +46,7 @@ typedef struct fxs_ply_header {
     fxs_ply_property property_table[FXS_PLY_MAX_PROPERTIES];
 } fxs_ply_header;
 
-/* *header must be zeroed. */
+/* Reads the header of a .ply file. *header must be zeroed. */
 int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_message *message);
 
 /* Checks the file's size against the element counts. Call directly after fxs_ply_read_header. */
@@ -70,7 +70,7 @@ double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding enco
 /* Reads the next value of a row. Returns 0, or FXS_ERR_FILE with the fault in `bytes`. */
 int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
 
-/* Call before and after the values of a row. In text files, these functions skip blanks and newlines. */
+/* Call before and after the values of a row. In text files, both functions skip blanks and newlines. */
 void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 

@@ -103,7 +103,7 @@ static int is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\r';
 }
 
-/* Reads a number without its newline. At the end of the file the number may be cut short. */
+/* Reads a text number without its newline. At the end of the file the number may be cut short. */
 static int read_ascii_number(fxs_byte_reader *bytes, double *value)
 {
     char text[MAX_NUMBER + 1];

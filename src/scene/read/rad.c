@@ -53,7 +53,7 @@ enum {
 #define RANGED (BIT(R8) | BIT(R8_DELTA) | BIT(LN_0R8))
 #define SIGNED (BIT(S8) | BIT(S8_DELTA))
 
-/* Values are stored dimension by dimension, except for oct88r8. */
+/* A column of a chunk. Values are stored dimension by dimension, except for oct88r8. */
 typedef struct column {
     int is_there, is_compressed, encoding;
     uint64_t offset, stored;
@@ -63,21 +63,21 @@ typedef struct column {
 } column;
 
 typedef struct chunk {
-    const char *name;              /* separate file, or null */
-    uint64_t offset, size;         /* bytes, in the chunk's file */
+    const char *name;              /* name of the chunk's separate file, or null */
+    uint64_t offset, size;         /* position of the chunk in its file, bytes */
 } chunk;
 
 typedef struct rad_reader {
     const fxs_scene_source *source;
     cJSON *root;
     fxs_scene_source beside;
-    size_t count, chunk_size, chunk_count;   /* nodes; nodes per chunk; chunks */
-    size_t codes;                  /* entries of the SH palette */
+    size_t count, chunk_size, chunk_count;   /* nodes in the file; nodes per chunk; chunks */
+    size_t codes;                  /* number of entries of the SH palette */
     int sh_degree, is_tree;
     chunk *chunks;
-    uint8_t *drawn;                /* tree: a bit for each node to draw */
+    uint8_t *drawn;                /* for a tree, a bit for each node to draw */
     size_t at;
-    size_t loaded;                 /* chunk with loaded columns; chunk_count: none */
+    size_t loaded;                 /* chunk with loaded columns; chunk_count: no chunk */
     uint64_t payload;
     column columns[FXS_RAD_PROPERTIES];
 } rad_reader;
@@ -147,7 +147,7 @@ static const char *read_meta(rad_reader *r, const cJSON *root)
     return NULL;
 }
 
-/* Chunks in the opened file follow its header. */
+/* Lists the chunks. Chunks in the opened file follow its header. */
 static int list_chunks(rad_reader *r, uint64_t begin, fxs_message *message)
 {
     const cJSON *item;
@@ -248,7 +248,7 @@ static const char *read_column(column *c, const cJSON *item, int property, uint6
     return NULL;
 }
 
-/* The first chunk holds the SH palette. */
+/* Lists a chunk's columns. The first chunk holds the SH palette. */
 static const char *list_columns(rad_reader *r, const cJSON *root, size_t i, uint64_t payload)
 {
     const cJSON *item;
@@ -366,7 +366,7 @@ static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
     return bits;
 }
 
-/* Logarithmic scales stay logarithmic. */
+/* Decodes a number of a column. Logarithmic scales stay logarithmic. */
 static double value(const column *c, int numbers, int d, size_t row)
 {
     const size_t i = (size_t)d * c->rows + row, stride = (size_t)numbers * c->rows;

@@ -15,7 +15,7 @@ enum {
 
 typedef struct fxs_rad_property {
     const char *name;
-    int numbers;                   /* per Gaussian */
+    int numbers;                   /* numbers per Gaussian */
     unsigned encodings;            /* bit mask of allowed encodings */
 } fxs_rad_property;
 

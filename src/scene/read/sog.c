@@ -1,11 +1,11 @@
 /* Reads .sog versions 1 and 2, as a zip or a folder, and streamed SOG. Formats: PlayCanvas, "The SOG Format" and
    "The Streamed SOG Format". Where PlayCanvas's code differs, the code is followed. Also reads .lcc2 of XGRIDS, a
-   tree of .sog files, like PlayCanvas's splat-transform. */
+   tree of .sog files. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* Recognises a zip, or a JSON file of no other format. */
+/* Recognises a .sog: a zip, or a JSON file of no other format. */
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
     return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
@@ -53,27 +53,27 @@ typedef float table[256];
 
 typedef struct sog_scene {
     const fxs_scene_source *source;
-    fxs_scene_source own;      /* open if the source is another file */
+    fxs_scene_source own;      /* opened if the scene is in another file */
     size_t count;
     int sh_degree, antialiased;
     size_t palette;
     double mins[3], maxs[3];   /* bounds of sign(x) ln(1 + |x|) of the positions */
     table scale[3], colour[4], sh;
-    fxs_text files[IMAGES];    /* encoded images */
+    fxs_text files[IMAGES];    /* encoded images of the scene */
     int widths[IMAGES], heights[IMAGES];
-    uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i */
+    uint8_t *pixels[IMAGES];   /* decoded images as RGBA; Gaussian i is pixel i */
 } sog_scene;
 
-/* Gaussians begin to end - 1 of a file. */
+/* A range of Gaussians in a file: begin to end - 1. */
 typedef struct range {
     size_t file, begin, end;
 } range;
 
-/* `file`: index of the first file with this name. */
+/* A file of streamed SOG. `file`: index of the first file with this name. */
 typedef struct file_name {
     const char *name;
     size_t file;
-    uint64_t device, inode;   /* of a file opened by path; else 0 */
+    uint64_t device, inode;
 } file_name;
 
 #define TO_THE_LAST SIZE_MAX
@@ -81,14 +81,14 @@ typedef struct file_name {
 typedef struct sog_reader {
     const fxs_scene_source *source;
     cJSON *files;
-    cJSON *model;         /* model given for all scenes, or null */
+    cJSON *model;         /* colour model given for all scenes, or null */
     int is_turned;        /* 1: the axes of .lcc2 */
     fxs_transform transform;
     file_name *names;
-    size_t file_count;    /* 1 if not streamed */
+    size_t file_count;
     range *ranges;
     size_t range_count, range_capacity;
-    size_t at, done;      /* current range; Gaussians read from it */
+    size_t at, done;      /* current range, and Gaussians read from that range */
     sog_scene **scenes;   /* loaded scene of each file, or null */
     size_t *held;         /* files with loaded scenes, in the order of loading */
     size_t held_count;
@@ -129,7 +129,7 @@ static int load_file(const container *c, const char *name, fxs_text *text)
                   : load_beside(c->source, name, text, c->message);
 }
 
-/* Version 2: 256 values shared by all tables. Old writers left the first value null. */
+/* Reads a codebook of version 2: 256 values shared by all tables. Old writers left the first value null. */
 static int read_codebook(const cJSON *property, table *tables, int count)
 {
     const cJSON *codebook = member(property, "codebook"), *value;
@@ -148,7 +148,7 @@ static int read_codebook(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Version 1: the first and last value of each table. A single table has numbers instead of arrays. */
+/* Reads the first and last value of each table in version 1. A single table has numbers instead of arrays. */
 static int read_bounds(const cJSON *property, table *tables, int count)
 {
     const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
@@ -178,7 +178,7 @@ static const char *check_version(const cJSON *root)
     return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
 }
 
-/* Applies the model of a scene. "default" or null changes nothing. */
+/* Applies the "model" of a scene. "default" or null changes nothing. */
 static void take_model(sog_scene *s, const char *model)
 {
     s->antialiased |= model && strcmp(model, "antialiased") == 0;
@@ -203,7 +203,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
     take_model(s, fxs_json_string(root, "model"));
-    for (int code = 0; code < 256; code++)   /* version 1 replaces these values */
+    for (int code = 0; code < 256; code++)   /* version 1 replaces these opacities */
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
         return "no valid values of \"sh0\"";
@@ -222,7 +222,7 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* In version 1, the palette's width gives the SH degree. In version 2, the degree is stated. */
+/* Checks the palette's size. In version 1, the palette's width gives the SH degree. */
 static const char *check_palette(sog_scene *s, int width, size_t pixels)
 {
     int degree = s->sh_degree ? s->sh_degree : 1;
@@ -265,7 +265,7 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
-/* Two images must not share a file. names: file names of the earlier images. */
+/* Loads an image. Two images must not share a file. */
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
@@ -336,7 +336,7 @@ static int load_meta(sog_scene *s, const container *c)
     const char *fault = root ? read_meta(s, root) : NULL;
     if (fault)
         status = fxs_fail(c->message, "%s: %s", c->source->path, fault);
-    if (status == 0 && c->zip)   /* for a folder, sizes are known only after loading */
+    if (status == 0 && c->zip)
         status = fxs_limit_gaussians(c->source, s->count, c->message);
     if (status == 0)
         status = load_images(s, c, root);
@@ -368,7 +368,7 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
 {
     const uint8_t *code = s->pixels[LABELS] + 4 * index;
     size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
-    if (label >= s->palette)   /* SH 0, as in PlayCanvas's reader */
+    if (label >= s->palette)   /* SH is 0, as in PlayCanvas's reader */
         return;
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -566,7 +566,7 @@ static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky,
     return 0;
 }
 
-/* In older files, names begin with a slash and lack the ending. */
+/* Adds a file name. In older files, names begin with a slash and lack the ending. */
 static int add_lcc2_name(sog_reader *r, const char *name, int is_old, fxs_message *message)
 {
     name = name ? name : "";
@@ -593,10 +593,10 @@ static int add_lcc2_names(sog_reader *r, const cJSON *names, int is_old, fxs_mes
     return 0;
 }
 
-/* A node's level plus its depth below the root is "totalLevels". */
+/* Reads a .lcc2 index. A node's level plus its depth below the root is "totalLevels". */
 static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
-    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* rotation from z up to y down */
     const cJSON *tree = member(root, "root");
     const int is_old = !member(root, "totalLevels"), level = r->source->options.level;
     const char *type = fxs_json_string(root, "splatType");
@@ -616,7 +616,7 @@ static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info
     FXS_TRY(list_names(r, message));
     if (r->range_count > 0)
         qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
-    size_t kept = 0;                   /* keeps each file once */
+    size_t kept = 0;
     for (size_t i = 0; i < r->range_count; i++)
         if (!kept || r->ranges[kept - 1].file != r->ranges[i].file)
             r->ranges[kept++] = r->ranges[i];
@@ -670,7 +670,7 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
 static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
     if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)
-        return 0;                  /* already checked, or without an inode */
+        return 0;
     for (size_t i = 0; i < r->file_count && s->own.inode; i++)
         if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
             return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
@@ -723,7 +723,6 @@ static int add_scene(sog_reader *r, size_t file, fxs_message *message)
     return result;
 }
 
-/* The scene's file may have changed since the last load. */
 static int open_range(sog_reader *r, range *of, fxs_message *message)
 {
     if (!r->scenes[of->file])

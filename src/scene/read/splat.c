@@ -31,7 +31,7 @@ static int is_plausible(const uint8_t *record)
     return 1;
 }
 
-/* A .splat has no magic number, so the first records must be plausible. */
+/* Recognises a .splat by plausible first records, because the format has no magic number. */
 static int is_splat(const fxs_head *head, fxs_message *message)
 {
     const fxs_scene_source *source = head->source;

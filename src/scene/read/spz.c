@@ -19,7 +19,7 @@
 #define COORDINATE_SYSTEM 0xadbe0003u
 
 enum {
-    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* bytes, in versions 1 to 3, and in version 4 */
+    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* bytes of the header in versions 1 to 3, and in version 4 */
     MAX_FRACTIONAL_BITS = 24,
     MAX_EXTENSIONS = 1 << 16
 };
@@ -28,7 +28,7 @@ enum {
 
 enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };
 
-enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* 1 + R + 2 U + 4 F, with 1 for right, up, front */
+enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F, with 1 for right, up, front */
 
 const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
 
@@ -40,12 +40,12 @@ struct fxs_spz {
     int sh_degree, fractional_bits, flags;
     enum fxs_axes axes;
     int is_gzip;
-    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1: from the file's axes to the requested axes */
+    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1: sign changes from the file's axes to the requested axes */
     uint8_t stride[FXS_SPZ_ARRAYS];
-    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* null before the first read */
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* decompressed data; null before the first read */
     uint64_t payload_size;
     uint32_t contents;                              /* version 4: offset of the table of contents */
-    uint64_t compressed[FXS_SPZ_ARRAYS];            /* version 4: compressed sizes */
+    uint64_t compressed[FXS_SPZ_ARRAYS];            /* version 4: compressed sizes of the arrays */
     uint32_t next;
 };
 
@@ -107,7 +107,7 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
     return 0;
 }
 
-/* Values above 8 exchange y and z, but versions of the reference library disagree on how. */
+/* Sets the axes. Values above 8 exchange y and z, but versions of the reference library disagree on how. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
     const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
@@ -128,7 +128,7 @@ static int set_axes(fxs_spz *spz, uint32_t system)
     return 0;
 }
 
-/* Extensions are records of type, length, payload. */
+/* Parses extensions of an .spz: records of type, length, payload. */
 static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 {
     uint32_t system = RUB;
@@ -207,7 +207,7 @@ static int refill(gzip *g)
     return 0;
 }
 
-/* Inflates in pieces that fit zlib's counters. *status: zlib's last status. */
+/* Inflates in pieces, because zlib counts bytes in 32 bits. *status: zlib's last status. */
 static int inflate_some(gzip *g, int *status, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
@@ -258,7 +258,7 @@ static int inflate_header(fxs_spz *spz, gzip *g)
 static int inflate_payload(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
-    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* detects a longer stream */
+    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;
     uint64_t wanted = payload_bytes(spz);
     FXS_TRY(inflate_start(spz, g, header));
     FXS_TRY(allocate_payload(spz, extra));
@@ -469,7 +469,7 @@ static float position(const fxs_spz *spz, const uint8_t *bytes)
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }
 
-/* Decodes x, y, z of 8 bits each. Uses doubles, because 1 minus the squares may be small. */
+/* Decodes a quaternion from x, y, z of 8 bits each. Uses doubles, because 1 minus the squares may be small. */
 static void decode_first_three(double q[4], const uint8_t *bytes)
 {
     double rest = 1;

@@ -9,15 +9,15 @@
 #define FXS_SPZ_MAGIC 0x5053474eu
 enum { FXS_SPZ_MAX_COUNT = 1 << 30 };
 
-/* Arrays of the payload, in file order. */
+/* Arrays of an .spz, in file order. */
 enum {
     FXS_SPZ_POSITION, FXS_SPZ_ALPHA, FXS_SPZ_COLOUR, FXS_SPZ_SCALE, FXS_SPZ_ROTATION, FXS_SPZ_SH, FXS_SPZ_ARRAYS
 };
 
-/* Bytes per Gaussian in each array. */
+/* Computes the bytes per Gaussian of each array in an .spz. */
 void fxs_spz_strides(uint8_t stride[FXS_SPZ_ARRAYS], uint32_t version, int sh_degree);
 
-/* SH of degrees 1 to 3: bits 0, 1, 2 are set if the function is odd in x, y, z. */
+/* For SH of degrees 1 to 3, bits 0, 1, 2 are set if the function is odd in x, y, z. */
 extern const uint8_t fxs_spz_odd_in[15];
 
 typedef struct fxs_spz fxs_spz;

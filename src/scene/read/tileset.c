@@ -17,21 +17,21 @@
 enum {
     MAX_CONTENTS = 16384,
     MAX_NESTING = 16,
-    MOST_OPEN = 32             /* open contents; others are reopened in each pass */
+    MOST_OPEN = 32             /* maximum number of open contents */
 };
 
-static const double GLOBE = 1e6;   /* metres from the origin; farther tiles lie on the globe */
+static const double GLOBE = 1e6;   /* distance from the origin beyond which tiles lie on the globe, metres */
 
 typedef struct matrix {
-    double m[3][4];            /* the last row is 0 0 0 1 */
+    double m[3][4];            /* matrix without the last row 0 0 0 1 */
 } matrix;
 
 typedef struct content {
-    char *name;                /* relative to the first tileset */
+    char *name;                /* path relative to the first tileset's folder */
     matrix up, tile;           /* up: from the content's axes to the tile's; tile: from there to the tileset's, z up */
     int nesting, is_tileset;
-    size_t parent;             /* 1 + index of the tileset that names it; 0: the first tileset */
-    uint64_t device, inode;    /* of a file opened by path; else 0 */
+    size_t parent;             /* 1 + index of the tileset that names this content; 0: the first tileset */
+    uint64_t device, inode;
     uint64_t count;
     fxs_scene_source source;
     void *reader;
@@ -42,13 +42,13 @@ typedef struct tileset {
     fxs_message *message;
     content *contents;
     size_t count, capacity;
-    uint64_t repeated;         /* bytes of repeated contents */
+    uint64_t repeated;         /* total bytes of repeated contents */
     int is_on_globe;
     matrix globe;              /* frame of the first tile on the globe */
     matrix frame;              /* from the tileset's axes to the Gaussians' axes */
     size_t open;
     size_t at;
-    int is_entered;            /* 1: the content at `at` is open and rewound */
+    int is_entered;            /* 1: the content being read is open and rewound */
 } tileset;
 
 typedef struct index_file {
@@ -57,7 +57,7 @@ typedef struct index_file {
     const char *name;
     int nesting;
     size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
-    matrix up;                 /* from contents' axes to tiles' axes */
+    matrix up;                 /* rotation from contents' axes to tiles' axes */
 } index_file;
 
 static int fail(const tileset *t, const char *path, const char *fault)
@@ -122,7 +122,7 @@ static int grow(tileset *t)
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
-    uri = uri ? uri : fxs_json_string(item, "url");   /* name before version 1.0 */
+    uri = uri ? uri : fxs_json_string(item, "url");   /* name of "uri" before version 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
     FXS_TRY(grow(t));
@@ -158,7 +158,7 @@ static int add_contents(tileset *t, const index_file *from, const cJSON *tile, c
     return found;
 }
 
-/* Matrices in the file are column-major. */
+/* Transforms of tiles in the file are column-major. */
 static int read_transform(const tileset *t, const index_file *from, const cJSON *tile, matrix *out)
 {
     double m[16];
@@ -172,7 +172,7 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* Returns 1 for REPLACE, 0 for ADD, by default the parent's value; or an error and a message. */
+/* Returns a tile's refinement: 1 for REPLACE, 0 for ADD, by default the parent's value; or an error and a message. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -183,8 +183,8 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* Adds the contents to draw. Returns 1, or 0 if none were added, or an error and a message. cJSON limits the
-   recursion depth. */
+/* Adds the contents to draw from a tile and its children. Returns 1, or 0 if none were added, or an error and a
+   message. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
     const cJSON *children = member(tile, "children"), *child;
@@ -213,7 +213,7 @@ static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const
     return here < 0 ? here : found | here;
 }
 
-/* Contents are y up, unless the asset states another axis. */
+/* Contents are y up, unless the tileset states another axis. */
 static int read_asset(const tileset *t, index_file *from, const cJSON *root)
 {
     static const matrix from_y = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
@@ -242,7 +242,7 @@ static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *sour
     return result < 0 ? result : 0;
 }
 
-/* Through links, a file can have several names. */
+/* Returns 1 if two contents are the same file, possibly through links. */
 static int is_same(const content *a, const content *b)
 {
     return a->inode ? a->inode == b->inode && a->device == b->device : fxs_compare_names(a->name, b->name) == 0;
@@ -296,7 +296,7 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     return list_tiles(t, &from, source, &above);
 }
 
-/* Visits all contents, including those added during the loop. */
+/* Visits all contents, including contents added during the loop. */
 static int list_all(tileset *t)
 {
     index_file from = {t->source->path, 0, NULL, 0, 0, identity};
@@ -304,7 +304,7 @@ static int list_all(tileset *t)
     for (size_t i = 0; i < t->count && result == 0; i++) {
         fxs_scene_source source;
         result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
-        if (result == 0) {             /* the name may have changed, but not its length */
+        if (result == 0) {             /* links may change the name, but not its length */
             strcpy(t->contents[i].name, source.path + strlen(source.path) - strlen(t->contents[i].name));
             result = check_identity(t, i, &source);
         }
@@ -326,7 +326,7 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* Frees decompressed data, then closes open contents, last first. Data being read is kept. */
+/* Frees decompressed data, then closes open contents. Data being read is kept. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;
@@ -419,7 +419,7 @@ static int describe_content(tileset *t, fxs_scene_file_info *info)
 
 static int describe(tileset *t, fxs_scene_file_info *info)
 {
-    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};   /* z up to y down */
+    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};   /* rotation from z up to y down */
     matrix back = identity;
     if (t->is_on_globe && invert(&back, &t->globe))
         return fail(t, t->source->path, "the transform of a tile has no inverse");

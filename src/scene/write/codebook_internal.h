@@ -13,8 +13,8 @@ int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count, doub
 uint8_t fxs_book_find(const float book[FXS_BOOK], float value);
 
 #define FXS_SH_PALETTE_MOST 65536u
-#define FXS_SH_PALETTE_STRIDE 48     /* SH coefficients in the order of fxs_gaussian, then padding */
-#define FXS_SH_PALETTE_ONE 512       /* coefficients are multiples of 1/512, within +-8 */
+#define FXS_SH_PALETTE_STRIDE 48     /* SH coefficients of a vector in the order of fxs_gaussian, then padding */
+#define FXS_SH_PALETTE_ONE 512       /* SH coefficients are multiples of 1/512, within +-8 */
 
 typedef int16_t fxs_sh_palette_vector[FXS_SH_PALETTE_STRIDE];
 

@@ -9,7 +9,7 @@
 
 enum {
     BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP,
-    CELLS = 32,                    /* each part of the range with values gets at least one entry */
+    CELLS = 32,                    /* parts of the range that get at least one entry if used */
     BOOK_ROUNDS = 30
 };
 
@@ -48,8 +48,7 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
         book[at] = book[at - 1];
 }
 
-/* Density of entries: the cube root of the weights, optimal for many entries (Panter and Dite 1951). A cell with
-   values gets at least one entry. */
+/* Density of codebook entries: the cube root of the weights, optimal for many entries (Panter and Dite 1951). */
 static double find_densities(double densities[GROUPS], const bin *bins)
 {
     enum { CELL = GROUPS / CELLS };
@@ -87,8 +86,8 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
         book[at] = (float)high;
 }
 
-/* Moves each entry to the weighted mean of its nearest values. Values below an entry count with the entry's
-   weight, because reading returns the entry. */
+/* Moves each codebook entry to the weighted mean of its nearest values. Values below an entry count with the
+   entry's weight, because reading returns the entry. */
 static void improve_book(float book[FXS_BOOK], const bin *bins, double power)
 {
     struct { double sum, weight, own; } sums[FXS_BOOK];
@@ -147,7 +146,7 @@ uint8_t fxs_book_find(const float book[FXS_BOOK], float value)
 
 enum {
     WIDTH = FXS_SH_PALETTE_STRIDE,
-    SAMPLE = 16384,                /* approximate number of vectors for coarse clusters */
+    SAMPLE = 16384,                /* vectors for learning coarse clusters, approximately */
     COARSE_ROUNDS = 8, FINE_ROUNDS = 5
 };
 
@@ -189,7 +188,7 @@ static int16_t mean_of(int64_t sum, int64_t count)
     return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
 }
 
-/* Moves entries to the means of their vectors. An entry without vectors stays. */
+/* Moves codebook entries to the means of their vectors. An entry without vectors stays. */
 static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
 {
     memset(sums, 0, c->entries * sizeof *sums);
@@ -204,7 +203,7 @@ static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
             c->means[e][d] = mean_of(sums[e][d], sums[e][WIDTH]);
 }
 
-/* Starts from evenly spaced members, because neighbours are together. */
+/* Learns a cluster's means from evenly spaced members, because neighbours are together. */
 static int learn(const cluster *c, int rounds)
 {
     int64_t (*sums)[WIDTH + 1] = malloc(c->entries * sizeof *sums);
@@ -238,7 +237,8 @@ typedef struct work {
     void *argument;
 } work;
 
-/* Divides the vectors into 2^(n / 2) clusters for 2^n entries. Returns the number of clusters; 0: out of memory. */
+/* Divides vectors into 2^(n / 2) clusters for 2^n codebook entries. Returns the number of clusters; 0: out of
+   memory. */
 static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
 {
     const uint32_t step = count / SAMPLE + 1;
@@ -270,7 +270,7 @@ static void sort_members(work *w, uint32_t coarse, uint32_t count)
         w->members[next[w->nearest[i]]++] = i;
 }
 
-/* Gives each coarse cluster an entry, and shares out the rest in proportion to its members. */
+/* Gives each coarse cluster an entry of the palette, and shares out the rest in proportion to its members. */
 static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
                      const fxs_sh_palette_vector *vectors, uint32_t count)
 {

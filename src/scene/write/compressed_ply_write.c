@@ -9,7 +9,7 @@
 
 enum { CHUNK = 256, BOUNDS = 18, CHUNK_BYTES = 4 * BOUNDS, WORDS_BYTES = 16 };
 
-/* Bounds of position, ln(sigma), and colour 0.5 + SH_0 dc. */
+/* Bounds of position, ln(sigma), and colour 0.5 + SH_0 dc of 256 Gaussians. */
 typedef struct chunk {
     float low[9], high[9];
 } chunk;
@@ -80,7 +80,7 @@ static void encode_words(const chunk *c, const fxs_held_gaussian *g, uint8_t *to
     fxs_put_u32(to, colour);
 }
 
-/* value = 8 ((code + 0.5) / 256 - 0.5), a channel after the other */
+/* SH value = 8 ((code + 0.5) / 256 - 0.5), a channel after the other */
 static void encode_sh(const int16_t *sh, uint32_t coefficients, uint8_t *to)
 {
     for (uint32_t c = 0; c < 3; c++)

@@ -12,8 +12,8 @@ typedef struct fxs_level {
     fxs_held_gaussian *gaussians;  /* gaussians and sh are null for level 0 */
     int16_t *sh;
     uint32_t *into;                /* for each Gaussian of the previous level, the merged Gaussian */
-    uint32_t *begins;              /* start of each set, and the end; null for level 0 */
-    double *errors;                /* merging error of each set, colours^2 units^2; null for level 0 */
+    uint32_t *begins;              /* start of each set of Gaussians, and the end */
+    double *errors;                /* merging error of each set, colours^2 units^2 */
     uint32_t count, sets;
 } fxs_level;
 
@@ -24,7 +24,7 @@ typedef struct fxs_levels {
 } fxs_levels;
 
 /* Adds up to `most` levels, until a level has a single Gaussian. Returns 1, or 0 if memory ran out or `progress`
-   returned 0. Free with fxs_levels_free in either case. */
+   returned 0. */
 int fxs_levels_make(fxs_levels *levels, const fxs_held *held, uint32_t most,
                     int (*progress)(void *argument, double done), void *argument);
 void fxs_levels_free(fxs_levels *levels);
@@ -32,7 +32,7 @@ void fxs_levels_free(fxs_levels *levels);
 const fxs_held_gaussian *fxs_level_gaussian(const fxs_levels *levels, uint32_t level, uint32_t i);
 const int16_t *fxs_level_sh(const fxs_levels *levels, uint32_t level, uint32_t i);
 
-/* Returns the first Gaussian of a set. Beyond the last set, returns the end. */
+/* Returns the first Gaussian of a set, or the end beyond the last set. */
 uint32_t fxs_level_begin(const fxs_levels *levels, uint32_t level, uint32_t set);
 
 #endif

@@ -16,18 +16,18 @@
 
 enum {
     ROOT_BATCH = 65536, BATCH = 32768,
-    MANY = 64,                           /* an inner node with this many children always stays */
+    MANY = 64,                           /* an inner node with this many children always stays in the tree */
     COLOURS = 48
 };
 
 #define NONE UINT32_MAX
-#define WORTH 1.75                 /* ratio of an inner node's weight to the heaviest node below */
+#define WORTH 1.75                 /* minimum ratio of an inner node's weight to the heaviest node below */
 #define LEAST_OPACITY 1e-6
 #define MOST_OPACITY 1000.0
 
 typedef struct moments {
     double weight;                 /* opacity times area */
-    double mean[3], covariance[6]; /* xx, yy, zz, xy, xz, yz */
+    double mean[3], covariance[6];
 } moments;
 
 typedef struct sums {
@@ -40,7 +40,7 @@ typedef struct builder {
     fxs_held *held;
     fxs_levels levels;
     uint32_t nodes;
-    uint32_t *parents;             /* NONE: the root */
+    uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
     float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, as in Spark */
     uint32_t *reps;                /* node of each Gaussian of the current level */
@@ -53,7 +53,7 @@ double fxs_rad_dilation(double opacity)
     return opacity > 1 ? sqrt(1 + FXS_RAD_E * fxs_log(opacity)) : 1;
 }
 
-/* Computes mean and covariance. Returns the area that weights use. */
+/* Computes mean and covariance of a Gaussian. Returns the area that weights use. */
 static double measure(moments *m, const fxs_held_gaussian *held)
 {
     fxs_gaussian g;
@@ -84,7 +84,7 @@ static int are_finite(const moments *m)
     return finite;
 }
 
-/* Adds an inner node. If its moments exceed floats, the node copies its last member. */
+/* Adds an inner node to the tree. If its moments exceed floats, the node copies its last member. */
 static uint32_t add_node(builder *b, const sums *s)
 {
     fxs_held *h = b->held;
@@ -174,7 +174,7 @@ static void add_covariance(const builder *b, sums *s, uint32_t member)
         s->all.covariance[k] += share * (m->covariance[k] + products[k]);
 }
 
-/* Makes the nodes for Gaussians `first` to `last` - 1 of a level from `begin` to `end` - 1 of the previous level. */
+/* Makes the tree nodes of Gaussians `first` to `last` - 1 of a level. */
 static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t end, uint32_t first, uint32_t last)
 {
     memset(b->sums, 0, (last - first) * sizeof *b->sums);
@@ -188,13 +188,13 @@ static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t 
         add_mean(b, &b->sums[into[i] - first], i);
     for (uint32_t i = begin; i < end; i++)
         add_covariance(b, &b->sums[into[i] - first], i);
-    for (uint32_t j = 0; j < last - first; j++)      /* a single member keeps its node */
+    for (uint32_t j = 0; j < last - first; j++)      /* a set with a single member keeps that member's node */
         if (b->sums[j].members > 1)
             b->sums[j].last = add_node(b, &b->sums[j]);
     for (uint32_t i = begin; i < end; i++)
         if (b->sums[into[i] - first].members > 1)
             b->parents[b->reps[i]] = b->sums[into[i] - first].last;
-    for (uint32_t j = 0; j < last - first; j++) {    /* overwrites entries of this set or earlier sets only */
+    for (uint32_t j = 0; j < last - first; j++) {    /* overwrites entries of earlier sets only */
         b->reps[first + j] = b->sums[j].last;
         b->moments[first + j] = b->sums[j].all;
     }
@@ -213,14 +213,13 @@ static void make_nodes(builder *b)
     }
 }
 
-/* A node that is left out is its own parent. */
+/* Returns 1 for a node that is left out of the tree, which is its own parent. */
 static int is_left_out(const builder *b, uint32_t node)
 {
     return b->parents[node] == node;
 }
 
-/* Leaves out nodes hardly larger than their descendants, whose parents are then higher nodes. Children have
-   smaller numbers than parents. */
+/* Leaves out nodes hardly larger than their descendants. Children have smaller numbers than parents. */
 static int thin_out(builder *b)
 {
     const uint32_t leaves = b->held->count;
@@ -242,7 +241,7 @@ static int thin_out(builder *b)
         }
         above[i] = stays ? i : NONE;
     }
-    for (uint32_t i = b->nodes; i-- > 0 && made;) {            /* parents first */
+    for (uint32_t i = b->nodes; i-- > 0 && made;) {            /* parents before their children */
         const uint32_t parent = b->parents[i];
         if (above[i] == NONE)
             above[i] = above[parent];
@@ -270,7 +269,7 @@ static void list_children(builder *b)
             b->children[b->firsts[b->parents[i] + 1]++] = i;
 }
 
-/* Queue of nodes with unplaced children. Each batch is a region. */
+/* Queue of tree nodes with children to be placed in the file. Each batch is a region. */
 typedef struct queue {
     uint32_t *nodes;
     size_t count, room, at;
@@ -332,7 +331,8 @@ static int add_batch(queue *q, const uint32_t *nodes, size_t count)
     return 1;
 }
 
-/* Places the children of the largest nodes until a batch is full. Returns the number of nodes left in the heap. */
+/* Places the children of the largest nodes in the file until a batch is full. Returns the number of nodes left in
+   the heap. */
 static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, size_t count, uint32_t *places,
                              uint32_t end)
 {
@@ -360,7 +360,7 @@ static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, 
     return count;
 }
 
-/* Returns the octant of a node in the box of all nodes. In a long box, returns its half along the longest side. */
+/* Returns a node's octant in the box of all nodes. In a long box, returns its half along the longest side. */
 static int region_of(const builder *b, uint32_t node, const float low[3], const float high[3])
 {
     const float *at = b->held->gaussians[node].position;

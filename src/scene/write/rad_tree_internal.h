@@ -4,17 +4,17 @@
 
 #include "scene_write_internal.h"
 
-/* Nodes in file order, root first. */
+/* Tree nodes in file order, root first. */
 typedef struct fxs_rad_tree {
     uint32_t count;
     uint32_t *order;               /* index of each node in the arrays of `held` */
-    uint32_t *child_starts;        /* position of the first child; siblings follow; 0: no children */
+    uint32_t *child_starts;        /* position of a node's first child; siblings follow; 0: no children */
     uint16_t *child_counts;
 } fxs_rad_tree;
 
-/* Makes the tree of at least one ordered Gaussian in `held`. Appends the inner nodes to the arrays of `held` and
-   leaves its count unchanged. An inner node's opacity may exceed 1. Returns 1, or 0 if memory ran out or
-   `progress` returned 0. Free with fxs_rad_tree_free in either case. */
+/* Makes the tree of the ordered Gaussians in `held`. Appends the inner nodes to the arrays of `held` and leaves
+   its count unchanged. An inner node's opacity may exceed 1. Returns 1, or 0 if memory ran out or `progress`
+   returned 0. Free with fxs_rad_tree_free in either case. */
 int fxs_rad_tree_make(fxs_rad_tree *tree, fxs_held *held, int (*progress)(void *argument, double done), void *argument);
 void fxs_rad_tree_free(fxs_rad_tree *tree);
 

@@ -22,7 +22,7 @@
 
 enum {
     CHUNK = 65536,
-    SAMPLES = 65536,               /* Gaussians sampled to choose ranges */
+    SAMPLES = 65536,               /* number of Gaussians sampled to choose ranges */
     PRECISION = 9
 };
 
@@ -106,7 +106,7 @@ static int pad(rad_writer *w, bytes *b)
     return add(w, b, zeros, (8 - b->size % 8) % 8);
 }
 
-/* An opacity above 1 gets a code from 1 to 2. */
+/* Codes an opacity. Opacities above 1 get codes from 1 to 2. */
 static double code_of_opacity(double opacity)
 {
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
@@ -126,7 +126,7 @@ static double value_of(const rad_writer *w, int property, uint32_t place, int d)
         return fxs_colour_of_dc((double)g->dc[d]);
     case FXS_RAD_SCALES:
         return (double)g->scale[d];
-    case FXS_RAD_ORIENTATION:              /* x y z for w >= 0 */
+    case FXS_RAD_ORIENTATION:              /* x y z of a rotation with w >= 0 */
         return (double)(g->rotation[0] < 0 ? -g->rotation[1 + d] : g->rotation[1 + d]);
     case FXS_RAD_CHILD_COUNT:
         return w->tree.child_counts[place];
@@ -146,7 +146,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Finds the quantiles `share` and 1 - `share` of a property in a sample. */
+/* Finds two quantiles of a property in a sample. */
 static int find_range(rad_writer *w, int property, double share, float range[2])
 {
     const uint32_t all = w->tree.count, step = all / SAMPLES + 1;
@@ -165,7 +165,7 @@ static int find_range(rad_writer *w, int property, double share, float range[2])
     return 1;
 }
 
-/* The usual ranges are exceeded only if 1 % of the values lie beyond them (SH: 5 %). */
+/* Chooses the ranges of 8-bit codes. The usual ranges are exceeded only if 1 % of the values lie beyond (SH: 5 %). */
 static int find_ranges(rad_writer *w)
 {
     float range[2];

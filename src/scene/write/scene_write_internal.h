@@ -16,10 +16,10 @@ typedef struct fxs_held_gaussian {
 typedef struct fxs_held {
     fxs_output output;
     fxs_held_gaussian *gaussians;
-    int16_t *sh;                   /* `coefficients` values per Gaussian, in the order of fxs_gaussian */
-    uint32_t *order;               /* Gaussians in spatial order, or null */
+    int16_t *sh;                   /* SH coefficients in the order of fxs_gaussian */
+    uint32_t *order;               /* indices of the Gaussians in spatial order, or null */
     uint32_t count, next;
-    uint32_t coefficients;         /* SH coefficients of all channels */
+    uint32_t coefficients;
 } fxs_held;
 
 /* Convert a Gaussian to the held form and back. */
@@ -36,7 +36,7 @@ int fxs_held_order(fxs_held *held);
 
 int fxs_held_close(fxs_held *held, fxs_message *message);
 
-/* Write little-endian numbers and return the end. */
+/* Write little-endian numbers and return the end of the buffer. */
 uint8_t *fxs_put_u32(uint8_t *to, uint32_t value);
 uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n);
 
@@ -46,8 +46,8 @@ uint32_t fxs_code_half(double x);
 /* Rounds to the nearest integer in 0 to `most`; NaN: 0. */
 uint32_t fxs_code_within(double x, uint32_t most);
 
-/* Codes the three smallest components of a rotation w, x, y, z. Codes 0 to `most` are -1/sqrt(2) to 1/sqrt(2),
-   with signs that make the largest component positive. Returns the index of the largest component. */
+/* Codes the three smallest components of a rotation w, x, y, z. Codes 0 to `most` are -1/sqrt(2) to 1/sqrt(2).
+   Signs make the largest component positive. Returns the index of the largest component. */
 uint32_t fxs_code_rotation(const float rotation[4], uint32_t most, uint32_t codes[3]);
 
 #endif

@@ -12,7 +12,7 @@ extern const char *const fxs_sog_names[FXS_SOG_FILES];
 /* Maximum number of Gaussians: the pixels of the largest image. */
 #define FXS_SOG_MOST ((uint32_t)FXS_SOG_SIDE / 4 * 4 * FXS_SOG_SIDE)
 
-/* Gaussians in file order. Neighbours together improve WebP and the palette. */
+/* Gaussians in the order of the file. Neighbours together improve WebP and the palette. */
 typedef struct fxs_sog_source {
     const fxs_held_gaussian **gaussians;
     const int16_t **sh;
@@ -22,8 +22,8 @@ typedef struct fxs_sog_source {
 
 typedef struct fxs_sog fxs_sog;
 
-/* Makes the files in memory. *error: 0, ENOMEM, or ECANCELED. Free the result, which may be null after an error,
-   with fxs_sog_free. */
+/* Makes the files in memory, to be freed by fxs_sog_free. *error: 0, ENOMEM, or ECANCELED. The result may be null
+   after an error. */
 fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error);
 uint32_t fxs_sog_files(const fxs_sog *sog, fxs_zip_entry files[FXS_SOG_FILES]);
 void fxs_sog_free(fxs_sog *sog);

@@ -20,7 +20,7 @@ enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES, JSO
 enum {
     PALETTE_ROW = 64,                    /* palette entries per row of pixels */
     SH_RATIO = FXS_HELD_SH_ONE / FXS_SH_PALETTE_ONE,
-    EFFORT = 4                           /* 0 to 9 in libwebp */
+    EFFORT = 4                           /* effort of libwebp, 0 to 9 */
 };
 
 /* Weights ln(sigma) by sigma^1.25. With equal weights, the few largest Gaussians share an entry. With weights by
@@ -65,7 +65,7 @@ static int advance(fxs_sog *w, double done)
     return !w->error;
 }
 
-/* sign(x) ln(1 + |x|) */
+/* coded position: sign(x) ln(1 + |x|) */
 static double coded_position(float x)
 {
     return copysign(fxs_log(1 + fabs(x)), x);
@@ -151,7 +151,7 @@ static int make_image(fxs_sog *w, int which, uint32_t width, uint32_t height)
     return m->pixels ? 1 : no_memory(w);
 }
 
-/* Image size: nearly square, whole blocks of 4x4. */
+/* The images are nearly square and consist of 4x4 blocks. */
 static int make_images(fxs_sog *w)
 {
     uint32_t side = 4;
@@ -189,7 +189,7 @@ static void encode(fxs_sog *w, const fxs_held_gaussian *g, size_t i)
         at[LABELS][k] = (uint8_t)(w->labels[i] >> 8 * k);
 }
 
-/* A palette row has 64 entries. An entry is a pixel per coefficient, with a channel in each of r, g, b. */
+/* A row of the palette has 64 entries. An entry is a pixel per coefficient, with a channel in each of r, g, b. */
 static void encode_palette(fxs_sog *w)
 {
     const uint32_t coefficients = w->from->coefficients / 3;
@@ -201,7 +201,7 @@ static void encode_palette(fxs_sog *w)
         }
 }
 
-/* Compresses an image and frees its pixels. Colours stay where alpha is 0. */
+/* Compresses an image and frees its pixels. Colours are kept where alpha is 0. */
 static int compress(fxs_sog *w, image *m)
 {
     WebPConfig config;

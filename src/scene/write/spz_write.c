@@ -30,7 +30,7 @@ typedef struct spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased, fine;
     uint32_t count, next;
-    uint32_t fitting[MAX_BITS + 2];   /* positions by fractional bits that fit, plus 1; [0]: none fits */
+    uint32_t fitting[MAX_BITS + 2];   /* number of positions by fractional bits that fit, plus 1; [0]: none fits */
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
@@ -113,7 +113,7 @@ static void put_u32(uint8_t *to, uint32_t value)
         to[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* Codes x, y, z, w without the largest component, with signs that make the largest positive. */
+/* Codes a quaternion x, y, z, w without the largest component, with signs that make the largest positive. */
 static uint32_t code_rotation(const double q[4])
 {
     double norm = 0;
@@ -148,7 +148,7 @@ static double scale_code(const fxs_gaussian *g, int axis)
     return (g->scale[axis] + 10.0) * 16;
 }
 
-/* Returns the most fractional bits for a position; -1: none fits. */
+/* Returns the most fractional bits that fit a position; -1: none fits. */
 static int bits_for(const float position[3])
 {
     const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
@@ -178,7 +178,7 @@ static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
     at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + fxs_exp(-(double)g->opacity)));
     put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
     for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
-        int odd = fxs_spz_odd_in[i / 3] & 6;   /* odd in y, odd in z: each flips the sign */
+        int odd = fxs_spz_odd_in[i / 3] & 6;   /* SH odd in y, odd in z: each flips the sign */
         double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
         sh |= is_beyond(x);
         const int step = w->fine ? 1 : i < 9 ? 8 : 16;
@@ -279,7 +279,7 @@ static int deflate_bytes(spz_writer *w, z_stream *stream, const uint8_t *bytes, 
     do {
         stream->next_out = out;
         stream->avail_out = sizeof out;
-        deflate(stream, flush);   /* cannot fail: the output has room */
+        deflate(stream, flush);   /* deflate cannot fail, because the output has room */
         FXS_TRY(fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message));
     } while (stream->avail_out == 0);
     return 0;
@@ -347,7 +347,7 @@ static void write_arrays(spz_writer *w, ZSTD_CStream *stream, uint8_t *head, siz
         fxs_output_write(&w->output, out->dst, out->pos, message);
 }
 
-/* Compresses before writing, because the table of contents comes first and the output may be a pipe. */
+/* Compresses all data before writing, because the table of contents comes first and the output may be a pipe. */
 static void write_zstd(spz_writer *w, fxs_message *message)
 {
     uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0};

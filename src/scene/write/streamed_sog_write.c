@@ -17,15 +17,15 @@
 #include "src/pack/coarsen.h"
 
 enum {
-    LEAF_SETS = 64,                /* 16,384 Gaussians */
-    MOST_LEVELS = 7,               /* in the last level, a leaf has one set */
-    FILE_GAUSSIANS = 1 << 18,      /* limit for a file; a single leaf may exceed it */
+    LEAF_SETS = 64,                /* sets of 256 Gaussians in a leaf */
+    MOST_LEVELS = 7,               /* in the last level, a leaf is a single set of Gaussians */
+    FILE_GAUSSIANS = 1 << 18,      /* Gaussians per file; a single leaf may have more */
     PRECISION = 7
 };
 
 #define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of G^2 over a plane per area of a fxs_coarse */
 
-/* A file: leaves `first` to `last` - 1 of a level. */
+/* A file of the streamed scene: leaves `first` to `last` - 1 of a level. */
 typedef struct part {
     uint32_t level, number, first, last;
 } part;
@@ -37,7 +37,7 @@ typedef struct streamed_writer {
     fxs_levels levels;
     uint32_t leaves, part_count, parts_made;
     part *parts;
-    float (*bounds)[2][3];         /* box of each leaf, with ellipsoids of one sigma */
+    float (*bounds)[2][3];         /* bounding box of each leaf, with ellipsoids of one sigma */
     fxs_progress_fn *progress;
     void *argument;
 } streamed_writer;
@@ -76,7 +76,7 @@ static int advance(void *writer, double done)
     return !w->held.output.error;
 }
 
-/* Returns the first Gaussian of a leaf in a level. Beyond the last leaf, returns the end. */
+/* Returns the first Gaussian of a leaf in a level, or the end beyond the last leaf. */
 static uint32_t leaf_begin(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     const uint64_t set = (uint64_t)leaf * LEAF_SETS >> level;
@@ -230,7 +230,7 @@ static void print_corner(FILE *json, const char *before, const float corner[3])
     fputs("]", json);
 }
 
-/* Returns a leaf's energy in the units of the errors: the sum over its Gaussians, each alone. */
+/* Returns a leaf's energy in units of the errors: the sum over its Gaussians, each alone. */
 static double energy_of(const streamed_writer *w, uint32_t leaf)
 {
     double sum = 0;
@@ -349,7 +349,7 @@ static int make_files(streamed_writer *w, fxs_message *message)
 {
     int result = 0;
     if (!fxs_held_order(&w->held) || !make_levels(w) || !find_bounds(w) || !list_parts(w))
-        return 0;                  /* the error is in the output */
+        return 0;
     for (uint32_t i = 0; i < w->part_count && result == 0; i++)
         result = make_part(w, &w->parts[i], message);
     if (result == 0)
