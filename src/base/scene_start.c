@@ -7,10 +7,9 @@
 
 #include <fixsplat/packed.h>
 
-/* Largest tangent of half the field of view, above 170 degrees. */
 #define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28
-#define UP_ONE 16383               /* octahedral code of the number 1 */
+#define UP_ONE 16383
 #define UP_BITS 0x7FFFu
 
 static double sign_of(double x)
@@ -39,7 +38,6 @@ static uint32_t code_of_up(const double up[3])
     return FXS_PACKED_UP | (u & UP_BITS) << 1 | (v & UP_BITS) << 16;
 }
 
-/* Decodes a 15-bit number to -1..1. Below -1: invalid code. */
 static double part_of_code(uint32_t flags, int bit)
 {
     const int32_t code = (int32_t)(flags >> bit & UP_BITS);

@@ -13,7 +13,7 @@ enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate */
 
 struct fxs_zip {
     const fxs_scene_source *source;
-    uint64_t offset;           /* libzip's read position, bytes */
+    uint64_t offset;
     zip_error_t error;
     zip_t *archive;
     char *folder;              /* prefix of the names of all entries; NULL: none */

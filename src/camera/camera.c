@@ -26,7 +26,6 @@ static void cross(double out[3], const double a[3], const double b[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Scales a vector to length 1. Returns 0 if the vector has no direction. */
 static int normalise(double v[3])
 {
     double length = sqrt(dot(v, v));
@@ -87,7 +86,7 @@ int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double
         for (int k = 0; k < 3; k++)
             mean[k] -= rotation[3 + k] / (double)count;
     }
-    for (int k = 0; k < 3; k++)       /* inverse times the determinant, which is positive */
+    for (int k = 0; k < 3; k++)
         cross(inverse[k], a[(k + 1) % 3], a[(k + 2) % 3]);
     for (int k = 0; k < 3; k++)
         up[k] = dot(inverse[k], mean);
@@ -323,7 +322,6 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     return 0;
 }
 
-/* Compares with a tolerance of 1e-6, because OpenGL matrices may come from single precision. */
 static int is_near(double x, double wanted)
 {
     return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
@@ -365,7 +363,7 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
 /* Pixels from clip coordinates: x = width (x_clip / w + 1) / 2, y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* matrix elements that are 0 in all projections */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)

@@ -11,7 +11,7 @@
 
 enum { SIZE = 800 };
 
-/* Finds the list of photographs under the names that Bundler, VisualSFM, COLMAP and RealityCapture use. */
+/* Tries the names that Bundler, VisualSFM, COLMAP and RealityCapture give to the list of photographs. */
 static int find_list(const char *model, char path[FXS_CAMERA_PATH])
 {
     static const struct {
@@ -49,7 +49,7 @@ static void cut_focal(char *line)
         ends[i] = line + length;
         line[length - 1] = 0;
     }
-    if (ends[0] && !ends[1])               /* a single number belongs to the photograph's name */
+    if (ends[0] && !ends[1])
         ends[0][-1] = ' ';
 }
 

@@ -200,7 +200,6 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
     return 0;
 }
 
-/* Reads images. Each image has a line of numbers and a name, and a line of 2D points. */
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
     char *rest = fxs_text_begin(text), *line;

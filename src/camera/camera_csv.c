@@ -17,12 +17,11 @@ static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading"
 #define RADIANS 0.017453292519943295
 
 typedef struct table {
-    int columns[COLUMNS_MOST];     /* for each column, the index of its value; -1: ignored */
+    int columns[COLUMNS_MOST];
     int count;
     char separator;                /* comma, or semicolon for files with decimal commas */
 } table;
 
-/* Cuts off the next field of a line; NULL: no more fields. A quoted field may contain separators. */
 static char *next_field(char **rest, char separator)
 {
     const char separators[2] = {separator, 0};
@@ -40,7 +39,6 @@ static char *next_field(char **rest, char separator)
     return field + strspn(field, " \t");
 }
 
-/* Reads the column names. The separator is the character after the first name. */
 static int read_headings(const fxs_view_list *list, char *line, table *t)
 {
     int seen[VALUES] = {0};

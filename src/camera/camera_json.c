@@ -16,7 +16,6 @@ static double number(const cJSON *object, const char *name, double absent)
     return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
 }
 
-/* Reads a square matrix. Returns 1, or 0 if the array differs. */
 static int matrix(const cJSON *array, double *out, int size)
 {
     const cJSON *row;
@@ -114,7 +113,6 @@ static int read_lens(fxs_view_list *list, const struct lens_model *model, const 
     return 0;
 }
 
-/* Intrinsics of a frame override those of the file. */
 static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file, const struct lens_model *model)
 {
     fxs_listed_view *listed;
@@ -166,7 +164,6 @@ static const struct lens_model *find_model(const cJSON *root, const char *name)
 
 enum { TRAIN, TEST, VAL, PARTS };
 
-/* Sorted names without duplicates. met[i]: 1 if a frame has name i. */
 typedef struct name_list {
     const char **names;
     unsigned char *met;

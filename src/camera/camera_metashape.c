@@ -16,7 +16,6 @@
 
 enum { DEPTH_MOST = 64, NAME_ROOM = 24, TEXT_MOST = 2048, ID_ROOM = 24, ITEMS_MOST = 1000000 };
 
-/* Calibration parameters; f = 0: not calibrated. */
 enum { F, CX, CY, B1, B2, K1, K2, K3, K4, P1, P2, P3, P4, NUMBERS };
 static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2",
                                                    "p3", "p4"};
@@ -25,7 +24,7 @@ static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "
 typedef struct sensor {
     char id[ID_ROOM], type[ID_ROOM];
     double width, height, numbers[NUMBERS];
-    int calibrated, adjusted;      /* an adjusted calibration replaces an initial calibration */
+    int calibrated, adjusted;
 } sensor;
 
 /* World position = scale * rotation * local position + translation. */
@@ -55,9 +54,9 @@ typedef struct reader {
     int error, chunks;
     char path[DEPTH_MOST][NAME_ROOM];
     int depth;
-    char text[TEXT_MOST];          /* text of the innermost XML element */
+    char text[TEXT_MOST];
     size_t length;
-    int calibration;               /* 1: inside a calibration element that is used */
+    int calibration;
     placement chunk;
     double origin[3];
     items sensors, components, cameras;
@@ -193,7 +192,6 @@ static void add_text(void *argument, const char *text, int length)
     r->length += taken;
 }
 
-/* Reads exactly `count` numbers from the text of an XML element. */
 static void take_numbers(reader *r, double *out, int count)
 {
     char *rest = r->text;
@@ -276,7 +274,6 @@ static const void *find_item(const items *i, const char *id, size_t size)
     return i->count ? bsearch(id, i->data, i->count, size, compare_ids) : NULL;
 }
 
-/* Returns the placement of a Metashape component, else of its chunk; NULL: none. */
 static const placement *find_placement(const reader *r, const char *id)
 {
     const placement *of = find_item(&r->components, id, sizeof *of);

@@ -20,7 +20,7 @@ enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
-#define FOV 50                       /* field of view, degrees */
+#define FOV 50
 #define LARGEST (PIXELS / 16)        /* pixels; a larger Gaussian lowers the score */
 #define UNBOUNDED 2                  /* minimum size of an unbounded scene relative to its core */
 #define OPEN 0.65                    /* minimum mean coverage around a useful place inside */
@@ -28,7 +28,6 @@ enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST =
 #define WITHIN 0.74                  /* minimum ratio of Gaussians seen inside to outside, for an inside view */
 #define WITHIN_STANDING 1.1          /* maximum ratio of Gaussians seen inside to outside, for a standing figure */
 
-/* A small test picture and the pixel count of each Gaussian. */
 typedef struct look {
     unsigned char colour[PIXELS][4], coverage[PIXELS];
     uint32_t depth[PIXELS];
@@ -36,25 +35,23 @@ typedef struct look {
     uint16_t pixels[FXS_SAMPLE_MOST + 1];
 } look;
 
-/* Measurements of a small test picture. */
 typedef struct sight {
     int64_t seen;                    /* Gaussians that contribute most to some pixel */
     int64_t largest;
-    int64_t detail;                  /* sum of differences between neighbouring pixels */
+    int64_t detail;
     int64_t covered;                 /* sum of the pixels' coverage, 255 per pixel */
-    int64_t close;                   /* pixels so near that they block the view */
-    int64_t cut;                     /* weighted number of covered border pixels */
+    int64_t close;
+    int64_t cut;
 } sight;
 
 typedef struct box {
     double low[3], high[3];
 } box;
 
-/* Camera position around a box. */
 typedef struct stand {
     int yaw;                         /* angle in twelfths of a turn */
     double out, rise;                /* horizontal and upward part of the direction to the camera */
-    double part;                     /* relative distance from the box; 0: in its middle */
+    double part;
     const box *about;
 } stand;
 
@@ -66,10 +63,10 @@ typedef struct chooser {
     fxs_core core;
     box boxes[BOXES];                /* boxes of the scene, and if unbounded, of its core and the core's middle */
     int box_count;
-    box places[FXS_WITHIN_MOST];     /* boxes around free places inside the scene */
+    box places[FXS_WITHIN_MOST];
     int place_count;
     int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
-    int is_within;                   /* 1: views from inside the scene are best */
+    int is_within;
     int outlined;                    /* 0: the surroundings thin out with distance */
     double up[3], close;             /* close: depth below which pixels block the view */
     size_t frame_bytes;
@@ -189,7 +186,6 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
     return fxs_first_view_make(&first, FOV, WIDTH, HEIGHT, view, c->message);
 }
 
-/* Views shared by threads: thread t renders views t, t + threads, ... */
 typedef struct looking {
     const chooser *c;
     fxs_file_view views[STANDS];
@@ -220,7 +216,6 @@ static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sig
     return 0;
 }
 
-/* Renders views from above and counts Gaussians seen and detail. */
 static int look_down(chooser *c, double *seen, double *detail)
 {
     stand stands[AROUND];
@@ -270,10 +265,8 @@ static int find_up(chooser *c, const double known[3])
     return 0;
 }
 
-/* Horizontal and upward part of three directions to the camera. */
 static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
 
-/* The best camera position, overall and for each yaw. */
 typedef struct choice {
     stand best, sides[YAWS];
     double score, scores[YAWS];
@@ -332,7 +325,6 @@ static int try_place(chooser *c, int place, choice *made)
     return try_stands(c, stands, YAWS, !c->is_within ? 1 : c->box_count == 1 ? 1.5 : 3, made);
 }
 
-/* Tries other heights and distances on the best side not yet refined. */
 static int try_heights(chooser *c, choice *made)
 {
     static const double parts[] = {1, 0.5, 0.85, 0.7};
@@ -365,7 +357,6 @@ static int look_about(chooser *c, const stand *stands, uint32_t count, double *m
     return 0;
 }
 
-/* Returns 1 if a free place lies in the middle of the core, so the core is hollow. */
 static int is_amid(const chooser *c, const double place[3])
 {
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
@@ -427,7 +418,7 @@ static int find_stands(chooser *c, const double known[3])
     double outside, inside, weighed, covered, close;
     FXS_TRY(fxs_core_find(&c->core, &c->sample, c->message));
     find_boxes(c);
-    for (int i = 0; i < 2 * AROUND; i++) {        /* also from below, as an unbounded scene may be upside down */
+    for (int i = 0; i < 2 * AROUND; i++) {
         const double rise = i & 2 && c->box_count > 1 ? -heights[0][1] : heights[0][1];
         stands[i] = (stand){i / 2 * 2, heights[0][0], rise, i % 2 ? 0.5 : 1, &c->boxes[c->box_count - 1]};
     }

@@ -9,14 +9,14 @@
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
 #define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close */
-#define GROWN 2                      /* minimum growth along z in a scene captured from the front */
+#define GROWN 2
 #define TURNED 0.86                  /* cosine of 30 degrees, the ground's largest tilt */
 
 typedef struct weighed {
     const fxs_sample_point *points;
     uint32_t count;
-    double *weights, middle[3];      /* middle: medians of the positions */
-    double reach, spread;            /* reach: median distance from the middle */
+    double *weights, middle[3];
+    double reach, spread;
 } weighed;
 
 static double dot(const double a[3], const double b[3])
@@ -24,7 +24,6 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Sorts values and returns the value of rank count / parts. */
 static double quantile(double *values, uint32_t count, uint32_t parts)
 {
     fxs_sort_values(values, count);
@@ -59,7 +58,6 @@ static void weigh(weighed *s)
     }
 }
 
-/* Returns a Gaussian's weight times flatness if its normal is along the axis; else 0. */
 static double weight_across(const weighed *s, uint32_t i, const double axis[3])
 {
     return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
@@ -76,10 +74,9 @@ static double share_of(const weighed *s, const double axis[3])
     return all > 0 ? across / all : 0;
 }
 
-/* Moves an axis repeatedly to the mean normal within a narrowing cone. */
 static void refine(const weighed *s, double axis[3])
 {
-    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};    /* cosines of cone angles */
+    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};
     for (size_t k = 0; k < sizeof cones / sizeof *cones; k++) {
         double sum[3] = {0, 0, 0};
         for (uint32_t i = 0; i < s->count; i++) {

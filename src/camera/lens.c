@@ -85,7 +85,6 @@ static void bend_fisheye(const fxs_lens *lens, double x, double y, double bent[2
     bent[1] += p[0] * (square + 2 * v * v) + 2 * p[1] * u * v + square * (s[2] + square * s[3]);
 }
 
-/* Returns the factor by which the lens scales x and y at a squared radius. */
 static double bend_by(const fxs_lens *lens, double square)
 {
     const double radius = sqrt(square), *k = lens->k;
@@ -141,7 +140,6 @@ static int filled(const fxs_lens *lens, const fxs_file_view *photograph, double 
     return 1;
 }
 
-/* Scale at which the farthest side of the picture is 60 degrees off the axis. */
 static double scale_of_widest(const fxs_file_view *p)
 {
     const double x = fmax(p->cx, p->width - p->cx) / p->fx, y = fmax(p->cy, p->height - p->cy) / p->fy;

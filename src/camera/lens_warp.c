@@ -6,8 +6,8 @@
 #include <string.h>
 
 #define FARTHEST 3.7320508075688772    /* tangent of 75 degrees */
-#define DIFFERENCE 1e-6                /* step of numerical derivatives, focal lengths */
-#define NEAR_ENOUGH 1e-8               /* convergence limit, focal lengths */
+#define DIFFERENCE 1e-6
+#define NEAR_ENOUGH 1e-8
 
 enum { NEWTON_MOST = 12, SAMPLES = 64, LARGER_MOST = 4, MARGIN = 2, POSITION_BITS = 8 };
 
@@ -46,7 +46,6 @@ static double look_up(const fxs_lens_warp *w, double reach)
     return (low + (reach - w->reach[low]) / (w->reach[high] - w->reach[low])) * w->step;
 }
 
-/* Makes a step of Newton's method. Returns the squared error before this step. */
 static double improve(const fxs_lens *lens, const double bent[2], double at[2])
 {
     double here[2], right[2], below[2];
@@ -94,7 +93,6 @@ static void take_place(const fxs_lens_warp *w, double x, double y, box *b)
     b->farthest = fmax(b->farthest, sqrt(place[0] * place[0] + place[1] * place[1]));
 }
 
-/* Largest magnification by the lens relative to the perspective picture. */
 static double largest_scale(const fxs_lens_warp *w, double farthest)
 {
     double scale = 0;
@@ -103,7 +101,6 @@ static double largest_scale(const fxs_lens_warp *w, double farthest)
     return scale > 0 ? scale : 1;
 }
 
-/* Returns the maximum side of the perspective picture in pixels, without margins. */
 static double most_pixels(double side)
 {
     return fmin(FXS_MAX_SIZE - 2 * MARGIN, LARGER_MOST * side);
@@ -141,7 +138,6 @@ void fxs_lens_warp_make(fxs_lens_warp *w, const fxs_lens *lens, const fxs_file_v
     w->cover.height = pixels((b.high[1] - b.low[1]) * w->cover.fy, size[1]);
 }
 
-/* Finds the first of the two pixels around a coordinate, and the fraction between the pixels, 0 to 255. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);

@@ -5,7 +5,6 @@
 #include <fixsplat/camera.h>
 #include "camera_internal.h"
 
-/* Weights of a spline: key view first - 1 + k has weight[k]. */
 typedef struct spline {
     long first, count;
     double weight[4];

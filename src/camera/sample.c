@@ -91,7 +91,6 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     return p;
 }
 
-/* Returns the smallest quantisation step with which codes 0 to `codes` cover a range. */
 static uint64_t step_for(uint64_t reach, uint32_t codes)
 {
     return (reach + codes - 1) / codes;
@@ -133,7 +132,6 @@ static void pack_positions(fxs_chunk *chunk, const loose *l, uint32_t count, uns
     }
 }
 
-/* Converts a packed rotation to `to` bits for x and y each. */
 static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
 {
     const uint32_t half = 1u << (31 - to), roll = ((word << 2 * from) + (1u << (2 * to - 1))) >> 2 * to;
@@ -207,8 +205,8 @@ static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *
 typedef struct taking {
     fxs_sample *sample;
     unsigned char *headers, *rows;
-    uint64_t step, next;             /* next: index of the next sampled Gaussian within the object */
-    uint32_t each;                   /* one of `each` points is drawn */
+    uint64_t step, next;
+    uint32_t each;
     int32_t larger_q16;
 } taking;
 

@@ -43,7 +43,7 @@ int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **a
     } else {
         snprintf(view->name, sizeof view->name, "%zu", list->count);
     }
-    fxs_text_make_safe(view->name);    /* names of views appear in messages */
+    fxs_text_make_safe(view->name);
     list->count++;
     return 0;
 }

@@ -6,9 +6,9 @@
 
 #include <fixsplat/allocator.h>
 
-enum { FACE = 6, BINS = 6 * FACE * FACE };    /* direction bins: squares on the faces of a cube */
+enum { FACE = 6, BINS = 6 * FACE * FACE };
 enum { GRID = 7, PLACES = GRID * GRID * GRID };
-enum { CORE_POINTS = 8192, POINTS = 2048 };   /* sampled points to find the core, and to rate a place */
+enum { CORE_POINTS = 8192, POINTS = 2048 };
 
 #define TALL 1.8                     /* minimum height / width of a standing subject */
 #define FLAT 0.25                    /* minimum width / depth of a standing subject */
@@ -28,7 +28,6 @@ static uint32_t stride_of(const fxs_sample *s, uint32_t most)
 
 enum measure { PLACE_X, PLACE_Y, PLACE_Z, DISTANCE };
 
-/* Collects coordinates or distances of points, in ascending order. Returns the number of points. */
 static uint32_t measure(const fxs_sample *s, double size, enum measure what, const double middle[3], double *values)
 {
     uint32_t n = 0;
@@ -123,7 +122,6 @@ static int is_low(const double place[3], const fxs_core *core, const double up[3
     return height < size / (2 * GRID);
 }
 
-/* Returns the best place that is not near a place found before, or null. */
 static const fxs_within *best_of(const fxs_within *all, int tried, const fxs_within *found, int count, double reach)
 {
     const fxs_within *best = NULL;

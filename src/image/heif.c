@@ -156,7 +156,7 @@ static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int
 /* Bit reader of a NAL unit (ITU-T H.265, 7.3.1.1). Skips the 3 of bytes 0 0 3. Returns 0 past the end. */
 typedef struct bits {
     const uint8_t *bytes;
-    size_t size, at;               /* at: position in bits */
+    size_t size, at;
 } bits;
 
 static uint32_t take(bits *b, int count)
@@ -182,7 +182,6 @@ static uint32_t take_code(bits *b)
     return (1u << zeros) - 1 + take(b, zeros);
 }
 
-/* Returns the number of pixels stated by a sequence parameter set (ITU-T H.265, 7.3.2.2). */
 static uint64_t stated_pixels(const uint8_t *unit, size_t size)
 {
     bits b = {unit, size, 16 + 4};
@@ -259,7 +258,6 @@ static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, 
     return 1;
 }
 
-/* iref boxes of a HEIF may be nested, so their total work is limited. */
 static int add_all(const uint8_t *bytes, size_t size, const uint32_t *from, uint32_t *to)
 {
     size_t left = size / 8 + 2 * MOST_TILES;

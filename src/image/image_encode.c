@@ -8,7 +8,7 @@
 
 #ifdef FXS_WITH_STB
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc reports unused functions at the end of the file */
+#pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wsign-conversion"
@@ -50,8 +50,6 @@ int fxs_image_file_known(const char *path)
     const enum fxs_image_format format = fxs_image_format_of(path);
     return format >= FXS_IMAGE_PNG && format <= FXS_IMAGE_WEBP;
 }
-
-/* Encoders of pictures return 0 or an error, without a message. */
 
 uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes)
 {
@@ -159,7 +157,6 @@ static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, i
     return same;
 }
 
-/* Lossless WebP uses least effort and keeps colours of transparent pixels. */
 static int encode_webp(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *webp)
 {
     WebPConfig config;

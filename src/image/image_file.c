@@ -29,7 +29,7 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define FREE_PIXELS (1 << 20)     /* pixels allowed in a file of any size */
+#define FREE_PIXELS (1 << 20)
 #define MAX_BYTE_PIXELS 512       /* maximum number of pixels per byte of the file */
 #define MAX_WEBP_BYTES (1 << 28)
 #define MAX_JPEG_SCANS 100        /* a JPEG scan of a few bytes takes time for the whole picture */
@@ -58,10 +58,7 @@ const char *fxs_image_refusal(int width, int height, uint64_t bytes)
                : NULL;
 }
 
-/* Readers of pictures return NULL, or the fault as text. */
-
 #if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
-/* fault: error of the decoding library; refused: target of longjmp. */
 typedef struct decoding {
     const char *fault;
     jmp_buf refused;
@@ -245,7 +242,6 @@ static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 }
 #endif
 
-/* libwebp gives identical pixels with every instruction set. */
 static const char *read_webp(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
 #ifdef FXS_WITH_WEBP
@@ -288,7 +284,6 @@ static const char *read_heif(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 #endif
 }
 
-/* Reads a number of a .ppm header, with surrounding blanks and comments. -1: no number. */
 static int header_number(FILE *file)
 {
     int c = getc(file), comment = 0, value = 0;
@@ -344,7 +339,6 @@ static int fail_kind(const char *path, FILE *file, fxs_message *message)
     return fxs_fail(message, "%s: %s%s%s", path, no_picture, kind ? ", but " : "", kind ? kind : "");
 }
 
-/* HEIF files have "ftyp" at offset 4. */
 static const char *read_any(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
 {
     char head[12] = "";

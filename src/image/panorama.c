@@ -73,12 +73,10 @@ static int64_t cos_q30(uint32_t turns_q32)
     return sin_q30(turns_q32 + 0x40000000u);
 }
 
-/* Weighted sums over the cube faces that show a pixel. */
 typedef struct samples {
     int64_t sums[4], weight;
 } samples;
 
-/* Adds the bilinear sample at (x, y), in coordinates of pixel centres. */
 static void add_sample(samples *s, const face *f, const uint8_t *rgba, int64_t x_q8, int64_t y_q8, int64_t weight)
 {
     const int64_t most_q8 = (int64_t)(f->size - 1) * 256 - 1;

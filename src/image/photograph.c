@@ -61,7 +61,6 @@ static ExifData *load(const fxs_exif_bytes *bytes)
     return data;
 }
 
-/* Returns the first number of an EXIF entry; 0: missing. */
 static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[ifd], tag);

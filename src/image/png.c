@@ -8,7 +8,6 @@
 #include <libdeflate.h>
 #endif
 
-/* Higher compression levels cost far more time than they save bytes. */
 #ifdef FXS_WITH_DEFLATE
 enum { LEVEL = 1 };
 
@@ -17,7 +16,6 @@ static size_t bound_of(size_t size)
     return libdeflate_zlib_compress_bound(NULL, size);
 }
 
-/* Returns the number of compressed bytes; 0: out of memory. */
 static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size_t size)
 {
     struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(LEVEL);
@@ -99,7 +97,7 @@ static void filter(uint8_t *out, int kind, const uint8_t *pixels, int width, int
         filter_colours(out, pixels, w, h, 4);
 }
 
-enum { AROUND_DATA = 8 + 25 + 12 + 12 };       /* PNG signature, IHDR, frame of IDAT, IEND */
+enum { AROUND_DATA = 8 + 25 + 12 + 12 };
 
 static uint8_t *put_32(uint8_t *out, uint32_t value)
 {
@@ -119,7 +117,7 @@ static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 static uint8_t *put_header(uint8_t *out, int kind, int width, int height)
 {
     static const uint8_t signature[8] = {137, 'P', 'N', 'G', 13, 10, 26, 10};
-    const uint8_t form[5] = {(uint8_t)(kind >> 8), (uint8_t)kind, 0, 0, 0};   /* deflate, filtered, not interlaced */
+    const uint8_t form[5] = {(uint8_t)(kind >> 8), (uint8_t)kind, 0, 0, 0};
     memcpy(out, signature, sizeof signature);
     out += sizeof signature;
     put_32(put_32(out + 8, (uint32_t)width), (uint32_t)height);

@@ -171,7 +171,6 @@ static const char *first_name(const char *bytes)
     return *bytes == '"' ? bytes + 1 : NULL;
 }
 
-/* Returns the length of a UTF-8 byte order mark before JSON or a .ply; else 0. */
 static size_t mark_of(const char *bytes)
 {
     const size_t length = strlen(FXS_UTF8_MARK);

@@ -40,7 +40,6 @@ static uint32_t tree_checksum(const fxs_crc32_table *table, const fxs_part_layou
     return fxs_crc32(table, before, tops, (size_t)(l->bytes - l->tops));
 }
 
-/* `head` is in the file's byte order. */
 static uint32_t head_checksum(const fxs_crc32_table *table, const fxs_part_layout *l, const fxs_part_header *head,
                               const unsigned char *behind)
 {
@@ -98,24 +97,24 @@ typedef struct part {
     int is_open;
     fxs_part_header head;
     fxs_part_layout layout;
-    fxs_packed_header scene;             /* scene header in the file's byte order */
-    unsigned char *heads;                /* bytes from the scene's header to the first chunk data */
+    fxs_packed_header scene;
+    unsigned char *heads;
 } part;
 
 typedef struct merger {
     const fxs_part_merge *how;
     fxs_message *message;
     fxs_crc32_table table;
-    part *parts;                         /* parts in ascending order of their numbers */
+    part *parts;
     uint32_t count;
     fxs_packed_header header;
     fxs_scene_parts layout;
-    unsigned char *head, *tree_bytes;    /* bytes before the chunks' data, in the output and in its tree */
+    unsigned char *head, *tree_bytes;
     void *head_block, *tree_block;
     fxs_scene scene;
     fxs_palette *palette;
     fxs_tree *tree;
-    uint32_t above;                      /* number of tree nodes above the parts */
+    uint32_t above;
     unsigned char *above_chunks, *above_rows;
     unsigned char *buffer;
     uint64_t written;
@@ -308,7 +307,6 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     return 0;
 }
 
-/* Finds a node of a part. The search is linear, because the list is short. */
 static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians,
                     uint32_t *count, fxs_message *message)
 {
@@ -329,7 +327,7 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
         fxs_little_endian(gaussians, 0, *count * sizeof *gaussians / sizeof(float), sizeof(float));
         fxs_chunk_turn(header);
         int valid = fxs_chunk_valid(header);
-        for (uint32_t g = 0; g < *count; g++)      /* other values of a Gaussian need no check */
+        for (uint32_t g = 0; g < *count; g++)
             for (int k = 0; k < 3; k++)
                 valid = valid && fabsf(gaussians[g].gaussian.position[k]) <= 0x1p28f;
         return valid ? 0 : fail_damaged(m, p, "its tree is");
@@ -487,7 +485,6 @@ static int write_nodes(merger *m, fxs_output *output)
     return 0;
 }
 
-/* Writes headers before the chunks' data are checked. An error discards the output. */
 static int write_all(merger *m, fxs_output *output)
 {
     FXS_TRY(fxs_output_write(output, m->head, (size_t)m->layout.rows, m->message));

@@ -10,7 +10,7 @@
 #define FARTHEST 0x1p28
 #define SCALE_LEAST 0x1p-16
 #define SCALE_MOST 0x1p16
-#define CROP_MOST 0x1p30           /* limit of crop sides, beyond all coordinates */
+#define CROP_MOST 0x1p30
 
 void fxs_placement_init(fxs_placement *p, uint32_t file, uint32_t id)
 {
@@ -113,7 +113,6 @@ static int is_between(double x, double low, double high)
     return x >= low && x <= high;
 }
 
-/* Returns 1 if a quaternion is finite and its squared length is safe to divide by. */
 static int is_quaternion(const double q[4])
 {
     double most = 0;

@@ -102,7 +102,6 @@ static int take_crops(const reader *r, const cJSON *list, fxs_placement *p)
     return error;
 }
 
-/* Reads a number or an array of numbers. Returns 0 if the item has another name. */
 static int take_numbers(const cJSON *item, fxs_placement *p, const char **fault)
 {
     const struct {

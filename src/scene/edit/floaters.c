@@ -83,7 +83,6 @@ static int is_finite(const fxs_floater *item)
     return isfinite(item->position[0]) && isfinite(item->position[1]) && isfinite(item->position[2]);
 }
 
-/* Computes the grid cell of position + part * end, clamped to +-2^62. */
 static void cell_of(const fxs_floater *item, int part, int level, int64_t at[3])
 {
     for (int i = 0; i < 3; i++) {

@@ -11,16 +11,16 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
-#define FARTHEST 0x1p28             /* largest coordinate of a start view, scene units */
+#define FARTHEST 0x1p28
 
 typedef struct part {
     fxs_placement placement;
     double rows[3][4];
     fxs_transform turn;
     double log_scale;
-    double inner[3];               /* origin of the file's stream during reading */
+    double inner[3];
     int moves;
-    double middle[3];              /* approximate centre in the world */
+    double middle[3];
     double shift[3];               /* position in the world = rows * position in the file + shift */
     int is_moved, is_turned, is_tinted;
 } part;
@@ -63,7 +63,6 @@ static int is_kept(const part *whole, const float position[3])
     return kept || !keeping;
 }
 
-/* quaternion product out = a b, each w, x, y, z */
 static void multiply(double out[4], const double a[4], const double b[4])
 {
     out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
@@ -72,7 +71,6 @@ static void multiply(double out[4], const double a[4], const double b[4])
     out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
 }
 
-/* Computes camera * rotation^-1 for unit quaternions. */
 static void turn_camera(double camera[4], const double rotation[4])
 {
     const double back[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
@@ -240,7 +238,6 @@ static int is_known(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* Fills missing fields of the merged start view from an object's start view. */
 static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_file_info *own)
 {
     fxs_start start = own->start;

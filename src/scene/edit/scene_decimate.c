@@ -14,7 +14,7 @@
 
 enum {
     CHUNK = 256,
-    NEAREST = 16,                   /* candidate neighbours for a pair */
+    NEAREST = 16,
     COEFFICIENTS = 45
 };
 
@@ -22,9 +22,9 @@ static const double colour_weight = 20;    /* weight of the colour loss relative
 static const double thinnest = 0.1;        /* minimum sigma relative to the largest sigma */
 
 typedef struct shape {
-    double covariance[6];          /* xx, yy, zz, xy, xz, yz; small sigmas are raised */
+    double covariance[6];
     double log_determinant;
-    double weight;                 /* opacity times area */
+    double weight;
 } shape;
 
 typedef struct pair {
@@ -165,7 +165,6 @@ static int find_order(decimated *d, fxs_message *message)
     return fxs_order(d->entries, d->count, 0, &options) ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
-/* Finds a Gaussian's nearest neighbours within its chunk of 256, nearest first. Returns their number. */
 static uint32_t find_nearest(uint32_t nearest[NEAREST], const fxs_order_entry *chunk, uint32_t count, uint32_t of)
 {
     float distances[NEAREST];
@@ -219,7 +218,6 @@ static int compare_pairs(const void *a, const void *b)
                               : (x->b > y->b) - (x->b < y->b);
 }
 
-/* Merges disjoint pairs from the best quarter of all pairs. */
 static void merge_pairs(decimated *d, uint32_t pairs, uint32_t target)
 {
     uint32_t left = d->count, kept = 0;

@@ -44,7 +44,6 @@ static int is_outside(const fxs_filter_shape *s, const double p[3])
     return s->kind == FXS_FILTER_BOX ? outside : wu < 0 || wu > uu || ww * uu - wu * wu > n[6] * n[6] * uu;
 }
 
-/* Returns 1 if a point lies in a shape of every kind used by the filter. */
 static int is_in_shapes(const fxs_scene_filter *filter, const double position[3])
 {
     unsigned asked = 0, found = 0;
@@ -56,7 +55,6 @@ static int is_in_shapes(const fxs_scene_filter *filter, const double position[3]
     return asked == found;
 }
 
-/* NaN positions count as inside the box. */
 static int is_inside(const fxs_scene_filter *filter, const double position[3])
 {
     for (int i = 0; i < 3; i++)

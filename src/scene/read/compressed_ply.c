@@ -6,7 +6,6 @@
 
 enum { CHUNK = 256, WORDS = 4 };
 
-/* Bounds of attributes: three lower, then three upper bounds each. */
 enum { POSITION = 0, SCALE = 6, COLOUR = 12, BOUNDS = 18 };
 
 static const char *const bound_names[BOUNDS] = {
@@ -19,9 +18,9 @@ static const char *const word_names[WORDS] = {"packed_position", "packed_rotatio
 
 typedef struct rows {
     const fxs_ply_element *element;
-    uint64_t start;                      /* file offset of the first row, bytes */
+    uint64_t start;
     int columns;
-    uint32_t column[FXS_PLY_MAX_REST];   /* byte offsets of the columns in a row */
+    uint32_t column[FXS_PLY_MAX_REST];
     fxs_byte_reader bytes;
 } rows;
 
@@ -96,7 +95,6 @@ static int add_sh(compressed_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Returns 0 if all rows have a fixed size and the element counts agree. */
 static int check_elements(const compressed_reader *reader, const char *path, fxs_message *message)
 {
     const fxs_ply_header *header = &reader->header;

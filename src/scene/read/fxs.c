@@ -16,10 +16,10 @@ enum { MOST_PALETTE = FXS_PALETTE_STAGES * FXS_PALETTE_ENTRIES * FXS_PALETTE_STR
 typedef struct fxs_file_reader {
     const fxs_scene_source *source;
     fxs_crc32_table crc;
-    fxs_scene scene;                     /* pointers are null, except to the SH palette */
+    fxs_scene scene;
     uint64_t rows_at;                    /* file offset of the first chunk's rows, bytes */
-    uint32_t slots, holes;               /* numbers of Gaussian slots and of empty slots in the file */
-    uint32_t next, passed;               /* next slot to read, and empty slots before it */
+    uint32_t slots, holes;
+    uint32_t next, passed;
     fxs_chunk chunk;
     unsigned char rows[MOST_ROWS];
     int8_t palette[MOST_PALETTE];
@@ -38,7 +38,6 @@ static int damaged(const fxs_file_reader *r, const char *what, fxs_message *mess
     return fxs_fail(message, "%s: %s is damaged", r->source->path, what);
 }
 
-/* Verifies a CRC-32 stored inside `bytes`, where the checksum field counts as 0. */
 static int is_whole(const fxs_file_reader *r, uint32_t *checksum, const void *bytes, size_t size, const void *more,
                     size_t more_size)
 {
@@ -79,7 +78,6 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
-/* Chooses the origin from chunks spread over the file. */
 static int choose_origin(const fxs_file_reader *r, fxs_message *message)
 {
     double places[FXS_ORIGIN_SAMPLE][3];

@@ -28,7 +28,7 @@ enum {
     MAX_MEMBERS = 1024,          /* members of a JSON object, because every look-up is linear */
     MAX_PARTS = 1024,            /* primitives times the nodes that place them */
     MAX_COUNT = 2147483647,
-    BATCH = 256,                 /* Gaussians per read */
+    BATCH = 256,
     MAX_STRIDE = 252
 };
 
@@ -42,7 +42,7 @@ static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "b
 
 typedef struct buffer {
     const fxs_scene_source *source;
-    fxs_scene_source own;        /* opened if the data is in another file or in memory */
+    fxs_scene_source own;
     uint8_t *memory;
     uint64_t memory_size;
     uint64_t offset, size;
@@ -56,15 +56,15 @@ typedef struct range {
 typedef struct buffer_view {
     range bytes;
     int64_t stride;              /* bytes between elements; 0: not given */
-    const char *fault;           /* null: no fault; reported when the view is used */
+    const char *fault;
 } buffer_view;
 
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* glTF's componentType minus 5120 */
 
 typedef struct accessor {
-    range bytes;                 /* buffer NULL: all elements are 0 */
-    range indices, values;       /* replaced elements of a sparse accessor */
-    uint32_t replaced, at;       /* number of replaced elements, and the next to read */
+    range bytes;
+    range indices, values;
+    uint32_t replaced, at;
     uint32_t count, stride, size;
     uint8_t type, is_normalized, components, index_size;
 } accessor;
@@ -74,13 +74,13 @@ enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 typedef struct splats {
     range spz;                   /* .spz data; buffer null: plain attributes */
     fxs_spz *opened;
-    int first;                   /* index of the first primitive with equal .spz data */
+    int first;
     accessor attributes[ATTRIBUTES];
     int attribute_count;
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
     int scales_known, has_log_scales, is_linear, is_clamped;
-    double middle[3];            /* centre of the positions if far from 0 */
+    double middle[3];
 } splats;
 
 typedef struct mesh {
@@ -95,7 +95,7 @@ typedef struct part {
 typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;
-    double frame[3][4];          /* matrix from the file's axes to the Gaussians' axes */
+    double frame[3][4];
     list lists[LISTS];
     buffer_view *views;
     mesh *meshes;
@@ -106,7 +106,7 @@ typedef struct gltf {
     splats *splats;
     part *parts;
     int splats_count, parts_count;
-    const char *other;           /* kind of a glTF primitive without Gaussians, or null */
+    const char *other;
     int part;
     uint32_t next;
     fxs_transform transform;
@@ -188,7 +188,6 @@ static int base64_digit(int c)
            : c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/* Decodes base64. Returns the number of bytes, or -1. */
 static int64_t decode_base64(const char *text, uint8_t *out)
 {
     const uint8_t *start = out;
@@ -336,7 +335,6 @@ static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t c
     return 0;
 }
 
-/* Locates the replaced elements of a sparse accessor. */
 static int read_sparse(const gltf *g, int index, const cJSON *sparse, accessor *a)
 {
     static const uint8_t sizes[] = {1, 0, 2, 0, 4};
@@ -372,7 +370,6 @@ static int fail_indices(const gltf *g)
     return fail(g, "indices of a sparse accessor that do not ascend, or are beyond its elements");
 }
 
-/* Overwrites g->bytes with replaced elements of a sparse accessor. */
 static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
 {
     uint8_t indices[4 * BATCH], values[BATCH * 16];
@@ -440,7 +437,6 @@ static double component(const accessor *a, const uint8_t *bytes)
     }
 }
 
-/* Converts the draft's COLOR_0, which is stored as OPACITY with four components. */
 static void store_colour(fxs_gaussian *gaussian, const double *rgba)
 {
     gaussian->opacity = fxs_logit_of_opacity(rgba[3]);
@@ -505,7 +501,6 @@ static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
     }
 }
 
-/* Replaces opacities of the .spz by valid values of EXT_splat_opacity. */
 static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t count)
 {
     accessor *a = &s->attributes[OPACITY];
@@ -614,7 +609,6 @@ static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
     return number ? read_accessor(g, number, name, 1, PLAIN(FLOAT), &s->attributes[OPACITY]) : 0;
 }
 
-/* Finds the .spz compression under all names of drafts. */
 static const cJSON *find_spz(const cJSON *extensions)
 {
     static const char *const names[] = {
@@ -646,7 +640,6 @@ static int is_same(const splats *a, const splats *b)
            same_range(&own->values, &other->values) && own->count == other->count;
 }
 
-/* Checks that the renderer supports the kernel and colour space of a glTF. */
 static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear)
 {
     enum { SPACES = 6, LINEAR = 3 };
@@ -816,7 +809,6 @@ static int open_spz(gltf *g, int index)
     return !s->attributes[OPACITY].count || s->attributes[OPACITY].count == s->count ? 0 : fail_counts(g);
 }
 
-/* Frees the last decompressed .spz that is not being read. */
 int fxs_gltf_drop(void *handle)
 {
     gltf *g = handle;
@@ -826,7 +818,6 @@ int fxs_gltf_drop(void *handle)
     return 0;
 }
 
-/* Starts reading part `index` of a glTF; g->parts_count: end. */
 static int enter(gltf *g, int index)
 {
     g->part = g->parts_count;
@@ -897,7 +888,6 @@ static void place_of(const gltf *g, const part *p, double place[3])
         place[k] = p->rows[k][0] * m[0] + p->rows[k][1] * m[1] + p->rows[k][2] * m[2] + p->rows[k][3];
 }
 
-/* Sets the origin to the position of the part with most Gaussians. */
 static void choose_origin(const gltf *g, fxs_scene_file_info *info)
 {
     fxs_import *import = g->source->import;

@@ -41,10 +41,10 @@ typedef struct gsplat {
     uint64_t sizes[IMAGES];
     int sh_degree;
     double sh_low, sh_high;
-    int sh_most;                   /* largest SH code */
-    fxs_text arrays[2];            /* palette and labels in .npy format */
+    int sh_most;
+    fxs_text arrays[2];
     const uint8_t *palette, *labels;
-    size_t entries, entry_step, value_step;    /* entries of the palette; steps in bytes */
+    size_t entries, entry_step, value_step;
 } gsplat;
 
 static const cJSON *member(const cJSON *object, const char *name)

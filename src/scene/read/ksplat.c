@@ -15,22 +15,22 @@ static const struct layout { uint8_t scale, rotation, colour, sh, coefficient; }
 typedef struct section {
     uint32_t count;
     uint32_t bucket_size, buckets, full_buckets, partial_buckets;
-    uint32_t centre_size;                   /* bytes between bucket centres */
+    uint32_t centre_size;
     int sh_degree;
-    uint32_t row_size;                      /* bytes per Gaussian */
+    uint32_t row_size;
     double range, step;                     /* position = (code - range) step + centre, above level 0 */
-    uint64_t lengths, centres, rows, end;   /* file offsets, bytes */
+    uint64_t lengths, centres, rows, end;
 } section;
 
 typedef struct ksplat_reader {
     const fxs_scene_source *source;
     int level;
-    float sh_low, sh_high;                  /* range of the SH codes at level 2 */
+    float sh_low, sh_high;
     uint64_t count, read;
     uint32_t sections, sections_begun;
     section section;
     uint32_t section_read;
-    uint32_t buckets_begun, bucket_left;    /* buckets begun, and Gaussians left in the current bucket */
+    uint32_t buckets_begun, bucket_left;
     float centre[3];
     fxs_byte_reader headers, lengths, centres, rows;
 } ksplat_reader;
@@ -84,7 +84,7 @@ static int begin_section(ksplat_reader *reader, fxs_message *message)
         return fxs_bytes_fail_row(&reader->headers, "section", reader->sections_begun, reader->sections, message);
     reader->sections_begun++;
     reader->section_read = reader->buckets_begun = reader->bucket_left = 0;
-    if (s->count > 0) {   /* seeks cannot fail after check_section */
+    if (s->count > 0) {
         fxs_bytes_seek(&reader->lengths, s->lengths);
         fxs_bytes_seek(&reader->centres, s->centres);
         fxs_bytes_seek(&reader->rows, s->rows);

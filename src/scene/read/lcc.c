@@ -19,8 +19,8 @@
 
 enum {
     MAX_LEVELS = 1000,
-    LEVEL_SIZE = 16,       /* bytes per level of a cell in index.bin */
-    ROW = 32, SH_ROW = 64  /* bytes per Gaussian */
+    LEVEL_SIZE = 16,
+    ROW = 32, SH_ROW = 64
 };
 
 /* Values of the smallest and largest code of three channels. */
@@ -37,9 +37,9 @@ typedef struct lcc_reader {
     const fxs_scene_source *source;
     size_t levels;
     int has_sh;
-    bounds scale[2], sh[2];   /* [0]: cells; [1]: environment */
-    cell *cells;              /* cells in the order of data.bin, then the environment */
-    size_t cell_room, cell_count, environment;   /* index of the environment in `cells` */
+    bounds scale[2], sh[2];
+    cell *cells;
+    size_t cell_room, cell_count, environment;
     fxs_scene_source data_file, sh_file, environment_file;
     fxs_byte_reader rows, sh_rows;
     fxs_transform transform;
@@ -63,7 +63,6 @@ static const cJSON *find_attribute(const cJSON *root, const char *name)
     return NULL;
 }
 
-/* Reads the bounds of an attribute. The environment's bounds default to the cells' bounds. */
 static int read_bounds(const cJSON *root, const char *name, const char *environment_name, bounds out[2])
 {
     const cJSON *own = find_attribute(root, name), *environment = find_attribute(root, environment_name);
@@ -110,8 +109,6 @@ static int load_meta(lcc_reader *r, fxs_message *message)
     return result;
 }
 
-/* Opens a file by its usual name, else by its name in the white paper. may_be_absent: 1 accepts that both are
-   missing. */
 static int open_beside(const lcc_reader *r, fxs_scene_source *file, const char *name, const char *other,
                        int may_be_absent, fxs_message *message)
 {
@@ -205,7 +202,6 @@ static int open_data(lcc_reader *r, fxs_message *message)
     return check_cells(r, message);
 }
 
-/* Opens the environment, which stores SH in the rows of its Gaussians. */
 static int open_environment(lcc_reader *r, fxs_message *message)
 {
     const uint64_t row = r->has_sh ? ROW + SH_ROW : ROW;

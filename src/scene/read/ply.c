@@ -7,7 +7,6 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* Fields of a Gaussian: indices into the floats of fxs_gaussian, then FILTER. */
 enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS, FIELDS, NO_FIELD = -1 };
 
 static const char *const field_names[FIRST_REST] = {
@@ -23,11 +22,10 @@ static const char *const unused_names[] = {
 };
 
 typedef struct column {
-    uint16_t offset;       /* bytes from the start of the row */
+    uint16_t offset;
     uint8_t type, field;
 } column;
 
-/* A run of consecutive floats in a row, for fields `stride` apart. */
 typedef struct run {
     uint16_t offset;
     uint8_t count, field, stride;
@@ -42,8 +40,8 @@ typedef struct ply_reader {
     double full;                         /* full brightness of plain colours; 0: colours are f_dc */
     float fields[FIELDS];
     int columns, all_float;
-    int runs;                            /* number of runs of floats */
-    uint64_t vertex_offset;              /* file offset of the first vertex, bytes */
+    int runs;
+    uint64_t vertex_offset;
     uint64_t vertices_read;
     int8_t field_table[FXS_PLY_MAX_PROPERTIES];
     column column_table[FIELDS];
@@ -172,7 +170,6 @@ static int stem_of(const char *name)
     return length;
 }
 
-/* Lists the ignored properties. Numbered properties are listed once, as in motion_*. */
 static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
 {
     const fxs_ply_property *table = reader->header.property_table;
@@ -198,7 +195,6 @@ static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
     }
 }
 
-/* Reports a missing property; a mesh or point cloud if the file has only x, y and z. */
 static int fail_field(const ply_reader *reader, const char *missing, fxs_message *message)
 {
     enum { FIRST_OF_GAUSSIANS = 3 };
@@ -283,7 +279,6 @@ static int ply_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* Returns 1 if coordinates may be finer than floats: doubles, 32-bit integers or text. */
 static int is_fine(const ply_reader *reader)
 {
     for (const column *c = reader->column_table; c < reader->column_table + reader->columns; c++)

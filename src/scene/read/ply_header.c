@@ -96,7 +96,6 @@ static int parse_type(const parser *p, const char *name, uint8_t *type)
     return fail_line(p, "unknown type", name);
 }
 
-/* Parses a .ply property from 3 words, or 5 for a list. */
 static int parse_property(parser *p, char **words, int is_list)
 {
     fxs_ply_header *header = p->header;

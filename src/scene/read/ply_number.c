@@ -5,7 +5,7 @@
 
 #include "ply_header.h"
 
-enum { MAX_NUMBER = 511 };   /* characters; the longest double printed with %f has 316 */
+enum { MAX_NUMBER = 511 };
 
 static int next_byte(fxs_byte_reader *bytes)
 {
@@ -49,7 +49,6 @@ static int is_digit(int c)
     return c >= '0' && c <= '9';
 }
 
-/* Parses [+-]digits, clamped below 10000. Returns the end of the number, or null. */
 static const char *parse_exponent(const char *text, int *exponent)
 {
     int sign = *text == '-' ? -1 : 1, value = 0;

@@ -44,12 +44,12 @@ const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS] = {
 #include "src/gaussian/attributes.h"
 
 enum {
-    CHUNK_HEAD = 8,                /* bytes before the JSON of a file or chunk */
+    CHUNK_HEAD = 8,
     PAYLOAD_SIZE = 8,
     TALLEST = 254                  /* maximum height of a node; taller nodes are clamped */
 };
 
-#define ALWAYS_THERE 5                       /* number of properties that every chunk has */
+#define ALWAYS_THERE 5
 #define RANGED (BIT(R8) | BIT(R8_DELTA) | BIT(LN_0R8))
 #define SIGNED (BIT(S8) | BIT(S8_DELTA))
 
@@ -57,27 +57,27 @@ enum {
 typedef struct column {
     int is_there, is_compressed, encoding;
     uint64_t offset, stored;
-    double low, high;              /* values of the smallest and largest code */
+    double low, high;
     size_t rows;
     uint8_t *bytes;
 } column;
 
 typedef struct chunk {
-    const char *name;              /* name of the chunk's separate file, or null */
-    uint64_t offset, size;         /* position of the chunk in its file, bytes */
+    const char *name;
+    uint64_t offset, size;
 } chunk;
 
 typedef struct rad_reader {
     const fxs_scene_source *source;
     cJSON *root;
     fxs_scene_source beside;
-    size_t count, chunk_size, chunk_count;   /* nodes in the file; nodes per chunk; chunks */
-    size_t codes;                  /* number of entries of the SH palette */
+    size_t count, chunk_size, chunk_count;
+    size_t codes;
     int sh_degree, is_tree;
     chunk *chunks;
     uint8_t *drawn;                /* for a tree, a bit for each node to draw */
     size_t at;
-    size_t loaded;                 /* chunk with loaded columns; chunk_count: no chunk */
+    size_t loaded;
     uint64_t payload;
     column columns[FXS_RAD_PROPERTIES];
 } rad_reader;
@@ -98,7 +98,6 @@ static size_t rows_of(const rad_reader *r, size_t i)
     return left < r->chunk_size ? left : r->chunk_size;
 }
 
-/* Reads a magic number, a length and JSON. *after becomes the offset after the JSON, padded to a multiple of 8. */
 static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t end, const char *magic, cJSON **root,
                      uint64_t *after, fxs_message *message)
 {
@@ -147,7 +146,6 @@ static const char *read_meta(rad_reader *r, const cJSON *root)
     return NULL;
 }
 
-/* Lists the chunks. Chunks in the opened file follow its header. */
 static int list_chunks(rad_reader *r, uint64_t begin, fxs_message *message)
 {
     const cJSON *item;
@@ -248,7 +246,6 @@ static const char *read_column(column *c, const cJSON *item, int property, uint6
     return NULL;
 }
 
-/* Lists a chunk's columns. The first chunk holds the SH palette. */
 static const char *list_columns(rad_reader *r, const cJSON *root, size_t i, uint64_t payload)
 {
     const cJSON *item;
@@ -357,7 +354,6 @@ static int load_column(rad_reader *r, int property, fxs_message *message)
     return result;
 }
 
-/* Loads a number stored in planes: all first bytes, then all second bytes, and so on. */
 static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
 {
     uint32_t bits = 0;
@@ -366,7 +362,6 @@ static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
     return bits;
 }
 
-/* Decodes a number of a column. Logarithmic scales stay logarithmic. */
 static double value(const column *c, int numbers, int d, size_t row)
 {
     const size_t i = (size_t)d * c->rows + row, stride = (size_t)numbers * c->rows;
@@ -434,7 +429,6 @@ static void decode_rotation(const rad_reader *r, size_t row, float rotation[4])
     rotation[0] = rest > 0 ? (float)sqrt(rest) : 0;
 }
 
-/* Decodes SH from a column per degree, or from the palette. */
 static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message *message)
 {
     const int has_labels = r->columns[FXS_RAD_SH_LABEL].bytes != NULL;
@@ -489,7 +483,6 @@ static void draw(rad_reader *r, size_t i)
     r->drawn[i / 8] = (uint8_t)(r->drawn[i / 8] | 1 << i % 8);
 }
 
-/* Computes a node's height from its children, which come later in the file. */
 static int visit(rad_reader *r, uint8_t *heights, size_t base, size_t row, size_t *children, fxs_message *message)
 {
     const size_t own = base + row, count = (size_t)value_of(r, FXS_RAD_CHILD_COUNT, 0, row);
@@ -549,7 +542,6 @@ static int rad_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* Records the quantisation steps of 8-bit colours and SH, if all chunks have the same steps. */
 static void note_grids(const rad_reader *r, size_t i, fxs_scene_file_info *info)
 {
     const column *rgb = &r->columns[FXS_RAD_RGB];

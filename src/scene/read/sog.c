@@ -5,7 +5,6 @@
 
 #include "src/scene/formats_internal.h"
 
-/* Recognises a .sog: a zip, or a JSON file of no other format. */
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
     return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
@@ -48,18 +47,17 @@ static const struct { const char *name; int first, count; } properties[] = {
     {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
 };
 
-/* Decoded values of a channel's 256 codes. */
 typedef float table[256];
 
 typedef struct sog_scene {
     const fxs_scene_source *source;
-    fxs_scene_source own;      /* opened if the scene is in another file */
+    fxs_scene_source own;
     size_t count;
     int sh_degree, antialiased;
     size_t palette;
     double mins[3], maxs[3];   /* bounds of sign(x) ln(1 + |x|) of the positions */
     table scale[3], colour[4], sh;
-    fxs_text files[IMAGES];    /* encoded images of the scene */
+    fxs_text files[IMAGES];
     int widths[IMAGES], heights[IMAGES];
     uint8_t *pixels[IMAGES];   /* decoded images as RGBA; Gaussian i is pixel i */
 } sog_scene;
@@ -81,18 +79,18 @@ typedef struct file_name {
 typedef struct sog_reader {
     const fxs_scene_source *source;
     cJSON *files;
-    cJSON *model;         /* colour model given for all scenes, or null */
-    int is_turned;        /* 1: the axes of .lcc2 */
+    cJSON *model;
+    int is_turned;
     fxs_transform transform;
     file_name *names;
     size_t file_count;
     range *ranges;
     size_t range_count, range_capacity;
-    size_t at, done;      /* current range, and Gaussians read from that range */
-    sog_scene **scenes;   /* loaded scene of each file, or null */
+    size_t at, done;
+    sog_scene **scenes;
     size_t *held;         /* files with loaded scenes, in the order of loading */
     size_t held_count;
-    sog_scene *scene;     /* scene being loaded or read, or null */
+    sog_scene *scene;
 } sog_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -105,7 +103,6 @@ static double lerp(double a, double b, double t)
     return a * (1 - t) + b * t;
 }
 
-/* Location of a scene's files: the zip if not null, else the folder of meta.json. */
 typedef struct container {
     const fxs_scene_source *source;
     fxs_zip *zip;
@@ -203,7 +200,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
     take_model(s, fxs_json_string(root, "model"));
-    for (int code = 0; code < 256; code++)   /* version 1 replaces these opacities */
+    for (int code = 0; code < 256; code++)
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
         return "no valid values of \"sh0\"";
@@ -265,7 +262,6 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
-/* Loads an image. Two images must not share a file. */
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
@@ -473,7 +469,6 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (x->file > y->file) - (x->file < y->file);
 }
 
-/* Lists the file names, so that a file named twice is read once. */
 static int list_names(sog_reader *r, fxs_message *message)
 {
     const cJSON *item;
@@ -516,7 +511,6 @@ static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
     return named && cJSON_AddItemToArray(r->files, named);
 }
 
-/* Reads lod-meta.json: a level of every leaf, and the environment. */
 static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
     const cJSON *version = member(root, "version");
@@ -550,7 +544,6 @@ static size_t file_of_node(const cJSON *node, const char *name)
     return file;
 }
 
-/* Adds the files of all nodes `depth` levels below a node. Children are an array or named members. */
 static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky, fxs_message *message)
 {
     const cJSON *child, *children = member(node, "child");
@@ -566,7 +559,6 @@ static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky,
     return 0;
 }
 
-/* Adds a file name. In older files, names begin with a slash and lack the ending. */
 static int add_lcc2_name(sog_reader *r, const char *name, int is_old, fxs_message *message)
 {
     name = name ? name : "";
@@ -643,7 +635,6 @@ static void drop_scene(sog_reader *r, size_t at)
     fxs_let_go(r->source, s, sizeof *s);
 }
 
-/* Frees the last loaded scene that is not in use. */
 static int drop_another(void *handle)
 {
     sog_reader *r = handle;

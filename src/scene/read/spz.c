@@ -19,7 +19,7 @@
 #define COORDINATE_SYSTEM 0xadbe0003u
 
 enum {
-    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* bytes of the header in versions 1 to 3, and in version 4 */
+    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,
     MAX_FRACTIONAL_BITS = 24,
     MAX_EXTENSIONS = 1 << 16
 };
@@ -40,12 +40,12 @@ struct fxs_spz {
     int sh_degree, fractional_bits, flags;
     enum fxs_axes axes;
     int is_gzip;
-    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1: sign changes from the file's axes to the requested axes */
+    float flip[3], flip_rotation[3], flip_sh[15];
     uint8_t stride[FXS_SPZ_ARRAYS];
-    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* decompressed data; null before the first read */
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];
     uint64_t payload_size;
-    uint32_t contents;                              /* version 4: offset of the table of contents */
-    uint64_t compressed[FXS_SPZ_ARRAYS];            /* version 4: compressed sizes of the arrays */
+    uint32_t contents;
+    uint64_t compressed[FXS_SPZ_ARRAYS];
     uint32_t next;
 };
 
@@ -128,7 +128,6 @@ static int set_axes(fxs_spz *spz, uint32_t system)
     return 0;
 }
 
-/* Parses extensions of an .spz: records of type, length, payload. */
 static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 {
     uint32_t system = RUB;

@@ -17,18 +17,18 @@
 enum {
     MAX_CONTENTS = 16384,
     MAX_NESTING = 16,
-    MOST_OPEN = 32             /* maximum number of open contents */
+    MOST_OPEN = 32
 };
 
 static const double GLOBE = 1e6;   /* distance from the origin beyond which tiles lie on the globe, metres */
 
 typedef struct matrix {
-    double m[3][4];            /* matrix without the last row 0 0 0 1 */
+    double m[3][4];
 } matrix;
 
 typedef struct content {
-    char *name;                /* path relative to the first tileset's folder */
-    matrix up, tile;           /* up: from the content's axes to the tile's; tile: from there to the tileset's, z up */
+    char *name;
+    matrix up, tile;
     int nesting, is_tileset;
     size_t parent;             /* 1 + index of the tileset that names this content; 0: the first tileset */
     uint64_t device, inode;
@@ -42,22 +42,22 @@ typedef struct tileset {
     fxs_message *message;
     content *contents;
     size_t count, capacity;
-    uint64_t repeated;         /* total bytes of repeated contents */
+    uint64_t repeated;
     int is_on_globe;
-    matrix globe;              /* frame of the first tile on the globe */
-    matrix frame;              /* from the tileset's axes to the Gaussians' axes */
+    matrix globe;
+    matrix frame;
     size_t open;
     size_t at;
-    int is_entered;            /* 1: the content being read is open and rewound */
+    int is_entered;
 } tileset;
 
 typedef struct index_file {
     const char *path;
-    size_t folder;             /* length of the folder part of the name */
+    size_t folder;
     const char *name;
     int nesting;
     size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
-    matrix up;                 /* rotation from contents' axes to tiles' axes */
+    matrix up;
 } index_file;
 
 static int fail(const tileset *t, const char *path, const char *fault)
@@ -158,7 +158,6 @@ static int add_contents(tileset *t, const index_file *from, const cJSON *tile, c
     return found;
 }
 
-/* Transforms of tiles in the file are column-major. */
 static int read_transform(const tileset *t, const index_file *from, const cJSON *tile, matrix *out)
 {
     double m[16];
@@ -172,7 +171,6 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* Returns a tile's refinement: 1 for REPLACE, 0 for ADD, by default the parent's value; or an error and a message. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -296,7 +294,6 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     return list_tiles(t, &from, source, &above);
 }
 
-/* Visits all contents, including contents added during the loop. */
 static int list_all(tileset *t)
 {
     index_file from = {t->source->path, 0, NULL, 0, 0, identity};
@@ -304,7 +301,7 @@ static int list_all(tileset *t)
     for (size_t i = 0; i < t->count && result == 0; i++) {
         fxs_scene_source source;
         result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
-        if (result == 0) {             /* links may change the name, but not its length */
+        if (result == 0) {
             strcpy(t->contents[i].name, source.path + strlen(source.path) - strlen(t->contents[i].name));
             result = check_identity(t, i, &source);
         }
@@ -326,7 +323,6 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* Frees decompressed data, then closes open contents. Data being read is kept. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;

@@ -9,16 +9,15 @@
 
 enum {
     BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP,
-    CELLS = 32,                    /* parts of the range that get at least one entry if used */
+    CELLS = 32,
     BOOK_ROUNDS = 30
 };
 
 typedef struct bin {
     double sum, count;
-    double mean, weight;           /* weight of each value: exp(power * mean) */
+    double mean, weight;
 } bin;
 
-/* Sorts values into ascending bins. Returns the number of nonempty bins. */
 static int fill_bins(bin *bins, const float *values, size_t count, double power, double low, double high)
 {
     const double scale = high > low ? (BINS - 1) / (high - low) : 0;
@@ -146,7 +145,7 @@ uint8_t fxs_book_find(const float book[FXS_BOOK], float value)
 
 enum {
     WIDTH = FXS_SH_PALETTE_STRIDE,
-    SAMPLE = 16384,                /* vectors for learning coarse clusters, approximately */
+    SAMPLE = 16384,
     COARSE_ROUNDS = 8, FINE_ROUNDS = 5
 };
 
@@ -155,7 +154,7 @@ typedef struct cluster {
     const uint32_t *members;
     uint32_t count, entries;
     fxs_sh_palette_vector *means;
-    int32_t *half_squares;         /* |mean|^2 / 2 */
+    int32_t *half_squares;
     uint32_t *nearest;
 } cluster;
 
@@ -188,7 +187,6 @@ static int16_t mean_of(int64_t sum, int64_t count)
     return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
 }
 
-/* Moves codebook entries to the means of their vectors. An entry without vectors stays. */
 static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
 {
     memset(sums, 0, c->entries * sizeof *sums);
@@ -230,15 +228,13 @@ uint32_t fxs_sh_palette_entries(uint32_t count)
 
 typedef struct work {
     fxs_sh_palette_vector coarse[256];
-    uint32_t starts[257];          /* start of each coarse cluster in `members` */
+    uint32_t starts[257];
     int32_t half_squares[FXS_SH_PALETTE_MOST];
     uint32_t *members, *nearest;
     fxs_progress_fn *progress;
     void *argument;
 } work;
 
-/* Divides vectors into 2^(n / 2) clusters for 2^n codebook entries. Returns the number of clusters; 0: out of
-   memory. */
 static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
 {
     const uint32_t step = count / SAMPLE + 1;

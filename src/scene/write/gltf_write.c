@@ -15,7 +15,7 @@
 /* Byte offsets in a row of a Gaussian. glTF allows rows up to 252 bytes. */
 enum { SCALE = 12, ROTATION = 24, OPACITY = 40, SH = 44, MAX_ROW = SH + 16 * 12 };
 
-enum { JSON_MOST = 8000 };         /* bytes; the longest text has 4000 */
+enum { JSON_MOST = 8000 };
 
 typedef struct glb_writer {
     fxs_output output;
@@ -89,7 +89,6 @@ static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row
         fputc(' ', json);
 }
 
-/* Returns the JSON text for free(), or null if memory ran out. */
 static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *length)
 {
     fxs_printed printed;

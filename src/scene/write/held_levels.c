@@ -41,7 +41,6 @@ static int allocate(fxs_level *to, uint32_t before, uint32_t most, uint32_t sets
     return to->gaussians && to->sh && to->into && to->begins && to->errors;
 }
 
-/* Merges set `first` and the next set, if any, into a new set of Gaussians. */
 static void make_set(fxs_levels *l, uint32_t level, uint32_t first, work *w)
 {
     fxs_level *to = &l->levels[level];

@@ -26,7 +26,7 @@ enum {
 #define MOST_OPACITY 1000.0
 
 typedef struct moments {
-    double weight;                 /* opacity times area */
+    double weight;
     double mean[3], covariance[6];
 } moments;
 
@@ -43,7 +43,7 @@ typedef struct builder {
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
     float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, as in Spark */
-    uint32_t *reps;                /* node of each Gaussian of the current level */
+    uint32_t *reps;
     moments *moments;
     sums sums[FXS_LEVEL_SET];
 } builder;
@@ -53,7 +53,6 @@ double fxs_rad_dilation(double opacity)
     return opacity > 1 ? sqrt(1 + FXS_RAD_E * fxs_log(opacity)) : 1;
 }
 
-/* Computes mean and covariance of a Gaussian. Returns the area that weights use. */
 static double measure(moments *m, const fxs_held_gaussian *held)
 {
     fxs_gaussian g;
@@ -174,7 +173,6 @@ static void add_covariance(const builder *b, sums *s, uint32_t member)
         s->all.covariance[k] += share * (m->covariance[k] + products[k]);
 }
 
-/* Makes the tree nodes of Gaussians `first` to `last` - 1 of a level. */
 static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t end, uint32_t first, uint32_t last)
 {
     memset(b->sums, 0, (last - first) * sizeof *b->sums);
@@ -188,13 +186,13 @@ static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t 
         add_mean(b, &b->sums[into[i] - first], i);
     for (uint32_t i = begin; i < end; i++)
         add_covariance(b, &b->sums[into[i] - first], i);
-    for (uint32_t j = 0; j < last - first; j++)      /* a set with a single member keeps that member's node */
+    for (uint32_t j = 0; j < last - first; j++)
         if (b->sums[j].members > 1)
             b->sums[j].last = add_node(b, &b->sums[j]);
     for (uint32_t i = begin; i < end; i++)
         if (b->sums[into[i] - first].members > 1)
             b->parents[b->reps[i]] = b->sums[into[i] - first].last;
-    for (uint32_t j = 0; j < last - first; j++) {    /* overwrites entries of earlier sets only */
+    for (uint32_t j = 0; j < last - first; j++) {
         b->reps[first + j] = b->sums[j].last;
         b->moments[first + j] = b->sums[j].all;
     }
@@ -241,7 +239,7 @@ static int thin_out(builder *b)
         }
         above[i] = stays ? i : NONE;
     }
-    for (uint32_t i = b->nodes; i-- > 0 && made;) {            /* parents before their children */
+    for (uint32_t i = b->nodes; i-- > 0 && made;) {
         const uint32_t parent = b->parents[i];
         if (above[i] == NONE)
             above[i] = above[parent];
@@ -269,7 +267,6 @@ static void list_children(builder *b)
             b->children[b->firsts[b->parents[i] + 1]++] = i;
 }
 
-/* Queue of tree nodes with children to be placed in the file. Each batch is a region. */
 typedef struct queue {
     uint32_t *nodes;
     size_t count, room, at;
@@ -287,7 +284,6 @@ static int is_larger(const builder *b, uint32_t x, uint32_t y)
     return b->sizes[x] != b->sizes[y] ? b->sizes[x] > b->sizes[y] : x < y;
 }
 
-/* Max-heap of nodes by size. */
 static void sift_down(const builder *b, uint32_t *heap, size_t count, size_t at)
 {
     const uint32_t moved = heap[at];
@@ -331,8 +327,6 @@ static int add_batch(queue *q, const uint32_t *nodes, size_t count)
     return 1;
 }
 
-/* Places the children of the largest nodes in the file until a batch is full. Returns the number of nodes left in
-   the heap. */
 static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, size_t count, uint32_t *places,
                              uint32_t end)
 {

@@ -22,7 +22,7 @@
 
 enum {
     CHUNK = 65536,
-    SAMPLES = 65536,               /* number of Gaussians sampled to choose ranges */
+    SAMPLES = 65536,
     PRECISION = 9
 };
 
@@ -112,7 +112,6 @@ static double code_of_opacity(double opacity)
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
 }
 
-/* Returns component `d` of a property of the node at `place` in the file. */
 static double value_of(const rad_writer *w, int property, uint32_t place, int d)
 {
     const uint32_t i = w->tree.order[place];
@@ -126,7 +125,7 @@ static double value_of(const rad_writer *w, int property, uint32_t place, int d)
         return fxs_colour_of_dc((double)g->dc[d]);
     case FXS_RAD_SCALES:
         return (double)g->scale[d];
-    case FXS_RAD_ORIENTATION:              /* x y z of a rotation with w >= 0 */
+    case FXS_RAD_ORIENTATION:
         return (double)(g->rotation[0] < 0 ? -g->rotation[1 + d] : g->rotation[1 + d]);
     case FXS_RAD_CHILD_COUNT:
         return w->tree.child_counts[place];
@@ -146,7 +145,6 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Finds two quantiles of a property in a sample. */
 static int find_range(rad_writer *w, int property, double share, float range[2])
 {
     const uint32_t all = w->tree.count, step = all / SAMPLES + 1;

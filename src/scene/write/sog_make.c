@@ -18,9 +18,9 @@
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES, JSON = IMAGES };
 
 enum {
-    PALETTE_ROW = 64,                    /* palette entries per row of pixels */
+    PALETTE_ROW = 64,
     SH_RATIO = FXS_HELD_SH_ONE / FXS_SH_PALETTE_ONE,
-    EFFORT = 4                           /* effort of libwebp, 0 to 9 */
+    EFFORT = 4
 };
 
 /* Weights ln(sigma) by sigma^1.25. With equal weights, the few largest Gaussians share an entry. With weights by
@@ -151,7 +151,6 @@ static int make_image(fxs_sog *w, int which, uint32_t width, uint32_t height)
     return m->pixels ? 1 : no_memory(w);
 }
 
-/* The images are nearly square and consist of 4x4 blocks. */
 static int make_images(fxs_sog *w)
 {
     uint32_t side = 4;

@@ -34,7 +34,7 @@ typedef struct spz_writer {
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
-    placement *placements;            /* null after the fractional bits are chosen */
+    placement *placements;
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];
     size_t size, done;
     fxs_progress_fn *progress;
@@ -100,7 +100,6 @@ static int spz_open(void *writer, const char *path, const fxs_scene_write_option
     return error;
 }
 
-/* Rounds to the nearest integer in low to high; NaN: low. */
 static int32_t code(double x, int32_t low, int32_t high)
 {
     x = floor(x + 0.5);
@@ -148,7 +147,6 @@ static double scale_code(const fxs_gaussian *g, int axis)
     return (g->scale[axis] + 10.0) * 16;
 }
 
-/* Returns the most fractional bits that fit a position; -1: none fits. */
 static int bits_for(const float position[3])
 {
     const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
@@ -279,7 +277,7 @@ static int deflate_bytes(spz_writer *w, z_stream *stream, const uint8_t *bytes, 
     do {
         stream->next_out = out;
         stream->avail_out = sizeof out;
-        deflate(stream, flush);   /* deflate cannot fail, because the output has room */
+        deflate(stream, flush);
         FXS_TRY(fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message));
     } while (stream->avail_out == 0);
     return 0;

@@ -17,15 +17,14 @@
 #include "src/pack/coarsen.h"
 
 enum {
-    LEAF_SETS = 64,                /* sets of 256 Gaussians in a leaf */
+    LEAF_SETS = 64,
     MOST_LEVELS = 7,               /* in the last level, a leaf is a single set of Gaussians */
-    FILE_GAUSSIANS = 1 << 18,      /* Gaussians per file; a single leaf may have more */
+    FILE_GAUSSIANS = 1 << 18,
     PRECISION = 7
 };
 
 #define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of G^2 over a plane per area of a fxs_coarse */
 
-/* A file of the streamed scene: leaves `first` to `last` - 1 of a level. */
 typedef struct part {
     uint32_t level, number, first, last;
 } part;
@@ -37,7 +36,7 @@ typedef struct streamed_writer {
     fxs_levels levels;
     uint32_t leaves, part_count, parts_made;
     part *parts;
-    float (*bounds)[2][3];         /* bounding box of each leaf, with ellipsoids of one sigma */
+    float (*bounds)[2][3];
     fxs_progress_fn *progress;
     void *argument;
 } streamed_writer;
