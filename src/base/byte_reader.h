@@ -13,7 +13,7 @@ typedef struct fxs_byte_reader {
     const fxs_scene_source *source;
     const char *fault;          /* message of a failed read or seek */
     uint64_t offset;            /* file offset of the buffer's end, bytes */
-    size_t begin, end;          /* unread bytes in the buffer */
+    size_t begin, end;
     uint8_t buffer[FXS_BYTE_READER_BUFFER];
 } fxs_byte_reader;
 
@@ -46,7 +46,6 @@ static inline uint32_t fxs_load_u32(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Converts an IEEE 754 binary16 number to float. */
 static inline float fxs_half(uint32_t bits)
 {
     const int exponent = bits >> 10 & 31, fraction = bits & 1023;

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* ln 2 rounded so that its product with n <= 2^20 is exact */
+#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* ln 2 rounded so that its product with |n| <= 2^20 is exact */
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 
 /* 2^n for n in -1022..1023. */

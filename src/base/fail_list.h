@@ -11,7 +11,7 @@ int fxs_fail_list(int error, fxs_message *message, const char *format, va_list a
 /* Writes the message of a failed library call. Set errno to 0 before that call. Returns FXS_ERR_MEMORY for ENOMEM. */
 int fxs_fail_library(fxs_message *message, const char *path, const char *format, ...) FXS_PRINTF(3, 4);
 
-/* Replaces control characters and changes of text direction by question marks. */
+/* Replaces control characters and characters that change the text direction by question marks. */
 void fxs_text_make_safe(char *text);
 
 #endif

@@ -19,7 +19,6 @@ int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_f
 /* Checks that a path lies in the folder of the file `first` or below. */
 int fxs_file_check_within(const char *first, const char *path, fxs_message *message);
 
-/* Reads bytes at an offset. Returns 0, or -1 if the file ends early. */
 int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size);
 
 #endif

@@ -14,7 +14,6 @@ int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, v
 #define ZLIB_CONST
 #include <zlib.h>
 
-/* Makes a zlib stream use `allocator`, which must outlive the stream. */
 void fxs_zlib_allocator(z_stream *stream, const fxs_allocator *allocator);
 #endif
 

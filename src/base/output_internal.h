@@ -12,11 +12,11 @@
 
 typedef struct fxs_output {
     FILE *file;                /* possibly a pipe, so never seek in this file */
-    char *path;                /* file name from the user */
+    char *path;
     char *target, *temporary;  /* name with links resolved, and temporary name; null: no renaming */
     struct fxs_output *next;   /* list of open outputs, which must not move in memory */
     int lock;                  /* locked descriptor of the temporary file; -1: none */
-    uint64_t left;             /* Gaussians announced but not written */
+    uint64_t left;
     int error;                 /* errno of the first failure; 0: no failure */
 } fxs_output;
 

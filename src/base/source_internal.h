@@ -6,16 +6,15 @@
 #include <fixsplat/input.h>
 #include "text_internal.h"
 
-/* Totals over all sources of a scene. */
 typedef struct fxs_import {
     uint64_t file_bytes;              /* size of all files, each counted once */
     uint64_t *files;                  /* hash set of file keys; 0: free slot */
     size_t file_count, room;
-    uint64_t held;                    /* bytes allocated by fxs_hold */
+    uint64_t held;
     int (*drop)(void *reader);        /* callback that frees data which can be read again; returns 0 if none is left */
     void *reader;
-    double origin[3];                 /* origin that is subtracted from positions */
-    int moves;                        /* 1: the origin may change */
+    double origin[3];
+    int moves;
 } fxs_import;
 
 typedef struct fxs_scene_source fxs_scene_source;
@@ -58,7 +57,6 @@ void fxs_decode_percent(char *text);
 /* Returns 1 if a companion file exists, 0 if not, or an error. */
 int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name, fxs_message *message);
 
-/* Makes an input from memory without copying the data. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);
 
 int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,

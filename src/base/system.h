@@ -147,10 +147,8 @@ int fxs_font_find(char *path, size_t room, fxs_message *message);
 /* Opens a file like fopen, with mode r, w or a. Mode b keeps line ends. */
 FILE *fxs_stream_open(const char *path, const char *mode);
 
-/* Opens a temporary file that is deleted on close. */
 FILE *fxs_stream_temporary(void);
 
-/* Truncates a file to 0 bytes. */
 int fxs_stream_empty(FILE *file);
 
 /* Returns the errno of a failed write, never 0. Set errno to 0 before the write. */
@@ -206,13 +204,12 @@ void fxs_program_path(char *path, size_t room);
 int fxs_program_is_here(const char *name);
 int fxs_library_is_here(const char *name);
 
-/* Sets an environment variable of this process and its children. */
 void fxs_program_set(const char *variable, const char *value);
 
 /* Receives a program's output in pieces. */
 typedef void fxs_program_said_fn(void *argument, const char *data, size_t size);
 
-enum { FXS_PROGRAM_MISSING = 127,      /* exit status of shells for a missing program */
+enum { FXS_PROGRAM_MISSING = 127,
        FXS_PROGRAM_SIGNAL = 256 };
 
 /* Runs the program arguments[0] from PATH; `arguments` ends with null. Standard output goes to `said`, standard
@@ -220,10 +217,8 @@ enum { FXS_PROGRAM_MISSING = 127,      /* exit status of shells for a missing pr
    FXS_PROGRAM_SIGNAL plus a signal's number, FXS_PROGRAM_MISSING, or -1. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 
-/* Replaces this process by a program. Returns only on failure. */
 void fxs_program_become(const char *path, char **argv);
 
-/* Opens an address in the desktop's browser without waiting. */
 int fxs_browse(const char *address);
 
 /* ---- Shutdown ---------------------------------------------------------------------------------------------------- */
@@ -237,7 +232,6 @@ int fxs_end_asked(void);
 /* Restores the default effect of the signals. */
 void fxs_end_listen_no_more(void);
 
-/* Ends this process by the signal that arrived. */
 void fxs_end_as_asked(void);
 
 /* Server mode: blocks SIGHUP, SIGINT and SIGTERM, which fxs_end_wait then receives. Ignores SIGPIPE. */

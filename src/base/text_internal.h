@@ -8,7 +8,7 @@
 #include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
-#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* UTF-8 byte order mark */
+#define FXS_UTF8_MARK "\xef\xbb\xbf"
 
 typedef struct fxs_text {
     const char *path;
@@ -38,7 +38,6 @@ int fxs_json_numbers(const struct cJSON *array, double *out, int count);
 /* Reads a whole number from 0 to `most`. Returns 1, or 0 if the item differs. */
 int fxs_json_whole(const struct cJSON *item, size_t most, size_t *out);
 
-/* Returns a string member of an object, or NULL. */
 const char *fxs_json_string(const struct cJSON *object, const char *name);
 
 #endif

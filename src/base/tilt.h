@@ -46,7 +46,7 @@ static inline uint32_t fxs_tilt_word(uint32_t x, uint32_t y, uint32_t roll, int3
            (roll & ((1u << roll_bits) - 1)) << (32 - all);
 }
 
-/* Rotation word for 0, because an all-zero Gaussian counts as empty. */
+/* Replaces a rotation word of 0, because an all-zero Gaussian counts as empty. */
 #define FXS_NOT_EMPTY (1u << 9)
 
 /* Unpacks a rotation word. bits: width of x and y. */

@@ -9,7 +9,7 @@
 
 #include "fail_list.h"
 
-enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate */
+enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate, output bytes per input byte */
 
 struct fxs_zip {
     const fxs_scene_source *source;

@@ -10,8 +10,8 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 16
 
-/* Camera models by COLMAP's model id. Parameters: focal lengths, principal point, then lens coefficients by the
-   letters of fxs_lens_coefficient. */
+/* COLMAP's camera models, indexed by model id. A camera's parameters are focal lengths, principal point and lens
+   coefficients. Letters are those of fxs_lens_coefficient. */
 static const struct {
     const char *name;
     int focals;
@@ -204,7 +204,7 @@ static int read_images_txt(fxs_view_list *list, const camera_list *cameras, cons
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[9];   /* image id, quaternion, translation, camera id */
+        double values[9];   /* values of an image: id, quaternion, translation, camera id */
         char *name = NULL;
         if (fxs_colmap_numbers(&line, values, 9))
             name = fxs_colmap_rest(line);

@@ -13,13 +13,13 @@ enum { COLUMNS_MOST = 64, SIZE = 800 };
 static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading", "pitch", "roll", "f", "px", "py",
                                              "k1", "k2", "k3", "k4", "t1", "t2"};
 
-#define FILM 36.0                  /* mm: width of 35 mm film, to which focal lengths refer */
+#define FILM 36.0                  /* width of 35 mm film in mm, to which focal lengths refer */
 #define RADIANS 0.017453292519943295
 
 typedef struct table {
     int columns[COLUMNS_MOST];
     int count;
-    char separator;                /* comma, or semicolon for files with decimal commas */
+    char separator;                /* between fields: comma, or semicolon if decimals have commas */
 } table;
 
 static char *next_field(char **rest, char separator)

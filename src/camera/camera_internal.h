@@ -10,7 +10,6 @@
 #include "lens.h"
 #include "src/base/text_internal.h"
 
-/* Whether a photograph is for fitting or testing. */
 enum fxs_view_part {FXS_VIEW_OF_ANY, FXS_VIEW_TO_FIT, FXS_VIEW_TO_TEST, FXS_VIEW_LEFT_OUT};
 
 /* Meaning of the intrinsics in a file without picture sizes, which get a size of 800 x 800 pixels. */
@@ -24,8 +23,8 @@ enum fxs_view_size {
 typedef struct fxs_listed_view {
     fxs_file_view view;
     fxs_lens lens;
-    char *image;        /* name of the photograph, or NULL */
-    char *mask;         /* name of the mask, or NULL */
+    char *image;
+    char *mask;
     enum fxs_view_part part;
     enum fxs_view_size sizeless;
 } fxs_listed_view;

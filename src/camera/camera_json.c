@@ -9,7 +9,7 @@
 
 #include <cjson/cJSON.h>
 
-/* Returns a number member; `absent` if missing, INFINITY if not a number. */
+/* Reads a number from a JSON object: `absent` if missing, INFINITY if not a number. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
@@ -29,7 +29,7 @@ static int matrix(const cJSON *array, double *out, int size)
     return 1;
 }
 
-/* "rotation" maps camera to world. Inria's own files lack cx, cy and orthographic. */
+/* The member "rotation" maps camera to world. Inria's own files lack cx, cy and orthographic. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
@@ -55,8 +55,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* For each camera_model, a letter of fxs_lens_coefficient for each of lens_names; -: unused. Coefficient k4
-   belongs to r^8, except in FULL_OPENCV. */
+/* Lens coefficients of each camera_model, as letters of fxs_lens_coefficient; -: unused. Coefficient k4 belongs to
+   r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;
@@ -131,7 +131,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return fxs_view_list_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
-    /* camera to world, with y up and z backwards */
+    /* The matrix maps camera to world, with y up and z backwards. */
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = m[4 * i];
         view->rotation[3 + i] = -m[4 * i + 1];

@@ -20,21 +20,21 @@ enum { F, CX, CY, B1, B2, K1, K2, K3, K4, P1, P2, P3, P4, NUMBERS };
 static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2",
                                                    "p3", "p4"};
 
-/* find_item needs the sensor's id as first field. */
+/* The sensor's id must be the first field, for find_item. */
 typedef struct sensor {
     char id[ID_ROOM], type[ID_ROOM];
     double width, height, numbers[NUMBERS];
     int calibrated, adjusted;
 } sensor;
 
-/* World position = scale * rotation * local position + translation. */
+/* Placement of a group of cameras: world position = scale * rotation * local position + translation. */
 typedef struct placement {
     char id[ID_ROOM];
     double rotation[9], translation[3], scale;
     int given;
 } placement;
 
-#define ON_EARTH 65536.0           /* scene units; larger translations are geographic, too far for floats */
+#define ON_EARTH 65536.0           /* scene units; a larger translation is geographic, too far for floats */
 
 typedef struct photographed {
     char *label;
@@ -286,7 +286,7 @@ static int is_view(const photographed *c)
     return c->has_pose && !c->disabled;
 }
 
-/* The origin is the first geographic translation in whole units, so that doubles subtract it exactly. */
+/* Sets the origin to the first geographic translation in whole units, which doubles subtract exactly. */
 static void find_origin(reader *r)
 {
     const photographed *cameras = r->cameras.data;
@@ -319,7 +319,8 @@ static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16]
     return 0;
 }
 
-/* u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' includes P1 (r^2 + 2 x^2) + 2 P2 x y. */
+/* Projection to pixels: u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' includes P1 (r^2 +
+   2 x^2) + 2 P2 x y. */
 static int set_intrinsics(fxs_view_list *list, fxs_listed_view *listed, const sensor *s)
 {
     const double *n = s->numbers;

@@ -23,8 +23,8 @@ enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST =
 #define FOV 50
 #define LARGEST (PIXELS / 16)        /* pixels; a larger Gaussian lowers the score */
 #define UNBOUNDED 2                  /* minimum size of an unbounded scene relative to its core */
-#define OPEN 0.65                    /* minimum mean coverage around a useful place inside */
-#define CLOSED 0.88                  /* minimum mean coverage inside a closed room */
+#define OPEN 0.65                    /* minimum mean coverage of views from a useful place inside */
+#define CLOSED 0.88                  /* minimum mean coverage of views inside a closed room */
 #define WITHIN 0.74                  /* minimum ratio of Gaussians seen inside to outside, for an inside view */
 #define WITHIN_STANDING 1.1          /* maximum ratio of Gaussians seen inside to outside, for a standing figure */
 
@@ -36,7 +36,7 @@ typedef struct look {
 } look;
 
 typedef struct sight {
-    int64_t seen;                    /* Gaussians that contribute most to some pixel */
+    int64_t seen;                    /* number of Gaussians that contribute most to some pixel */
     int64_t largest;
     int64_t detail;
     int64_t covered;                 /* sum of the pixels' coverage, 255 per pixel */
@@ -67,7 +67,7 @@ typedef struct chooser {
     int place_count;
     int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
     int is_within;
-    int outlined;                    /* 0: the surroundings thin out with distance */
+    int outlined;                    /* 0: no outline, as the surroundings thin out with distance */
     double up[3], close;             /* close: depth below which pixels block the view */
     size_t frame_bytes;
     unsigned char *frames;
@@ -342,7 +342,8 @@ static int try_heights(chooser *c, choice *made)
     return 0;
 }
 
-/* Renders several views. Measures the most Gaussians seen, the mean coverage and the mean share of close pixels. */
+/* Renders several views. Returns the largest number of Gaussians seen, the mean coverage and the mean share of
+   close pixels. */
 static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
     sight sights[STANDS];
@@ -363,7 +364,7 @@ static int is_amid(const chooser *c, const double place[3])
 }
 
 /* Finds places inside the scene. seen: most Gaussians seen from such a place. weighed: `seen`, raised in a room or
-   a hollow core, and lowered elsewhere in an unbounded scene, because its sky covers every view. */
+   a hollow core. Elsewhere in an unbounded scene `weighed` is lowered, because the sky covers every view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];

@@ -114,8 +114,8 @@ static void weigh_sides(const weighed *s, const double axis[3], double thickness
     }
 }
 
-/* Layers are reach / 16 thick, or thinner if all of the scene is in a layer. The result is damped for few
-   Gaussians and for a share near the random 6 %. */
+/* Measures on which side of the ground most of the scene lies. Layers are reach / 16 thick. The result is damped
+   for few Gaussians and for a share of flat Gaussians near the random 6 %. */
 static double sides_of(const weighed *s, const double axis[3], double share)
 {
     double above = 0, below = 0, thickness = s->reach / 16;
@@ -149,8 +149,8 @@ static double growth_of(const weighed *s, const double axis[3], double *values)
 }
 
 /* Picks the axis, y or z, that most flat Gaussians have as normal; y in doubt. The refined axis must be clearly
-   better, so that an upright scene stays upright. A wall captured from the front also faces z. Then subjects are
-   on its -z side, or Gaussians grow along z. */
+   better, so that an upright scene stays upright. A wall captured from the front also faces z. Such a scene has
+   its subjects on the -z side, or Gaussians that grow along z. */
 static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)
 {
     static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};

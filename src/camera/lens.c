@@ -38,7 +38,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     return lens->kind != FXS_LENS_FISHEYE && lens->kind != FXS_LENS_FISHEYE_AFTER && lens->skew == 0;
 }
 
-/* Tangent by Lambert's continued fraction for angle / 8, then three doublings. */
+/* Tangent by Lambert's continued fraction for angle / 8, then three doublings of the angle. */
 double fxs_tangent(double angle)
 {
     const double z = angle / 8, square = z * z;

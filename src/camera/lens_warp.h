@@ -14,7 +14,7 @@ enum { FXS_WARP_STEPS = 1024 };
 typedef struct fxs_lens_warp {
     fxs_lens lens;
     fxs_file_view photograph;
-    fxs_file_view cover;           /* camera of the perspective picture */
+    fxs_file_view cover;
     double step;                   /* table spacing, focal lengths */
     double reach[FXS_WARP_STEPS + 1];    /* table: radius in the photograph at i * step off the axis */
     int steps;                     /* number of table entries, up to 75 degrees off the axis */

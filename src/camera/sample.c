@@ -20,7 +20,7 @@ typedef struct loose {
     uint32_t opacity;                /* 0 to 255 */
 } loose;
 
-/* Opacity law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
+/* Decodes an opacity code c. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
 static uint32_t opacity_of(uint32_t code, uint32_t law)
 {
     static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* 255 * 4^(1 - law) - 1 */
@@ -139,7 +139,7 @@ static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
     return (word - y + half) >> (32 - to) << (32 - to) | y;
 }
 
-/* Packs sizes, after adding larger_q16 to all log2(sigma). Code: sqrt((scale - x) / step). */
+/* Packs sizes, after adding larger_q16 to all log2(sigma). The code of a size x is sqrt((scale - x) / step). */
 static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
@@ -278,8 +278,8 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* log2(x) / 3, linear between powers of two. Enlarging every x-th Gaussian by this log2 keeps the filled share of
-   space. */
+/* Growth of log2(sigma) that keeps space equally filled by every x-th Gaussian: log2(x) / 3, linear between powers
+   of two. */
 static int32_t larger_of(uint64_t x)
 {
     const int whole = 63 - fxs_clz64(x);

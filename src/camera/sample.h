@@ -13,7 +13,7 @@ typedef struct fxs_sample_point {
     double normal[3];                /* thinnest axis, length 1, either sign */
     double size;                     /* square root of the product of the two largest sigmas */
     double flatness;                 /* 31/32 - thinnest / middle sigma, at least 0 */
-    double opacity;                  /* 0 to 1 */
+    double opacity;
 } fxs_sample_point;
 
 /* A sample of Gaussians as points. Points are also packed for drawing, enlarged and with SH degree 0. */

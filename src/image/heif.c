@@ -173,7 +173,7 @@ static uint32_t take(bits *b, int count)
     return value;
 }
 
-/* Exp-Golomb code ue(v) of ITU-T H.265, 9.2. */
+/* Reads an Exp-Golomb code: ue(v) of ITU-T H.265, 9.2. */
 static uint32_t take_code(bits *b)
 {
     int zeros = 0;
@@ -232,8 +232,8 @@ static uint32_t number_at(const uint8_t *bytes, size_t count)
     return number;
 }
 
-/* Counts in `to` how often pictures decode each picture they refer to. A child of an iref box has size, type,
-   number, count, then numbers of `wide` bytes. Returns 0 if a number is too large or *left is used up. */
+/* Adds up how often each picture is decoded because other pictures refer to it. A child of an iref box has size,
+   type, number, count, then numbers of `wide` bytes. Returns 0 if a number is too large or *left is used up. */
 static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to,
                      size_t *left)
 {

@@ -4,7 +4,6 @@
 
 #include <libheif/heif.h>
 
-/* Applies the macro `use` to each libheif function used. */
 #define FXS_HEIF_FUNCTIONS(use) \
     use(heif_init) \
     use(heif_context_alloc) \

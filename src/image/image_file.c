@@ -314,7 +314,7 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return fxs_no_memory;
-    uint8_t *rgb = *rgba + pixels;   /* pixels are read into the end of the block, then spread */
+    uint8_t *rgb = *rgba + pixels;   /* RGB is read into the end of the block, then spread to RGBA */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
     for (size_t i = 0; i < pixels; i++) {

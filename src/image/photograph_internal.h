@@ -16,7 +16,6 @@ typedef struct fxs_exif_bytes {
 /* fxs_no_heif: libheif is not linked or not installed. */
 extern const char fxs_no_memory[], fxs_no_heif[];
 
-/* Returns the reason to refuse a picture of this size in a file of `bytes` bytes, or NULL. */
 const char *fxs_image_refusal(int width, int height, uint64_t bytes);
 
 /* Reads a HEIF in builds with FXS_WITH_HEIF. Returns NULL, or the fault as text. `exif` may be null. */

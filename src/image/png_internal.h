@@ -7,7 +7,6 @@
 /* Bits per channel and colour type of the PNG header. */
 enum { FXS_PNG_GREY_16 = 16 << 8 | 0, FXS_PNG_RGB = 8 << 8 | 2, FXS_PNG_RGBA = 8 << 8 | 6 };
 
-/* Allocates room for an encoded picture. Returns null if out of memory. */
 uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes);
 
 int fxs_image_opaque(const uint8_t *rgba, size_t pixels);

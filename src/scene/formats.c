@@ -1,4 +1,4 @@
-/* Lists the scene formats. A new format needs a reader or writer, a row here, and a test. */
+/* Lists the scene formats. A new format needs a reader or writer, a row in the table, and a test. */
 #include "formats_internal.h"
 
 #include <stdio.h>

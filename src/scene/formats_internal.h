@@ -23,7 +23,6 @@ typedef struct fxs_format_row {
     const fxs_writer *writer;   /* null: the format cannot be written */
 } fxs_format_row;
 
-/* Finds the format of a file by its first bytes. */
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message);
 
 /* Returns the format to write by `name`, or if null, by the ending of `path`. Returns null for an unknown format. */

@@ -13,9 +13,9 @@ int fxs_part_file_write(const char *path, const fxs_packed_scene *part, fxs_mess
 
 typedef struct fxs_part_merge {
     int tree;                    /* 1: parts without levels of detail are an error */
-    int (*change)(void *argument, void *header, fxs_message *message);   /* changes the scene's header, or null */
+    int (*change)(void *argument, void *header, fxs_message *message);
     void *argument;
-    fxs_progress_fn *progress;   /* null: no callback */
+    fxs_progress_fn *progress;
     void *progress_argument;
 } fxs_part_merge;
 

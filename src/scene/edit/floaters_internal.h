@@ -7,7 +7,7 @@
 typedef struct fxs_floater {
     float position[3];
     float end[3];                 /* vector of one sigma along the longest axis */
-    int16_t level;                /* log2 of the width of the grid cells */
+    int16_t level;
     uint8_t opaque, floats;
 } fxs_floater;
 

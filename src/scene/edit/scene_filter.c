@@ -24,8 +24,8 @@ void fxs_scene_filter_default(fxs_scene_filter *filter)
                                  .radius = INFINITY, .sh_degree = 3};
 }
 
-/* Distance from the segment a + t u, 0 <= t <= 1; a sphere has u = 0. With w = p - a, |w - t u|^2 <= r^2 becomes
-   |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
+/* Tests if point p is farther than r from the segment a + t u, 0 <= t <= 1. A sphere has u = 0. With w = p - a, |w
+   - t u|^2 <= r^2 becomes |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
 static int is_outside(const fxs_filter_shape *s, const double p[3])
 {
     const double *n = s->numbers;

@@ -25,8 +25,8 @@
 enum {
     MAX_DEPTH = 64,
     MAX_BUFFERS = 64,
-    MAX_MEMBERS = 1024,          /* members of a JSON object, because every look-up is linear */
-    MAX_PARTS = 1024,            /* primitives times the nodes that place them */
+    MAX_MEMBERS = 1024,          /* members of a JSON object; look-ups are linear */
+    MAX_PARTS = 1024,            /* primitives, counted for each node that places them */
     MAX_COUNT = 2147483647,
     BATCH = 256,
     MAX_STRIDE = 252
@@ -62,7 +62,7 @@ typedef struct buffer_view {
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* glTF's componentType minus 5120 */
 
 typedef struct accessor {
-    range bytes;
+    range bytes;                 /* buffer NULL: all elements are 0 */
     range indices, values;
     uint32_t replaced, at;
     uint32_t count, stride, size;
@@ -96,7 +96,7 @@ typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;
     double frame[3][4];
-    list lists[LISTS];
+    list lists[LISTS];           /* valid only while the file is opened */
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;
@@ -174,7 +174,7 @@ static int make_list(gltf *g, const cJSON *root, int which)
 
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))
+    if (count & (count - 1))     /* the capacity is the next power of two */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -1077,7 +1077,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);
+        fxs_spz_close(g->splats[i].opened);   /* before closing its source */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);

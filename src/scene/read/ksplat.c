@@ -18,7 +18,7 @@ typedef struct section {
     uint32_t centre_size;
     int sh_degree;
     uint32_t row_size;
-    double range, step;                     /* position = (code - range) step + centre, above level 0 */
+    double range, step;                     /* position = (code - range) step + centre, above compression level 0 */
     uint64_t lengths, centres, rows, end;
 } section;
 

@@ -37,7 +37,7 @@ typedef struct ply_reader {
     int sh_degree, stored_sh_degree;
     int is_flat;                         /* 1: 2D Gaussians, without scale_2 */
     int is_filtered;                     /* 1: the file has filter_3D of Mip-Splatting */
-    double full;                         /* full brightness of plain colours; 0: colours are f_dc */
+    double full;                         /* number that means full brightness; 0: colours are SH (f_dc) */
     float fields[FIELDS];
     int columns, all_float;
     int runs;

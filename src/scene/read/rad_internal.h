@@ -15,8 +15,8 @@ enum {
 
 typedef struct fxs_rad_property {
     const char *name;
-    int numbers;                   /* numbers per Gaussian */
-    unsigned encodings;            /* bit mask of allowed encodings */
+    int numbers;
+    unsigned encodings;
 } fxs_rad_property;
 
 typedef struct fxs_rad_encoding {

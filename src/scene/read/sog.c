@@ -364,7 +364,7 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
 {
     const uint8_t *code = s->pixels[LABELS] + 4 * index;
     size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
-    if (label >= s->palette)   /* SH is 0, as in PlayCanvas's reader */
+    if (label >= s->palette)   /* a label beyond the palette has SH 0, as in PlayCanvas */
         return;
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -411,8 +411,8 @@ static int level_of(const char *name)
     return *name ? level : -1;
 }
 
-/* Finds a node's item for a level, or null. A leaf without that level uses the nearest level. Returns 0, or -1 if
-   level names are not numbers. */
+/* Finds a tree node's data for a level, or null. A leaf without that level uses the nearest level. Returns 0, or
+   -1 if level names are not numbers. */
 static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));

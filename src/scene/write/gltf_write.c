@@ -153,7 +153,7 @@ static void encode(const glb_writer *w, const fxs_gaussian *g, uint8_t *row)
     for (int i = 0; i < 3; i++)
         scale[i] = (float)fxs_exp(g->scale[i]);
     for (int k = 0; k < 15; k++) {
-        const int odd = fxs_spz_odd_in[k] & 3;   /* SH odd in x, odd in y: each flips the sign */
+        const int odd = fxs_spz_odd_in[k] & 3;   /* SH change sign if odd in x or in y, but not in both */
         for (int c = 0; c < 3; c++)
             sh[3 * k + c] = odd == 1 || odd == 2 ? -g->sh[3 * k + c] : g->sh[3 * k + c];
     }

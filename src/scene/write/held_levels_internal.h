@@ -11,7 +11,7 @@ enum { FXS_LEVELS_MOST = 40, FXS_LEVEL_SET = 256 };
 typedef struct fxs_level {
     fxs_held_gaussian *gaussians;  /* gaussians and sh are null for level 0 */
     int16_t *sh;
-    uint32_t *into;                /* for each Gaussian of the previous level, the merged Gaussian */
+    uint32_t *into;                /* for each Gaussian of the previous level, the index after merging */
     uint32_t *begins;              /* start of each set of Gaussians, and the end */
     double *errors;                /* merging error of each set, colours^2 units^2 */
     uint32_t count, sets;

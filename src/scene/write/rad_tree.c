@@ -42,7 +42,7 @@ typedef struct builder {
     uint32_t nodes;
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
-    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, as in Spark */
+    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times Spark's dilation D */
     uint32_t *reps;
     moments *moments;
     sums sums[FXS_LEVEL_SET];

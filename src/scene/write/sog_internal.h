@@ -9,7 +9,6 @@ enum { FXS_SOG_SIDE = 16383, FXS_SOG_FILES = 8 };
 
 extern const char *const fxs_sog_names[FXS_SOG_FILES];
 
-/* Maximum number of Gaussians: the pixels of the largest image. */
 #define FXS_SOG_MOST ((uint32_t)FXS_SOG_SIDE / 4 * 4 * FXS_SOG_SIDE)
 
 /* Gaussians in the order of the file. Neighbours together improve WebP and the palette. */

@@ -30,7 +30,7 @@ typedef struct spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased, fine;
     uint32_t count, next;
-    uint32_t fitting[MAX_BITS + 2];   /* number of positions by fractional bits that fit, plus 1; [0]: none fits */
+    uint32_t fitting[MAX_BITS + 2];   /* [b + 1]: positions that fit b fractional bits, but no more */
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
@@ -136,7 +136,7 @@ static uint8_t code_byte(double x)
     return (uint8_t)code(x, 0, 255);
 }
 
-/* Returns 1 if a code lies outside a byte by a step or more. */
+/* Returns 1 if a code lies outside 0 to 255 by a step or more. */
 static int is_beyond(double x)
 {
     return !(x >= -1 && x <= 256);
@@ -176,7 +176,7 @@ static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
     at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + fxs_exp(-(double)g->opacity)));
     put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
     for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
-        int odd = fxs_spz_odd_in[i / 3] & 6;   /* SH odd in y, odd in z: each flips the sign */
+        int odd = fxs_spz_odd_in[i / 3] & 6;   /* SH change sign if odd in y or in z, but not in both */
         double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
         sh |= is_beyond(x);
         const int step = w->fine ? 1 : i < 9 ? 8 : 16;

@@ -23,7 +23,7 @@ enum {
     PRECISION = 7
 };
 
-#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of G^2 over a plane per area of a fxs_coarse */
+#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of a squared Gaussian over a plane / its area */
 
 typedef struct part {
     uint32_t level, number, first, last;
@@ -229,7 +229,7 @@ static void print_corner(FILE *json, const char *before, const float corner[3])
     fputs("]", json);
 }
 
-/* Returns a leaf's energy in units of the errors: the sum over its Gaussians, each alone. */
+/* Returns a leaf's energy in the units of merging errors: the sum over its Gaussians, each alone. */
 static double energy_of(const streamed_writer *w, uint32_t leaf)
 {
     double sum = 0;
