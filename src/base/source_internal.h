@@ -21,7 +21,7 @@ typedef struct fxs_scene_source fxs_scene_source;
 struct fxs_scene_source {
     fxs_scene_input input;
     char *path;
-    const fxs_scene_source *first;    /* main file of the scene, for a companion file; else NULL */
+    const fxs_scene_source *first;    /* for a companion file, the main file of the scene; else NULL */
     fxs_scene_file_options options;
     fxs_import *import;
     uint64_t device, inode;

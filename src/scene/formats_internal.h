@@ -8,7 +8,7 @@
 #include "src/gaussian/stream_internal.h"
 
 typedef struct fxs_writer {
-    size_t size;          /* bytes of the writer's state */
+    size_t size;          /* size of the writer's state, bytes */
     /* Begins a file. `data` is zeroed. After an error, no close is needed. */
     int (*open)(void *data, const char *path, const fxs_scene_write_options *options, fxs_message *message);
     int (*put)(void *data, const fxs_gaussian *gaussians, size_t n, fxs_message *message);

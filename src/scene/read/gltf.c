@@ -62,7 +62,7 @@ typedef struct buffer_view {
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* glTF's componentType minus 5120 */
 
 typedef struct accessor {
-    range bytes;                 /* buffer NULL: all elements are 0 */
+    range bytes;                 /* buffer NULL: all elements of the accessor are 0 */
     range indices, values;
     uint32_t replaced, at;
     uint32_t count, stride, size;
@@ -1077,7 +1077,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* before closing its source */
+        fxs_spz_close(g->splats[i].opened);   /* the .spz closes before its source */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);

@@ -23,7 +23,7 @@ enum {
     PRECISION = 7
 };
 
-#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of a squared Gaussian over a plane / its area */
+#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of a squared Gaussian over a plane, per area */
 
 typedef struct part {
     uint32_t level, number, first, last;
