@@ -17,7 +17,7 @@ void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size)
     return allocator ? allocator->allocate(allocator->argument, bytes) : malloc(bytes);
 }
 
-/* calloc, because large blocks come zeroed from the system for free. */
+/* Uses calloc, because the system supplies large blocks already zeroed. */
 void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size)
 {
     if (!allocator && !overflows(count, size))

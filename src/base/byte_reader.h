@@ -1,4 +1,4 @@
-/* Reads a scene file through a buffer, sequentially from any offset. Several readers may share a file. */
+/* Buffered sequential reader of a scene file. Several readers may share a file. */
 #ifndef FXS_BYTE_READER_H
 #define FXS_BYTE_READER_H
 
@@ -11,23 +11,23 @@ enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 
 typedef struct fxs_byte_reader {
     const fxs_scene_source *source;
-    const char *fault;          /* why a read or a seek failed */
-    uint64_t offset;            /* file offset of the end of the buffer, bytes */
-    size_t begin, end;          /* range of unread bytes in the buffer */
+    const char *fault;          /* message of a failed read or seek */
+    uint64_t offset;            /* file offset of the buffer's end, bytes */
+    size_t begin, end;
     uint8_t buffer[FXS_BYTE_READER_BUFFER];
 } fxs_byte_reader;
 
-/* The next `size` bytes, at most FXS_BYTE_READER_BUFFER; valid until the next call. NULL at the end of the file. */
+/* Returns the next `size` bytes, at most FXS_BYTE_READER_BUFFER, valid until the next call. NULL: end of the file. */
 const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size);
 
-/* Return 0, or FXS_ERR_FILE beyond the end of the file. */
+/* Returns 0, or FXS_ERR_FILE for a position beyond the end of the file. */
 int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset);
 int fxs_bytes_skip(fxs_byte_reader *reader, uint64_t size);
 
-/* Sets the fault and returns FXS_ERR_FILE. */
+/* Stores the fault for a later message and returns FXS_ERR_FILE. */
 int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault);
 
-/* Writes a message with the fault and the row number, counted from 0. Returns FXS_ERR_FILE. */
+/* Writes the stored fault and a row number, counted from 0. Returns FXS_ERR_FILE. */
 int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,
                        fxs_message *message);
 
@@ -35,8 +35,6 @@ static inline uint64_t fxs_bytes_tell(const fxs_byte_reader *reader)
 {
     return reader->offset - (reader->end - reader->begin);
 }
-
-/* ---- Little-endian values ---- */
 
 static inline uint16_t fxs_load_u16(const uint8_t *bytes)
 {
@@ -48,7 +46,6 @@ static inline uint32_t fxs_load_u32(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Converts IEEE 754 binary16. */
 static inline float fxs_half(uint32_t bits)
 {
     const int exponent = bits >> 10 & 31, fraction = bits & 1023;

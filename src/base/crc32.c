@@ -1,6 +1,6 @@
 #include "crc32.h"
 
-#define POLYNOMIAL 0xedb88320u     /* x^32 + x^26 + ..., bits in reverse order */
+#define POLYNOMIAL 0xedb88320u     /* CRC-32 polynomial, bits in reverse order */
 
 void fxs_crc32_fill(fxs_crc32_table *table)
 {
@@ -8,7 +8,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
     for (uint32_t b = 0; b < 256; b++) {
         uint32_t crc = b;
         for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);    /* with ?: gcc 12 for ARM loses crc's upper half */
+            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);    /* no ?: operator, which gcc 12 for ARM miscompiles */
         after[0][b] = crc;
     }
     for (int k = 1; k < 8; k++)
@@ -16,7 +16,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
             after[k][b] = after[k - 1][b] >> 8 ^ after[0][after[k - 1][b] & 255];
 }
 
-/* Eight bytes at once (slicing by 8): the checksum is the XOR of the checksums of each byte followed by zeros. */
+/* CRC-32 of eight bytes at once (slicing by 8). */
 static uint32_t next_eight(const fxs_crc32_table *table, uint32_t crc, const unsigned char *bytes)
 {
     uint32_t next = 0;

@@ -1,5 +1,5 @@
-/* e^x and ln x from + - * / only, within 2 units in the last place. Unlike the functions of C libraries, they give
- * the same bits on every machine. */
+/* Computes e^x and ln x with + - * / only, within 2 units in the last place. Results are the same on every
+   machine. */
 #ifndef FXS_EXPONENTIAL_H
 #define FXS_EXPONENTIAL_H
 
@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* its product with an integer up to 2^20 is exact */
+#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* ln 2 rounded so that its product with |n| <= 2^20 is exact */
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 
 /* 2^n for n in -1022..1023. */
@@ -19,14 +19,14 @@ static inline double fxs_power_of_two(int n)
     return power;
 }
 
-/* x * 2^n; exact if the result is a normal number. */
+/* x * 2^n, exact for normal results. */
 static inline double fxs_scaled(double x, int n)
 {
     return n < -1021 || n > 1023 ? ldexp(x, n) : x * fxs_power_of_two(n);
 }
 
-/* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. Quotients such as r / 6
-   are computed from r / 3. Returns e^r and n, for x in -746..710. */
+/* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. Returns e^r and n, for x
+   in -746..710. r / 6 is computed from r / 3. */
 static inline double fxs_exp_series(double x, int *exponent)
 {
     const double scaled = x * 1.4426950408889634 + 0.5;

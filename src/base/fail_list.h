@@ -1,4 +1,4 @@
-/* Messages: variants with a va_list, errors of libraries, and texts made safe for a terminal. */
+/* Writes error messages of libraries, and makes texts safe for a terminal. */
 #ifndef FXS_FAIL_LIST_H
 #define FXS_FAIL_LIST_H
 
@@ -6,14 +6,12 @@
 
 #include <fixsplat/internal/message.h>
 
-/* As fxs_fail_as, with a va_list. */
 int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments) FXS_PRINTF(3, 0);
 
-/* As fxs_fail, for a failed call of a library. The caller sets errno to 0 before the call. If errno then reports
-   that memory ran out, the error is FXS_ERR_MEMORY. */
+/* Writes the message of a failed library call. Set errno to 0 before that call. Returns FXS_ERR_MEMORY for ENOMEM. */
 int fxs_fail_library(fxs_message *message, const char *path, const char *format, ...) FXS_PRINTF(3, 4);
 
-/* Replaces control characters and characters that change the text direction by ?. */
+/* Replaces control characters and characters that change the text direction by question marks. */
 void fxs_text_make_safe(char *text);
 
 #endif

@@ -1,10 +1,10 @@
-/* Recognises files of other kinds by their first bytes, so that messages can name them. */
+/* Recognises unexpected files by their first bytes. */
 #include "foreign.h"
 
 #include <string.h>
 #include <strings.h>
 
-/* Signatures. Most have at least four bytes, so that random data hardly ever matches. */
+/* Signatures of file kinds. Most have at least four bytes, so random data rarely matches. */
 static const struct {
     size_t at, size;
     const char *bytes, *words;
@@ -39,20 +39,16 @@ static const struct {
     {0, 8, "PXR-USDC", "a .usdc of OpenUSD"},
 };
 
-/* Line beginnings of an .obj. */
 static const char *const lines[] = {"mtllib ", "usemtl ", "o ", "g ", "v ", "vn ", "vt "};
 
-/* Beginnings of HTML pages. */
 static const char *const pages[] = {"<!doctype html", "<html", "<head"};
 
-/* Whether a line begins with `words`, in any case. */
 static int begins(const char *line, const char *end, const char *words)
 {
     return (size_t)(end - line) >= strlen(words) && !strncasecmp(line, words, strlen(words));
 }
 
-/* Tests the first line that is not empty or a comment. The keywords are short, so the beginning must also be plain
-   text. */
+/* The file must begin as plain text, because the keywords of .obj meshes are short. */
 static int is_obj(const char *text, const char *end)
 {
     enum { LOOKED_AT = 256 };
@@ -75,7 +71,7 @@ const char *fxs_foreign(const void *bytes, size_t size)
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (kinds[i].at + kinds[i].size <= size && !memcmp(text + kinds[i].at, kinds[i].bytes, kinds[i].size))
             return kinds[i].words;
-    while (text < end && *text && strchr(" \t\r\n\xef\xbb\xbf", *text))   /* blanks and the UTF-8 mark */
+    while (text < end && *text && strchr(" \t\r\n\xef\xbb\xbf", *text))
         text++;
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
         if (begins(text, end, pages[i]))

@@ -4,12 +4,11 @@
 
 #include <stddef.h>
 
-/* Words for scenes without Gaussians, with advice. */
 #define FXS_POINT_CLOUD "a point cloud, not Gaussians: a .ply of points is what fit begins with, as points.ply " \
                         "beside the cameras of photographs"
 #define FXS_MESH "a mesh, not Gaussians: it is neither drawn nor fitted"
 
-/* Names a file's kind by its first bytes, as "a .zip archive". 512 bytes are enough for every kind. NULL: unknown. */
+/* Names a file's kind by its first 512 bytes, for example "a .zip archive". NULL: unknown. */
 const char *fxs_foreign(const void *bytes, size_t size);
 
 #endif

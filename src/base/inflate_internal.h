@@ -4,9 +4,9 @@
 
 #include "source_internal.h"
 
-#define FXS_MAX_EXPANSION 1032u        /* maximum expansion of deflate, bytes per byte */
+#define FXS_MAX_EXPANSION 1032u        /* maximum expansion of deflate, output bytes per input byte */
 
-/* Inflates a raw deflate stream, without header, to exactly `wanted` bytes. Returns 0, or an error and a message. */
+/* Inflates a raw deflate stream to exactly `wanted` bytes. Returns 0, or an error and a message. */
 int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, void *out, size_t wanted,
                 fxs_message *message);
 
@@ -14,7 +14,6 @@ int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, v
 #define ZLIB_CONST
 #include <zlib.h>
 
-/* Makes a zlib stream allocate from `allocator`, which must outlive it. */
 void fxs_zlib_allocator(z_stream *stream, const fxs_allocator *allocator);
 #endif
 

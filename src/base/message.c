@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Length in bytes of a character that controls a terminal, ends a line or changes the text direction; else 0. These
-   are C0, C1, U+2028, U+2029, U+202A to U+202E, U+2066 to U+2069. */
+/* Length in bytes of a character that controls a terminal, ends a line or changes the text direction; else 0.
+   These are C0, C1, U+2028 to U+202E and U+2066 to U+2069. */
 static size_t unsafe_bytes(const unsigned char *c)
 {
     if (*c < ' ' || *c == 127)
@@ -17,7 +17,6 @@ static size_t unsafe_bytes(const unsigned char *c)
     return (c[1] == 0x80 && c[2] >= 0xa8 && c[2] <= 0xae) || (c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9) ? 3 : 0;
 }
 
-/* Number of bytes that follow a lead byte of UTF-8. */
 static int bytes_behind(unsigned char lead)
 {
     return lead < 0xc2 || lead > 0xf4 ? 0 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
@@ -30,7 +29,7 @@ void fxs_text_make_safe(char *text)
     for (const unsigned char *from = to; *from;) {
         const size_t unsafe = unsafe_bytes(from);
         const int continues = behind && (*from & 0xc0) == 0x80;
-        const int is_stray = !continues && *from >= 0x80 && *from < 0xa0;   /* C1 control of 8-bit terminals */
+        const int is_stray = !continues && *from >= 0x80 && *from < 0xa0;
         behind = continues ? behind - 1 : unsafe ? 0 : bytes_behind(*from);
         *to++ = unsafe || is_stray ? '?' : *from;
         from += unsafe ? unsafe : 1;
@@ -41,7 +40,7 @@ void fxs_text_make_safe(char *text)
 int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments)
 {
     vsnprintf(message->text, sizeof message->text, format, arguments);
-    fxs_text_make_safe(message->text);       /* the text may quote a file */
+    fxs_text_make_safe(message->text);
     message->bytes_needed = 0;
     return error;
 }

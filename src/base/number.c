@@ -23,7 +23,7 @@ int fxs_read_number(const char *word, double *value)
     const size_t length = strlen(word);
     if (!length || length > 256 || strspn(word, "+-.0123456789eE") != length)
         return 0;
-    snprintf(half, sizeof half, "%.1f", 0.5);                  /* 0, the locale's decimal point, 5 */
+    snprintf(half, sizeof half, "%.1f", 0.5);                  /* prints 0.5 to learn the locale's decimal point */
     half[strlen(half) - 1] = 0;
     if (point)
         snprintf(text, sizeof text, "%.*s%s%s", (int)(point - word), word, half + 1, point + 1);

@@ -1,13 +1,13 @@
-/* Numbers in files: the decimal point is a point in every locale. */
+/* Prints and reads numbers with a decimal point in every locale. */
 #ifndef FXS_NUMBER_H
 #define FXS_NUMBER_H
 
 #include <stdio.h>
 
-/* Prints a number with up to `digits` significant digits. 9 read back as the same float, 17 as the same double. */
+/* Prints up to `digits` significant digits. 9 digits restore a float, 17 a double. */
 void fxs_print_number(FILE *file, int digits, double value);
 
-/* Reads a word that is a finite decimal number of at most 256 characters and nothing else. Returns 1, else 0. */
+/* Reads a finite decimal number. Returns 1, or 0 for any other word. */
 int fxs_read_number(const char *word, double *value);
 
 #endif

@@ -1,5 +1,4 @@
-/* Hooks for a program that must not overwrite its inputs: reports every file opened for reading, and asks before
-   every output. */
+/* Hooks that learn of every opened file and of every output, so that a program never overwrites its inputs. */
 #ifndef FXS_OPENED_H
 #define FXS_OPENED_H
 
@@ -11,24 +10,22 @@
 extern "C" {
 #endif
 
-/* Gets the device and inode of a file, on the thread that opened it. */
+/* Receives a file's device and inode, on the thread that opened the file. */
 typedef void fxs_opened_fn(uint64_t device, uint64_t inode);
 
-/* Sets the hook, once, before anything is read. It is called for scene files and their companion files, camera
-   files, pictures and photographs. It is not called for a saved fit, because that may be saved over itself. */
+/* Sets the hook for inputs. Call before any file is read. Saved fits are not reported, because they may be
+   overwritten. */
 void fxs_tell_opened(fxs_opened_fn *told);
 
-/* Called by every function that opens a file. */
 void fxs_note_opened(uint64_t device, uint64_t inode);
 
-/* Gets the name of an output (-: standard output) before it is created, on the writing thread. Returns 0, or an
-   error and a message to refuse the output. */
+/* Receives the path of an output before its creation, on the writing thread; "-": standard output. Returns 0, or
+   an error and a message. */
 typedef int fxs_output_asked_fn(const char *path, fxs_message *message);
 
-/* Sets the hook, once, before anything is written. */
+/* Sets the hook for outputs. Call before any output begins. */
 void fxs_ask_outputs(fxs_output_asked_fn *asked);
 
-/* Called by fxs_output_open, which begins every output. */
 int fxs_may_write(const char *path, fxs_message *message);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* The parts of outputs that are the same on every system. */
+/* Parts of file output that every system shares. */
 #include "output_internal.h"
 
 #include <errno.h>

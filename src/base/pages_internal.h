@@ -4,8 +4,7 @@
 
 #include <stddef.h>
 
-/* Asks the system to back a block with large pages. Saves page faults, about a microsecond per page, if all of the
-   block will be written. Does nothing for null. */
+/* Asks for large pages for a memory block, to save page faults. */
 void fxs_use_large_pages(void *block, size_t bytes);
 
 #endif

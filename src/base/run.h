@@ -1,10 +1,9 @@
-/* An fxs_run_fn without threads. */
+/* An fxs_run_fn that runs all jobs on the calling thread. */
 #ifndef FXS_RUN_H
 #define FXS_RUN_H
 
 #include <stdint.h>
 
-/* Runs all jobs on the calling thread. */
 static inline void fxs_run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;

@@ -7,21 +7,17 @@
 
 #include <fixsplat/internal/packed.h>
 
-/* The tangent of half the field of view: 11.5 for 170 degrees, 0.0087 for 1 degree. */
 #define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28
-#define UP_ONE 16383               /* code of 1; codes of up have 15 bits with sign */
+#define UP_ONE 16383
 #define UP_BITS 0x7FFFu
-
-/* ---- Up ---------------------------------------------------------------------------------------------------------- */
 
 static double sign_of(double x)
 {
     return x < 0 ? -1 : 1;
 }
 
-/* Folds the lower half of the octahedron |x| + |y| + |z| = 1, seen from above, into the corners around its upper
-   half. Inverts itself. */
+/* Octahedral map: folds the lower half of |x| + |y| + |z| = 1 outwards. The function is its own inverse. */
 static void fold(double *x, double *y)
 {
     const double old = *x;
@@ -29,7 +25,7 @@ static void fold(double *x, double *y)
     *y = (1 - fabs(old)) * sign_of(*y);
 }
 
-/* The octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit Vectors). */
+/* Octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit Vectors). */
 static uint32_t code_of_up(const double up[3])
 {
     const double sum = fabs(up[0]) + fabs(up[1]) + fabs(up[2]);
@@ -42,7 +38,6 @@ static uint32_t code_of_up(const double up[3])
     return FXS_PACKED_UP | (u & UP_BITS) << 1 | (v & UP_BITS) << 16;
 }
 
-/* The 15-bit code from `bit` on, as -1 to 1; below -1 if invalid. */
 static double part_of_code(uint32_t flags, int bit)
 {
     const int32_t code = (int32_t)(flags >> bit & UP_BITS);
@@ -63,8 +58,6 @@ static void up_of_code(double up[3], uint32_t flags)
     up[1] = y / length;
     up[2] = z / length;
 }
-
-/* ---- View -------------------------------------------------------------------------------------------------------- */
 
 static int is_view(const fxs_start *s)
 {

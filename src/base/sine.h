@@ -1,17 +1,17 @@
-/* sin from + - * only. Unlike the function of C libraries, it gives the same bits on every machine. */
+/* Computes sin with + - * only, with the same result on every machine. */
 #ifndef FXS_SINE_H
 #define FXS_SINE_H
 
 #include <stdint.h>
 
-/* floor(x) for |x| < 2^62, without the library call of plain x86-64. */
+/* floor(x) for |x| < 2^62, faster than the library call. */
 static inline double fxs_floor(double x)
 {
     const double towards_zero = (double)(int64_t)x;
     return towards_zero > x ? towards_zero - 1 : towards_zero;
 }
 
-/* sin(2 pi t): t to -1/4..1/4, then the Taylor series of sin(x) to x^15. */
+/* sin(2 pi t) by a Taylor series to x^15, for t reduced to -1/4..1/4. */
 static inline double fxs_sine(double t)
 {
     static const double taylor[] = {

@@ -8,8 +8,6 @@
 #include "files_internal.h"
 #include "opened.h"
 
-/* ---- Files ----------------------------------------------------------------------------------------------------- */
-
 static int read_file(void *argument, uint64_t offset, void *out, size_t size)
 {
     return fxs_file_read_at(argument, offset, out, size);
@@ -20,22 +18,20 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* `first`: null, or a file; the new file must lie in its folder. */
+/* Opens a file. first: another file in whose folder the file must lie; null: any folder. */
 static int open_file(fxs_scene_source *source, const char *first, fxs_message *message)
 {
     fxs_file_facts facts;
     FILE *file;
     FXS_TRY(first ? fxs_file_open_within(first, source->path, &file, &facts, message)
                   : fxs_file_open(source->path, &file, &facts, message));
-    setvbuf(file, NULL, _IONBF, 0);   /* readers with small reads have their own buffer */
+    setvbuf(file, NULL, _IONBF, 0);
     source->input = (fxs_scene_input){facts.size, read_file, NULL, close_file, file};
     source->device = facts.device;
     source->inode = facts.inode;
     fxs_note_opened(facts.device, facts.inode);
     return 0;
 }
-
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
 static int read_memory(void *argument, uint64_t offset, void *out, size_t size)
 {
@@ -48,8 +44,6 @@ fxs_scene_input fxs_memory_input(const void *data, size_t size)
     return (fxs_scene_input){size, read_memory, NULL, NULL, (void *)data};
 }
 
-/* ---- Names of companion files ---------------------------------------------------------------------------------- */
-
 static int hex_digit(int c)
 {
     static const char digits[] = "0123456789abcdef0123456789ABCDEF";
@@ -57,7 +51,6 @@ static int hex_digit(int c)
     return at ? (int)(at - digits) % 16 : -1;
 }
 
-/* Takes the next character of a URI, with %XX decoded. */
 static int take_letter(const char **text)
 {
     const char *at = *text;
@@ -66,7 +59,7 @@ static int take_letter(const char **text)
     return low < 0 ? (unsigned char)*at : high << 4 | low;
 }
 
-/* 1 if a name begins with a drive or a URL scheme: a letter, then letters, digits, +, - or ., then a colon. */
+/* Returns 1 if a name begins with a drive or a URL scheme, such as "C:" or "https:". */
 static int begins_elsewhere(const char *name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
@@ -87,7 +80,7 @@ static int is_separator(int letter)
 int fxs_name_stays(const char *name)
 {
     const char *at = name;
-    size_t length = 0, dots = 0;   /* of the current path component */
+    size_t length = 0, dots = 0;
     int letter = take_letter(&at);
     if (is_separator(letter) || begins_elsewhere(name))
         return 0;
@@ -131,9 +124,6 @@ void fxs_decode_percent(char *text)
     *text = '\0';
 }
 
-/* ---- Opening --------------------------------------------------------------------------------------------------- */
-
-/* Sets the path to the first `folder` characters of `path`, then `name`. */
 static int set_path(fxs_scene_source *source, const char *path, size_t folder, const char *name, fxs_message *message)
 {
     size_t length = strlen(name);
@@ -145,9 +135,7 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     return 0;
 }
 
-/* ---- Set of files ---- */
-
-static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a (Fowler, Noll, Vo) */
+static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a hash (Fowler, Noll, Vo) */
 {
     for (const unsigned char *byte = bytes; size > 0; size--, byte++)
         so_far = (so_far ^ *byte) * 0x100000001b3u;
@@ -170,7 +158,6 @@ static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
     return &files[at];
 }
 
-/* Doubles the hash table, so that at least half of it is free. */
 static int grow(fxs_import *import, const fxs_allocator *allocator)
 {
     const size_t room = import->room ? 2 * import->room : 64;
@@ -219,8 +206,8 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-/* Replaces \ by / unless a file has exactly this name. Callback sources never get a \, because a name may become
-   part of a URL. */
+/* Replaces backslashes in a name by slashes, unless a file has exactly this name. Callbacks never get a backslash,
+   because names may become part of a URL. */
 static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {
@@ -292,8 +279,6 @@ void fxs_scene_source_close(fxs_scene_source *source)
     memset(source, 0, sizeof *source);
 }
 
-/* ---- Reading --------------------------------------------------------------------------------------------------- */
-
 int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,
                           fxs_message *message)
 {
@@ -334,8 +319,6 @@ int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_m
         return 0;
     return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", source->path);
 }
-
-/* ---- Limits ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t most_gaussians(const fxs_scene_source *source)
 {

@@ -33,7 +33,6 @@ char *fxs_text_begin(const fxs_text *text)
 #define MAX_VALUES ((size_t)8 << 20)
 #define VALUE_BYTES 144                /* cJSON's memory per value, without strings */
 
-/* Upper bound of the number of values: each follows a comma or an opening bracket. */
 static size_t count_separators(const fxs_text *json)
 {
     size_t count = 0;

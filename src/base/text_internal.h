@@ -1,4 +1,4 @@
-/* Loads whole files into memory, and parses JSON. */
+/* Loads whole files and parses JSON. Functions with a message return 0, or an error and the message. */
 #ifndef FXS_TEXT_INTERNAL_H
 #define FXS_TEXT_INTERNAL_H
 
@@ -8,39 +8,36 @@
 #include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
-#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* a text may begin with this mark */
+#define FXS_UTF8_MARK "\xef\xbb\xbf"
 
-/* The bytes of a file, followed by a zero byte. */
 typedef struct fxs_text {
-    const char *path;   /* for messages */
+    const char *path;
     char *data;
-    size_t size;        /* without the zero byte */
+    size_t size;        /* bytes, without the final zero byte */
 } fxs_text;
 
-/* Loads a regular file. The caller frees text->data. Returns 0, or an error and a message. */
+/* Loads a regular file. The caller frees text->data. */
 int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
 
-/* The text after an optional UTF-8 mark. */
+/* Returns the text after an optional UTF-8 byte order mark. */
 char *fxs_text_begin(const fxs_text *text);
 
-/* ---- With cJSON (FXS_WITH_CJSON) ---- */
+/* ---- JSON, in builds with FXS_WITH_CJSON ---- */
 
 struct cJSON;
 
 struct fxs_scene_source;
 
-/* Parses JSON within the memory limit of `source` (NULL: no limit). Returns 0, or an error and a message. Free *root
-   with cJSON_Delete; it is null after an error. */
+/* Parses JSON within the memory limit of `source`; NULL: no limit. Free *root with cJSON_Delete. */
 int fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, struct cJSON **root,
                    fxs_message *message);
 
-/* Reads an array of exactly `count` numbers. Returns 1, else 0. */
+/* Reads exactly `count` numbers from an array. Returns 1, or 0 if the array differs. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);
 
-/* Reads a whole number, 0 to `most`, that a double represents exactly. Returns 1, else 0, also for a null item. */
+/* Reads a whole number from 0 to `most`. Returns 1, or 0 if the item differs. */
 int fxs_json_whole(const struct cJSON *item, size_t most, size_t *out);
 
-/* The string of this name, or NULL. */
 const char *fxs_json_string(const struct cJSON *object, const char *name);
 
 #endif

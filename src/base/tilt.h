@@ -1,16 +1,16 @@
-/* The axes of a Gaussian from its rotation word, in doubles; formulas in docs/format.md. */
+/* Computes the axes of a Gaussian from its packed rotation word. Formulas: docs/format.md. */
 #ifndef FXS_TILT_H
 #define FXS_TILT_H
 
 #include <math.h>
 #include <stdint.h>
 
-/* The three values of a rotation word, each -1..1. */
+/* Values of a packed rotation, each -1..1. */
 typedef struct fxs_tilt {
     double x, y, roll;
 } fxs_tilt;
 
-/* Polynomials for cos and sin of roll * pi/2, the same as the renderer's. */
+/* cos and sin of roll * pi/2, by the renderer's polynomials. */
 static inline void fxs_tilt_roll(double roll, double *cosine, double *sine)
 {
     const double square = roll * roll;
@@ -18,7 +18,7 @@ static inline void fxs_tilt_roll(double roll, double *cosine, double *sine)
     *sine = roll * (1.56607 - square * (0.62924 - 0.06305 * square));
 }
 
-/* The first axis, and two directions perpendicular to it. */
+/* The first axis of a Gaussian, and two perpendicular directions. */
 static inline void fxs_tilt_sides(const fxs_tilt *a, double axis[3], double side[2][3])
 {
     const double x = a->x, y = a->y, s = sqrt(2 - x * x - y * y);
@@ -27,7 +27,6 @@ static inline void fxs_tilt_sides(const fxs_tilt *a, double axis[3], double side
     side[1][0] = -x * y, side[1][1] = 1 - y * y, side[1][2] = -y * s;
 }
 
-/* The three axes, each x, y, z. */
 static inline void fxs_tilt_directions(const fxs_tilt *a, double axis[3][3])
 {
     double side[2][3], cosine, sine;
@@ -39,7 +38,7 @@ static inline void fxs_tilt_directions(const fxs_tilt *a, double axis[3][3])
     }
 }
 
-/* Joins codes in two's complement into a word: x and y have `bits` bits each, roll the rest of the `all` upper bits. */
+/* Packs codes into a rotation word. x and y have `bits` bits each, roll has the rest of the `all` upper bits. */
 static inline uint32_t fxs_tilt_word(uint32_t x, uint32_t y, uint32_t roll, int32_t bits, int32_t all)
 {
     const int32_t roll_bits = all - 2 * bits;
@@ -47,10 +46,10 @@ static inline uint32_t fxs_tilt_word(uint32_t x, uint32_t y, uint32_t roll, int3
            (roll & ((1u << roll_bits) - 1)) << (32 - all);
 }
 
-/* Replaces a rotation word of 0 if the opacity code is 0, because an all-zero slot counts as empty. */
+/* Replaces a rotation word of 0, because an all-zero Gaussian counts as empty. */
 #define FXS_NOT_EMPTY (1u << 9)
 
-/* `bits`: width of x and y, from fxs_axis_bits. */
+/* Unpacks a rotation word. bits: width of x and y. */
 static inline fxs_tilt fxs_tilt_of_word(uint32_t word, int32_t bits)
 {
     return (fxs_tilt){((int32_t)word >> 16) * 0x1p-15, ((int32_t)(word << bits) >> 16) * 0x1p-15,

@@ -1,4 +1,4 @@
-/* Returns the error of a call, if negative (FXS_ERR_*), from the calling function. */
+/* Returns from the calling function if a call fails with a negative FXS_ERR_*. */
 #ifndef FXS_TRY_INTERNAL_H
 #define FXS_TRY_INTERNAL_H
 

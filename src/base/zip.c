@@ -11,17 +11,15 @@
 
 #include "fail_list.h"
 
-enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate, bytes per byte */
+enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate, output bytes per input byte */
 
 struct fxs_zip {
     const fxs_scene_source *source;
-    uint64_t offset;           /* libzip's read position */
-    zip_error_t error;         /* error of libzip's last call */
+    uint64_t offset;
+    zip_error_t error;
     zip_t *archive;
-    char *folder;              /* prefix of the names, with its separator; NULL: none */
+    char *folder;              /* prefix of the names of all entries; NULL: none */
 };
-
-/* ---- Source callbacks for libzip ------------------------------------------------------------------------------- */
 
 static zip_int64_t read_source(fxs_zip *zip, void *out, zip_uint64_t size)
 {
@@ -72,8 +70,6 @@ static zip_int64_t call_source(void *argument, void *data, zip_uint64_t size, zi
     }
 }
 
-/* ---- Archives -------------------------------------------------------------------------------------------------- */
-
 static int open_archive(fxs_zip *zip, zip_error_t *error, fxs_message *message)
 {
     errno = 0;
@@ -118,7 +114,6 @@ static int check_entry(const fxs_zip *zip, const char *name, const zip_stat_t *e
     return 0;
 }
 
-/* Length of the folder if an entry is `name` in a folder, else 0. */
 static size_t folder_before(const char *entry, const char *name)
 {
     const size_t length = strlen(entry), size = strlen(name);
@@ -149,7 +144,6 @@ int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message)
     return 0;
 }
 
-/* Finds an entry by name within zip->folder. Returns 0, or -1. */
 static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
 {
     const size_t folder = zip->folder ? strlen(zip->folder) : 0;
@@ -163,7 +157,7 @@ static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
     return -1;
 }
 
-/* The extra read at the end makes libzip verify the checksum. */
+/* Reads a zip entry. Reading an extra byte makes libzip verify the checksum. */
 static int read_entry(zip_file_t *file, char *data, size_t size)
 {
     return zip_fread(file, data, size) == (zip_int64_t)size && zip_fread(file, data + size, 1) == 0;

@@ -5,7 +5,7 @@
 #include <errno.h>
 #include <zip.h>
 
-enum { DATE_1980 = 1 << 5 | 1 };   /* DOS date: day 1, month 1, year 0 */
+enum { DATE_1980 = 1 << 5 | 1 };   /* DOS date of 1 January 1980 */
 
 static int add_entries(zip_t *archive, const fxs_zip_entry *entries, uint32_t count)
 {
@@ -21,7 +21,6 @@ static int add_entries(zip_t *archive, const fxs_zip_entry *entries, uint32_t co
     return 0;
 }
 
-/* Builds the archive in the memory of a libzip source. */
 static int make(zip_source_t *made, const fxs_zip_entry *entries, uint32_t count)
 {
     zip_source_keep(made);

@@ -1,5 +1,5 @@
-/* Makes and changes views: look-at, framing a box, orbit, resize, and conversion to fixed-point cameras and from
- * matrices of OpenGL. The rows of a view's rotation are its axes right, down and forward, in world coordinates. */
+/* Creates and changes views. The rows of a view's rotation are its axes right, down and forward in world
+   coordinates. */
 #include <fixsplat/camera.h>
 
 #include <math.h>
@@ -26,7 +26,6 @@ static void cross(double out[3], const double a[3], const double b[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Scales to length 1. Returns 0 if the vector has no direction. */
 static int normalise(double v[3])
 {
     double length = sqrt(dot(v, v));
@@ -74,8 +73,8 @@ int fxs_view_level(fxs_file_view *view, const double up[3])
     return 1;
 }
 
-/* The u that minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2: with R the mean of right right^T, (R +
-   LEVEL_SHARE) u = LEVEL_SHARE mean up. */
+/* The up vector u minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2. With R the mean of right right^T, (R
+   + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
 int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3])
 {
     const char *at = (const char *)views;
@@ -87,7 +86,7 @@ int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double
         for (int k = 0; k < 3; k++)
             mean[k] -= rotation[3 + k] / (double)count;
     }
-    for (int k = 0; k < 3; k++)       /* times the determinant, which is positive */
+    for (int k = 0; k < 3; k++)
         cross(inverse[k], a[(k + 1) % 3], a[(k + 2) % 3]);
     for (int k = 0; k < 3; k++)
         up[k] = dot(inverse[k], mean);
@@ -108,7 +107,6 @@ void fxs_view_up(const fxs_file_view *view, double up[3])
         up[k] = axis < 0 ? -down[k] : k != axis ? 0 : down[k] > 0 ? -1 : 1;
 }
 
-/* Half the diagonal of a box. */
 static double radius_of(const double low[3], const double high[3])
 {
     double square = 0;
@@ -123,7 +121,7 @@ double fxs_near_of_box(const double low[3], const double high[3])
     return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
 }
 
-/* The distance from the middle of a box at which all its corners are within 95 % of the picture and beyond `near`. */
+/* Distance at which all corners of a box are within 95 % of the picture and beyond `near`. */
 static double distance_for(const fxs_file_view *view, const double half[3], double near)
 {
     const double tangent[2] = {0.95 * view->width / 2 / view->fx, 0.95 * view->height / 2 / view->fy};
@@ -134,7 +132,7 @@ static double distance_for(const fxs_file_view *view, const double half[3], doub
         const double x = fabs(dot(view->rotation, sides)), y = fabs(dot(view->rotation + 3, sides));
         const double depth = fmax(fmax(x / tangent[0], y / tangent[1]), near);
         const double needed = depth - dot(view->rotation + 6, sides);
-        if (needed > distance)               /* not fmax: gcc 12 for AArch64 crashes on it */
+        if (needed > distance)               /* no fmax, which crashes gcc 12 for AArch64 */
             distance = needed;
     }
     return distance;
@@ -188,7 +186,7 @@ void fxs_view_resize(fxs_file_view *view, int width, int height)
     const double scale = (double)width / view->width;
     view->fx *= scale;
     view->fy *= scale;
-    /* cx - old width / 2 becomes scale (cx - old width / 2), so a centred principal point stays exactly centred */
+    /* A centred principal point stays exactly centred. */
     view->cx = width / 2.0 + scale * (view->cx - view->width / 2.0);
     view->cy = height / 2.0 + scale * (view->cy - view->height / 2.0);
     view->width = width;
@@ -209,7 +207,7 @@ int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_mes
     return 0;
 }
 
-/* Rodrigues' rotation formula; the axis has length 1. */
+/* Rodrigues' rotation formula, for an axis of length 1. */
 static void turn(double out[3], const double v[3], const double axis[3], double angle)
 {
     double across[3], c = cos(angle), s = sin(angle), along = dot(axis, v) * (1 - c);
@@ -245,8 +243,7 @@ static int rotation_valid(const double r[9])
     return determinant > 0;
 }
 
-/* The nearest rotation, by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) / 2. Each step
-   squares the error, so three steps reduce 1e-3 to rounding. */
+/* Nearest rotation by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) / 2. */
 static void orthonormalise(double r[9])
 {
     for (int step = 0; step < 3; step++) {
@@ -271,7 +268,7 @@ int fxs_to_rotation(double r[9])
 }
 
 /* With q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ... on its diagonal, and sums and
-   differences of r elsewhere. Each row is parallel to q; the row with the largest diagonal is the most accurate. */
+   differences of r elsewhere. Each row is parallel to q. The row with the largest diagonal is the most accurate. */
 void fxs_quaternion_of(const double r[9], double q[4])
 {
     const double trace = r[0] + r[4] + r[8];
@@ -325,16 +322,13 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     return 0;
 }
 
-/* ---- OpenGL matrices --------------------------------------------------------------------------------------------- */
-
-/* Equal within a millionth, because the matrix may come from single precision. */
 static int is_near(double x, double wanted)
 {
     return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
 }
 
-/* The upper three rows of the matrix are [R | t] for an eye with y up and z backwards: the camera's axes are the rows
-   x, -y and -z of R, and its centre is -R^T t. */
+/* The upper rows of the matrix are [R | t] for an OpenGL eye with y up and z backwards. The camera's axes are the
+   rows x, -y and -z of R. Its centre is -R^T t. */
 static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message *message)
 {
     double *axes = view->rotation;
@@ -354,8 +348,8 @@ static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message
     return fxs_to_rotation(axes) ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message, "the view matrix scales, shears or mirrors");
 }
 
-/* The near plane, where -near c + d = -w: d / (c - 1) in perspective, with w = near; (d + 1) / c in an orthographic
-   projection, with w = 1. The far plane, where -far c + d = w, must lie beyond the near plane or at infinity. */
+/* Near plane, where -near c + d = -w. Perspective, w = near: d / (c - 1). Orthographic, w = 1: (d + 1) / c. The
+   far plane, where -far c + d = w, must lie beyond the near plane or at infinity. */
 static int take_near(fxs_file_view *view, double c, double d, fxs_message *message)
 {
     const int flat = view->projection == FXS_ORTHOGRAPHIC;
@@ -366,17 +360,17 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
                                  "of -1 to 1");
 }
 
-/* In the picture, x = width (x_clip / w + 1) / 2 and y = height (1 - y_clip / w) / 2. */
+/* Pixels from clip coordinates: x = width (x_clip / w + 1) / 2, y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* elements that are 0 in both kinds of projection */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)
         good &= isfinite(m[i]);
     for (size_t i = 0; i < sizeof zeros / sizeof *zeros; i++)
         good &= is_near(m[zeros[i]], 0);
-    for (int i = 0; i < 2; i++)                        /* centre: times z in perspective, else a shift */
+    for (int i = 0; i < 2; i++)
         good &= is_near(m[flat ? 8 + i : 12 + i], 0) && m[5 * i] > 0;
     if (!good)
         return fxs_fail_as(FXS_ERR_CAMERA, message, "the projection is neither perspective nor orthographic: expected "

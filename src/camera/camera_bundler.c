@@ -1,4 +1,4 @@
-/* Bundler v0.3 files, as its manual describes them, with their list of photographs. */
+/* Reads Bundler v0.3 camera files and their list of photographs. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -11,8 +11,7 @@
 
 enum { SIZE = 800 };
 
-/* Finds the list of photographs under the names that Bundler, VisualSFM, COLMAP and RealityCapture use: the model's
-   name with another or an additional ending, or list.txt in its folder or the parent folder. */
+/* Tries the names that Bundler, VisualSFM, COLMAP and RealityCapture give to the list of photographs. */
 static int find_list(const char *model, char path[FXS_CAMERA_PATH])
 {
     static const struct {
@@ -34,7 +33,7 @@ static int find_list(const char *model, char path[FXS_CAMERA_PATH])
     return 0;
 }
 
-/* Cuts off the "0 FOCAL" that Bundler writes after a name. */
+/* Cuts off the "0 FOCAL" that Bundler writes after a photograph's name. */
 static void cut_focal(char *line)
 {
     double numbers[2];
@@ -50,11 +49,11 @@ static void cut_focal(char *line)
         ends[i] = line + length;
         line[length - 1] = 0;
     }
-    if (ends[0] && !ends[1])               /* only one number: part of the name */
+    if (ends[0] && !ends[1])
         ends[0][-1] = ' ';
 }
 
-/* r, t: rotation and translation from world to camera, with y up and z backwards. */
+/* Adds a view. r and t map world to camera, with y up and z backwards. */
 static int add_view(fxs_view_list *list, const char *name, const double camera[3], const double r[9], const double t[3])
 {
     fxs_listed_view *listed;
@@ -85,7 +84,7 @@ static int read_numbers(char **rest, double *out, int lines, int a_line)
     return 1;
 }
 
-/* Cameras with focal length 0 were not located; they are skipped. */
+/* Skips cameras with focal length 0, which Bundler could not locate. */
 int fxs_camera_bundler_parse(fxs_view_list *list, const fxs_text *model, const fxs_text *photographs)
 {
     char *rest = fxs_text_begin(model), *names = fxs_text_begin(photographs);

@@ -10,8 +10,8 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 16
 
-/* Indexed by COLMAP's model id. Parameters: focal lengths, principal point, then lens coefficients, by the letters
-   of fxs_lens_coefficient. */
+/* COLMAP's camera models, indexed by model id. A camera's parameters are focal lengths, principal point and lens
+   coefficients. Letters are those of fxs_lens_coefficient. */
 static const struct {
     const char *name;
     int focals;
@@ -91,7 +91,7 @@ static int compare_ids(const void *a, const void *b)
     return (p->id > q->id) - (p->id < q->id);
 }
 
-/* The rows of the rotation of a quaternion w, x, y, z of any length. Returns 0 if the length is 0 or not finite. */
+/* Computes the rotation of a quaternion w, x, y, z of any length. Returns 0 if the quaternion is 0 or not finite. */
 static int quaternion_rows(const double q[4], double r[9])
 {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -110,7 +110,7 @@ static int quaternion_rows(const double q[4], double r[9])
     return 1;
 }
 
-/* pose: quaternion w, x, y, z and translation, world to camera. */
+/* Adds a view. pose: quaternion w, x, y, z and translation, world to camera. */
 static int add_image(fxs_view_list *list, const camera_list *cameras, const char *name, const double pose[7],
                      double camera_id)
 {
@@ -126,7 +126,7 @@ static int add_image(fxs_view_list *list, const camera_list *cameras, const char
     const double *t = pose + 4;
     if (!quaternion_rows(pose, r))
         return fxs_view_list_fault(list, "its quaternion is zero or not finite");
-    /* centre = -R^T t */
+    /* camera centre = -R^T t */
     for (int i = 0; i < 3; i++)
         view->position[i] = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
     view->fx = found->fx;
@@ -162,7 +162,7 @@ static int read_images_bin(fxs_view_list *list, const camera_list *cameras, cons
     fxs_colmap_cursor in = fxs_colmap_begin(text);
     for (uint64_t count = fxs_colmap_take(&in, 8); count; count--) {
         double pose[7];
-        fxs_colmap_take(&in, 4);   /* image id */
+        fxs_colmap_take(&in, 4);
         fxs_colmap_take_doubles(&in, pose, 7);
         double camera_id = (double)fxs_colmap_take(&in, 4);
         const unsigned char *name = in.at, *end = in.left ? memchr(name, 0, in.left) : NULL;
@@ -170,7 +170,7 @@ static int read_images_bin(fxs_view_list *list, const camera_list *cameras, cons
             return fxs_fail(list->message, "%s: cut short", list->path);
         in.left -= (size_t)(end + 1 - name);
         in.at = end + 1;
-        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 24);   /* x, y, id of a 3D point */
+        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 24);
         if (in.short_of)
             return fxs_fail(list->message, "%s: cut short", list->path);
         FXS_TRY(add_image(list, cameras, (const char *)name, pose, camera_id));
@@ -200,12 +200,11 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
     return 0;
 }
 
-/* Two lines per image: numbers and a name that ends with the line; then its 2D points, possibly none. */
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[9];   /* image id, quaternion, translation, camera id */
+        double values[9];   /* values of an image: id, quaternion, translation, camera id */
         char *name = NULL;
         if (fxs_colmap_numbers(&line, values, 9))
             name = fxs_colmap_rest(line);

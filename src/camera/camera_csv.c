@@ -1,4 +1,4 @@
-/* The "internal/external camera parameters" of RealityCapture and RealityScan: a text line per photograph. */
+/* Reads "internal/external camera parameters" of RealityCapture and RealityScan, a text line per photograph. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -13,17 +13,15 @@ enum { COLUMNS_MOST = 64, SIZE = 800 };
 static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading", "pitch", "roll", "f", "px", "py",
                                              "k1", "k2", "k3", "k4", "t1", "t2"};
 
-#define FILM 36.0                  /* mm: length of the picture's longer side to which f refers */
+#define FILM 36.0                  /* width of 35 mm film in mm, to which focal lengths refer */
 #define RADIANS 0.017453292519943295
 
-/* The columns of the file. */
 typedef struct table {
-    int columns[COLUMNS_MOST];     /* value index of each column; -1: ignored */
+    int columns[COLUMNS_MOST];
     int count;
-    char separator;                /* comma; or semicolon, with decimal commas allowed */
+    char separator;                /* between fields: comma, or semicolon if decimals have commas */
 } table;
 
-/* Cuts the next field off a line; NULL after the last. A quoted field may contain separators. */
 static char *next_field(char **rest, char separator)
 {
     const char separators[2] = {separator, 0};
@@ -41,7 +39,6 @@ static char *next_field(char **rest, char separator)
     return field + strspn(field, " \t");
 }
 
-/* Reads the column names. The separator is the one after the first name. */
 static int read_headings(const fxs_view_list *list, char *line, table *t)
 {
     int seen[VALUES] = {0};
@@ -63,7 +60,7 @@ static int read_headings(const fxs_view_list *list, char *line, table *t)
     return 0;
 }
 
-/* Sine and cosine of any angle in degrees from the tangent t of its half: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
+/* Sine and cosine of an angle from the tangent t of its half: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
 static void turn(double degrees, double *sine, double *cosine)
 {
     const double within = fmod(degrees, 360), sign = within < 0 ? -1 : 1;
@@ -92,8 +89,7 @@ static void set_pose(fxs_file_view *view, const double v[VALUES])
     }
 }
 
-/* The file gives the principal point from the picture's middle, as a part of the longer side. The coefficients are
-   OpenCV's. */
+/* The file states the principal point relative to the picture's middle, as a fraction of the longer side. */
 static int add_view(fxs_view_list *list, const char *name, const double v[VALUES])
 {
     fxs_listed_view *listed;

@@ -17,7 +17,6 @@ static int fail_foreign(const fxs_view_list *list, const fxs_text *text)
                     "them), but this is %s", list->path, kind ? kind : text->size ? "another file" : "empty");
 }
 
-/* Picks the reader by the first characters after a UTF-8 mark; for .csv and .xml also by the name. */
 static int parse(fxs_view_list *list, fxs_text *text)
 {
     const char *begin = text->data + strspn(text->data, " \t\r\n\xef\xbb\xbf");
@@ -116,7 +115,6 @@ int fxs_view_list_read(fxs_view_list *list)
     return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);
 }
 
-/* Copies the list's views to a new array, and their lenses if `lenses` is not null. */
 static int take_views(const fxs_view_list *list, int width, int height, fxs_file_view **views, fxs_lens **lenses)
 {
     const size_t bytes = list->count * (sizeof **views + sizeof **lenses);

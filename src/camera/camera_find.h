@@ -4,11 +4,11 @@
 
 #include <fixsplat/camera.h>
 
-enum { FXS_CAMERA_PATH = 4096 };   /* characters with the final zero */
+enum { FXS_CAMERA_PATH = 4096 };
 
-/* Finds the camera file of a folder, the first of: sparse/0, sparse or the folder itself with COLMAP files,
-   transforms.json, transforms_train.json, cameras.json, cameras.xml, cameras.csv, bundle.out. Returns 0 and its
-   path, or an error and a message. */
+/* Finds a folder's camera file: COLMAP's in sparse/0, sparse or the folder, else transforms.json,
+   transforms_train.json, cameras.json, cameras.xml, cameras.csv or bundle.out. Returns 0 and the path, or an error
+   and a message. */
 int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_message *message);
 
 #endif

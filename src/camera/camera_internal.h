@@ -1,4 +1,5 @@
-/* The list of views, and functions shared by the camera readers. */
+/* The list of views that camera readers fill. Unless stated otherwise, functions return 0, or an error and a
+   message. */
 #ifndef FXS_CAMERA_INTERNAL_H
 #define FXS_CAMERA_INTERNAL_H
 
@@ -9,79 +10,70 @@
 #include "lens.h"
 #include "src/base/text_internal.h"
 
-/* The part of a file's split that a photograph belongs to. */
 enum fxs_view_part {FXS_VIEW_OF_ANY, FXS_VIEW_TO_FIT, FXS_VIEW_TO_TEST, FXS_VIEW_LEFT_OUT};
 
-/* Meaning of the intrinsics in a file that states no picture size. Its views get intrinsics for 800 x 800 pixels. */
+/* Meaning of the intrinsics in a file without picture sizes, which get a size of 800 x 800 pixels. */
 enum fxs_view_size {
     FXS_SIZE_STATED,
     FXS_SIZE_OF_WIDTH,             /* Blender: field of view across the width */
-    FXS_SIZE_OF_LONGER,            /* RealityCapture: relative to the longer side, from the middle */
-    FXS_SIZE_OF_PIXELS             /* Bundler: focal length in pixels, principal point in the middle */
+    FXS_SIZE_OF_LONGER,            /* RealityCapture: relative to the longer side */
+    FXS_SIZE_OF_PIXELS             /* Bundler: focal length in pixels */
 };
 
-/* A view, and data for reading its photograph. */
 typedef struct fxs_listed_view {
     fxs_file_view view;
     fxs_lens lens;
-    char *image;        /* the photograph's name in the file, not truncated; NULL: none */
-    char *mask;         /* the mask's name in the file; NULL: none */
+    char *image;
+    char *mask;
     enum fxs_view_part part;
     enum fxs_view_size sizeless;
 } fxs_listed_view;
 
-/* The views read so far. */
 typedef struct fxs_view_list {
-    const char *path;   /* for messages */
+    const char *path;
     fxs_message *message;
     fxs_listed_view *views;
     size_t count, capacity;
     enum fxs_camera_format {FXS_CAMERAS_OF_COLMAP, FXS_CAMERAS_OF_TRANSFORMS, FXS_CAMERAS_OF_INRIA, FXS_CAMERAS_OF_CSV,
                             FXS_CAMERAS_OF_BUNDLER, FXS_CAMERAS_OF_METASHAPE} format;
-    int moved;          /* 1: a geographic offset was subtracted from the positions */
-    int has_parts;      /* 1: the file has a split for fitting and testing; then no view is OF_ANY */
-    char *points;       /* path of a .ply of points, from transforms.json; or NULL */
+    int moved;          /* 1: a geographic offset was subtracted from positions */
+    int has_parts;      /* 1: the file splits photographs into fitting and testing */
+    char *points;       /* path of a .ply point cloud, or NULL */
 } fxs_view_list;
 
-/* Reads the file at list->path as fxs_camera_file_read does. Returns 0, or an error and a message. */
 int fxs_view_list_read(fxs_view_list *list);
 void fxs_view_list_free(fxs_view_list *list);
 
-/* Appends a view with all fields 0 except its name; NULL: its index becomes its name. Returns 0 and the view, valid
-   until the next is added; or an error and a message. */
+/* Appends a cleared view. name NULL: the view is named by its index. The view is valid until the next call. */
 int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **view);
 
-/* Sets the name of a view's mask; NULL: no mask. Returns 0, or an error and a message. */
 int fxs_view_list_mask(const fxs_view_list *list, fxs_listed_view *view, const char *mask);
 
-/* Frees the memory owned by a view. */
 void fxs_listed_view_free(fxs_listed_view *view);
 
 /* Writes a message about the last view and returns FXS_ERR_FILE. */
 int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 
-/* Sets the size of the last view, validates the view, and makes its rotation orthonormal. A scale in its matrix is
-   dropped. */
+/* Sets the size of the last view, validates the view, and makes its rotation orthonormal. */
 int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
-/* As fxs_view_frame_box, with the camera in direction `from` from the middle of the box. */
+/* Frames a box with the camera in direction `from`. */
 int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double high[3], const double from[3],
                         const double up[3], double fov, int width, int height, fxs_message *message);
 
-/* The level direction from a scene to the camera of fxs_view_frame_box, perpendicular to `axis`. Sets `axis` to `up`
-   with length 1. */
+/* Computes the horizontal direction from a scene to its camera, perpendicular to `axis`. Sets `axis` to the unit
+   vector of `up`. */
 int fxs_level_back(double back[3], double axis[3], const double up[3], fxs_message *message);
 
-/* Replaces a matrix by the nearest rotation. Returns 0 if it is not orthonormal within 1e-3. */
+/* Replaces a matrix by the nearest rotation. Returns 0 if the matrix is not orthonormal within 1e-3. */
 int fxs_to_rotation(double r[9]);
 
-/* The unit quaternion w, x, y, z of a rotation given by rows. */
+/* Unit quaternion w, x, y, z of a rotation by rows. */
 void fxs_quaternion_of(const double r[9], double q[4]);
 
-/* For a Windows path, the file name without folders; else the whole name. */
 const char *fxs_without_drive(const char *name);
 
-/* Skips leading "./". */
+/* Skips leading "./" of a path. */
 static inline const char *fxs_without_dots(const char *path)
 {
     while (path[0] == '.' && path[1] == '/')
@@ -89,17 +81,15 @@ static inline const char *fxs_without_dots(const char *path)
     return path;
 }
 
-/* Sets the size of a view. If its file states no size, also derives the intrinsics. */
+/* Sets the size of a view. Derives the intrinsics if the camera file states no size. */
 void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height);
 
-/* The readers of each format. Each returns 0, or an error and a message, and may change the text. */
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);
 int fxs_camera_csv_parse(fxs_view_list *list, const fxs_text *csv);
 int fxs_camera_bundler_parse(fxs_view_list *list, const fxs_text *model, const fxs_text *photographs);
 int fxs_camera_metashape_parse(fxs_view_list *list, const fxs_text *xml);
 
-/* Reads a Bundler model and the list of photographs next to it. */
 int fxs_camera_bundler_read(fxs_view_list *list, const fxs_text *model);
 
 #endif

@@ -9,14 +9,13 @@
 
 #include <cjson/cJSON.h>
 
-/* A number by name: `absent` if missing, INFINITY if not a number. */
+/* Reads a number from a JSON object: `absent` if missing, INFINITY if not a number. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
 }
 
-/* Reads `size` rows of `size` numbers. Returns 1, else 0. */
 static int matrix(const cJSON *array, double *out, int size)
 {
     const cJSON *row;
@@ -30,8 +29,7 @@ static int matrix(const cJSON *array, double *out, int size)
     return 1;
 }
 
-/* "rotation" is camera to world: its columns are the camera's axes. Inria's own files have no cx, cy and
-   orthographic. */
+/* The member "rotation" maps camera to world. Inria's own files lack cx, cy and orthographic. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
@@ -57,8 +55,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* Each known camera_model: the coefficient for each of lens_names, as a letter of fxs_lens_coefficient; -: not used. k4
-   of a perspective camera is the coefficient of r^8, except in FULL_OPENCV. */
+/* Lens coefficients of each camera_model, as letters of fxs_lens_coefficient; -: unused. Coefficient k4 belongs to
+   r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;
@@ -72,7 +70,7 @@ static const struct lens_model {
 };
 enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
-/* Intrinsics in the file; NAN: absent. */
+/* Intrinsics in a file; NAN: absent. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];
@@ -115,7 +113,6 @@ static int read_lens(fxs_view_list *list, const struct lens_model *model, const 
     return 0;
 }
 
-/* Intrinsics of a frame override those of the file. */
 static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file, const struct lens_model *model)
 {
     fxs_listed_view *listed;
@@ -125,7 +122,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     FXS_TRY(fxs_view_list_mask(list, listed, fxs_json_string(frame, "mask_path")));
     fxs_file_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
-        width = height = 800;   /* Blender's synthetic scenes give no size */
+        width = height = 800;   /* Blender's synthetic scenes state no size */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;
     }
     FXS_TRY(read_lens(list, model, &own, file, &listed->lens));
@@ -134,7 +131,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return fxs_view_list_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
-    /* camera to world with y up and z backwards: the columns are x, -y, -z and the centre */
+    /* The matrix maps camera to world, with y up and z backwards. */
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = m[4 * i];
         view->rotation[3 + i] = -m[4 * i + 1];
@@ -151,8 +148,8 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     return fxs_view_list_finish(list, width, height);
 }
 
-/* Returns NULL for an unknown name. Without a name: FULL_OPENCV if k5 or k6 exists, OPENCV_FISHEYE for instant-ngp's
-   "is_fisheye", else OPENCV. */
+/* Finds a lens model by name; NULL: unknown. A file without camera_model has FULL_OPENCV if k5 or k6 exists,
+   OPENCV_FISHEYE for instant-ngp's "is_fisheye", else OPENCV. */
 static const struct lens_model *find_model(const cJSON *root, const char *name)
 {
     const int full = cJSON_HasObjectItem(root, "k5") || cJSON_HasObjectItem(root, "k6");
@@ -165,11 +162,8 @@ static const struct lens_model *find_model(const cJSON *root, const char *name)
     return NULL;
 }
 
-/* ---- Split into fitting and testing ------------------------------------------------------------------------------ */
-
 enum { TRAIN, TEST, VAL, PARTS };
 
-/* A list of names from the file, sorted without duplicates; met[i]: a frame has name i. */
 typedef struct name_list {
     const char **names;
     unsigned char *met;
@@ -210,7 +204,6 @@ static int read_names(const fxs_view_list *list, const cJSON *root, const char *
     return 0;
 }
 
-/* Whether the list has a name; marks it as met. */
 static int meets(name_list *names, const char *name)
 {
     const char *const *found = bsearch(&name, names->names, names->count, sizeof name, compare_names);
@@ -219,7 +212,7 @@ static int meets(name_list *names, const char *name)
     return found != NULL;
 }
 
-/* Test views are those in test_filenames, or in val_filenames if the former is empty. */
+/* Test views are listed in test_filenames, or in val_filenames if that list is empty. */
 static int choose_parts(fxs_view_list *list, name_list parts[PARTS])
 {
     for (size_t i = 0; i < list->count; i++) {
@@ -257,8 +250,6 @@ static int read_parts(fxs_view_list *list, const cJSON *root)
     }
     return error;
 }
-
-/* ---- transforms.json and cameras.json ---------------------------------------------------------------------------- */
 
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {

@@ -1,4 +1,4 @@
-/* Reads the cameras that Agisoft Metashape exports as .xml. Formulas: appendix "Camera models" of its user manual. */
+/* Reads cameras exported by Agisoft Metashape as .xml. Formulas: appendix "Camera models" of its user manual. */
 #include "camera_internal.h"
 
 #ifdef FXS_WITH_EXPAT
@@ -16,26 +16,25 @@
 
 enum { DEPTH_MOST = 64, NAME_ROOM = 24, TEXT_MOST = 2048, ID_ROOM = 24, ITEMS_MOST = 1000000 };
 
-/* Calibration parameters; f = 0: none. */
 enum { F, CX, CY, B1, B2, K1, K2, K3, K4, P1, P2, P3, P4, NUMBERS };
 static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2",
                                                    "p3", "p4"};
 
-/* The id must be the first field, for find_item. */
+/* The sensor's id must be the first field, for find_item. */
 typedef struct sensor {
     char id[ID_ROOM], type[ID_ROOM];
     double width, height, numbers[NUMBERS];
-    int calibrated, adjusted;      /* an adjusted calibration replaces an initial one */
+    int calibrated, adjusted;
 } sensor;
 
-/* x in the world = scale * rotation * x in the chunk + translation. */
+/* Placement of a group of cameras: world position = scale * rotation * local position + translation. */
 typedef struct placement {
     char id[ID_ROOM];
     double rotation[9], translation[3], scale;
     int given;
 } placement;
 
-#define ON_EARTH 65536.0           /* units: larger translations are geographic, too far for single precision */
+#define ON_EARTH 65536.0           /* scene units; a larger translation is geographic, too far for floats */
 
 typedef struct photographed {
     char *label;
@@ -55,11 +54,11 @@ typedef struct reader {
     int error, chunks;
     char path[DEPTH_MOST][NAME_ROOM];
     int depth;
-    char text[TEXT_MOST];          /* text of the innermost element */
+    char text[TEXT_MOST];
     size_t length;
-    int calibration;               /* 1: inside a calibration that is used */
+    int calibration;
     placement chunk;
-    double origin[3];              /* subtracted from all positions */
+    double origin[3];
     items sensors, components, cameras;
 } reader;
 
@@ -75,7 +74,6 @@ static void fault(reader *r, const char *what, const char *of)
                      (unsigned long)XML_GetCurrentLineNumber(r->parser), what, of));
 }
 
-/* Appends an item with all fields 0; NULL after an error. */
 static void *add_item(reader *r, items *i, size_t size)
 {
     if (i->count == i->room) {
@@ -92,9 +90,7 @@ static void *add_item(reader *r, items *i, size_t size)
     return memset((char *)i->data + i->count++ * size, 0, size);
 }
 
-/* ---- Elements ---------------------------------------------------------------------------------------------------- */
-
-/* Whether the innermost element and its parent have these names. */
+/* Returns 1 if the innermost XML element and its parent have these names. */
 static int is(const reader *r, const char *name, const char *parent)
 {
     return r->depth > 1 && r->depth <= DEPTH_MOST && !strcmp(r->path[r->depth - 1], name) &&
@@ -109,7 +105,6 @@ static const char *attribute(const char **attributes, const char *name)
     return "";
 }
 
-/* Returns 0 if the value is too long for an id. */
 static int take_id(reader *r, char id[ID_ROOM], const char **attributes, const char *name)
 {
     const char *value = attribute(attributes, name);
@@ -189,8 +184,6 @@ static void begin(void *argument, const char *name, const char **attributes)
         begin_item(r, attributes);
 }
 
-/* ---- Text -------------------------------------------------------------------------------------------------------- */
-
 static void add_text(void *argument, const char *text, int length)
 {
     reader *r = argument;
@@ -199,12 +192,11 @@ static void add_text(void *argument, const char *text, int length)
     r->length += taken;
 }
 
-/* Reads a text of exactly `count` numbers. */
 static void take_numbers(reader *r, double *out, int count)
 {
     char *rest = r->text;
     if (r->length == TEXT_MOST - 1)
-        r->text[0] = 0;            /* truncated */
+        r->text[0] = 0;
     for (char *c = r->text; *c; c++)
         *c = *c == '\n' ? ' ' : *c;
     if (!fxs_colmap_numbers(&rest, out, count) || *fxs_colmap_word(&rest))
@@ -219,7 +211,6 @@ static void take_calibration(reader *r)
             take_numbers(r, &s->numbers[i], 1);
 }
 
-/* Reads the transform of a component or of the chunk. */
 static void take_placement(reader *r)
 {
     const char *owner = r->depth > 2 ? r->path[r->depth - 3] : "";
@@ -260,14 +251,12 @@ static void end(void *argument, const char *name)
     r->length = 0;
 }
 
-/* Refused, because declared entities could expand without limit. */
+/* Refuses XML document types, because declared entities could expand without limit. */
 static void begin_declarations(void *argument, const char *name, const char *system, const char *public, int internal)
 {
     (void)system, (void)public, (void)internal;
     fault(argument, "a document type is declared: ", name);
 }
-
-/* ---- Views ------------------------------------------------------------------------------------------------------- */
 
 static int compare_ids(const void *a, const void *b)
 {
@@ -285,20 +274,19 @@ static const void *find_item(const items *i, const char *id, size_t size)
     return i->count ? bsearch(id, i->data, i->count, size, compare_ids) : NULL;
 }
 
-/* The component's placement, else the chunk's; NULL if none. */
 static const placement *find_placement(const reader *r, const char *id)
 {
     const placement *of = find_item(&r->components, id, sizeof *of);
     return of && of->given ? of : r->chunk.given ? &r->chunk : NULL;
 }
 
-/* A camera that was not aligned has no pose and is skipped. */
+/* A camera that Metashape did not align has no pose. */
 static int is_view(const photographed *c)
 {
     return c->has_pose && !c->disabled;
 }
 
-/* The origin is the first geographic translation, rounded to whole units, so that doubles subtract it exactly. */
+/* Sets the origin to the first geographic translation in whole units, which doubles subtract exactly. */
 static void find_origin(reader *r)
 {
     const photographed *cameras = r->cameras.data;
@@ -311,7 +299,7 @@ static void find_origin(reader *r)
     }
 }
 
-/* pose: columns are the camera's axes x, y (down), z (forward), and its centre. */
+/* Places a view. Columns of `pose`: the axes x, y (down), z (forward), and the camera's centre. */
 static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16], const placement *p,
                  const double origin[3])
 {
@@ -331,7 +319,8 @@ static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16]
     return 0;
 }
 
-/* u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' includes P1 (r^2 + 2 x^2) + 2 P2 x y. */
+/* Projection to pixels: u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' includes P1 (r^2 +
+   2 x^2) + 2 P2 x y. */
 static int set_intrinsics(fxs_view_list *list, fxs_listed_view *listed, const sensor *s)
 {
     const double *n = s->numbers;

@@ -1,7 +1,7 @@
-/* Chooses a view by rendering a small sample of the scene from many stands and scoring the pictures. A score counts
- * the Gaussians that a picture shows; it is lower if one Gaussian fills the picture or if the border cuts through
- * the subject. Steps: find the core and free places inside the scene, decide which way is up and whether to look
- * from within, try 12 yaws at two distances around each box, then other heights and distances on the best sides. */
+/* Chooses a first view of a scene by rendering a small sample from many camera positions. The score counts visible
+   Gaussians. A single Gaussian that fills the picture, or a border that cuts through the subject, lowers the
+   score. Steps: find the scene's core and free places inside, choose the up direction, try 12 yaws around each
+   box, then refine height and distance. */
 #include "first_view.h"
 
 #include <math.h>
@@ -16,19 +16,18 @@
 #include "within.h"
 #include "src/base/try_internal.h"
 
-enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };            /* small picture */
+enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
-#define FOV 50                       /* degrees */
-#define LARGEST (PIXELS / 16)        /* a Gaussian with more pixels lowers the score */
-#define UNBOUNDED 2                  /* least size of an unbounded scene / size of its core */
-#define OPEN 0.65                    /* least mean coverage of level views from a place worth a view */
-#define CLOSED 0.88                  /* least mean coverage of level views from within a room */
-#define WITHIN 0.74                  /* Gaussians seen within (weighed) / outside: above, looks from within */
-#define WITHIN_STANDING 1.1          /* Gaussians seen within / outside: above, no standing figure */
+#define FOV 50
+#define LARGEST (PIXELS / 16)        /* pixels; a larger Gaussian lowers the score */
+#define UNBOUNDED 2                  /* minimum size of an unbounded scene relative to its core */
+#define OPEN 0.65                    /* minimum mean coverage of views from a useful place inside */
+#define CLOSED 0.88                  /* minimum mean coverage of views inside a closed room */
+#define WITHIN 0.74                  /* minimum ratio of Gaussians seen inside to outside, for an inside view */
+#define WITHIN_STANDING 1.1          /* maximum ratio of Gaussians seen inside to outside, for a standing figure */
 
-/* A small picture, and the pixels of each Gaussian in it. */
 typedef struct look {
     unsigned char colour[PIXELS][4], coverage[PIXELS];
     uint32_t depth[PIXELS];
@@ -36,49 +35,45 @@ typedef struct look {
     uint16_t pixels[FXS_SAMPLE_MOST + 1];
 } look;
 
-/* Measurements of a small picture. */
 typedef struct sight {
-    int64_t seen;                    /* Gaussians that contribute most to some pixel */
-    int64_t largest;                 /* pixels of the largest Gaussian */
-    int64_t detail;                  /* sum of differences between neighbouring pixels */
-    int64_t covered;                 /* sum of coverage, 255 per pixel */
-    int64_t close;                   /* pixels nearer than chooser.close, blocking the view */
-    int64_t cut;                     /* covered border pixels, weighted; BORDER if all are covered */
+    int64_t seen;                    /* number of Gaussians that contribute most to some pixel */
+    int64_t largest;
+    int64_t detail;
+    int64_t covered;                 /* sum of the pixels' coverage, 255 per pixel */
+    int64_t close;
+    int64_t cut;
 } sight;
 
 typedef struct box {
     double low[3], high[3];
 } box;
 
-/* Position of a camera. */
 typedef struct stand {
     int yaw;                         /* angle in twelfths of a turn */
-    double out, rise;                /* direction from the middle: level part, upward part */
-    double part;                     /* as in fxs_first_choice; 0: in the middle, looking outwards */
+    double out, rise;                /* horizontal and upward part of the direction to the camera */
+    double part;
     const box *about;
 } stand;
 
 typedef struct chooser {
-    fxs_context context;             /* for one thread */
-    const fxs_config *config;        /* the caller's, with all threads */
+    fxs_context context;
+    const fxs_config *config;
     uint32_t threads;
     fxs_sample sample;
     fxs_core core;
-    box boxes[BOXES];                /* the scene; if unbounded, also its core and the middle of its core */
+    box boxes[BOXES];                /* boxes of the scene, and if unbounded, of its core and the core's middle */
     int box_count;
-    box places[FXS_WITHIN_MOST];     /* boxes around places within the scene */
+    box places[FXS_WITHIN_MOST];
     int place_count;
     int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
-    int is_within;                   /* 1: the best views are from within */
-    int outlined;                    /* 0: surroundings that thin out with distance */
-    double up[3], close;             /* close: nearer pixels block the view */
+    int is_within;
+    int outlined;                    /* 0: no outline, as the surroundings thin out with distance */
+    double up[3], close;             /* close: depth below which pixels block the view */
     size_t frame_bytes;
-    unsigned char *frames;           /* working memory of a frame, per thread */
-    look *looks;                     /* one per thread */
+    unsigned char *frames;
+    look *looks;
     fxs_message *message;
 } chooser;
-
-/* ---- Small pictures ---------------------------------------------------------------------------------------------- */
 
 static int is_covered(const look *l, int pixel)
 {
@@ -94,14 +89,13 @@ static void count_seen(look *l, double close, double far, sight *s)
         s->close += depth < close;
         if (l->id[i].object == FXS_NOTHING || l->coverage[i] < 48)
             continue;
-        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];    /* an object's id is the index
-                                                                                        of its first Gaussian */
+        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];
         s->seen += pixels == 1;
         s->largest = pixels > s->largest && depth < far ? pixels : s->largest;
     }
 }
 
-/* Difference in luminance, at most 40, so that a few bright spots do not dominate. */
+/* Luminance difference, at most 40, so that bright spots do not dominate. */
 static int difference(const unsigned char *a, const unsigned char *b)
 {
     const int d = abs(2 * (a[0] - b[0]) + 5 * (a[1] - b[1]) + a[2] - b[2]) / 8;
@@ -113,13 +107,13 @@ static void count_detail(const look *l, sight *s)
     for (int y = 0; y + 1 < HEIGHT; y++)
         for (int x = 0; x + 1 < WIDTH; x++) {
             const int i = y * WIDTH + x;
-            for (int step = 1; step <= WIDTH; step += WIDTH - 1)     /* to the right, and down */
+            for (int step = 1; step <= WIDTH; step += WIDTH - 1)
                 if (is_covered(l, i) && is_covered(l, i + step))
                     s->detail += difference(l->colour[i], l->colour[i + step]);
         }
 }
 
-/* The bottom border counts a third, because a ground may continue there. */
+/* The bottom border of the picture counts a third, because a ground may continue there. */
 static void count_cut(const look *l, sight *s)
 {
     for (int y = 0; y < HEIGHT; y++)
@@ -127,13 +121,11 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
-/* Distance from the camera to the far end of the core. */
 static double end_of_core(const chooser *c, const fxs_file_view *view)
 {
     return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
 }
 
-/* Renders and measures a view. A view that the renderer refuses counts as empty. */
 static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
 {
     look *l = &c->looks[thread];
@@ -156,8 +148,6 @@ static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *vie
     return 0;
 }
 
-/* ---- Views ------------------------------------------------------------------------------------------------------- */
-
 int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_file_view *view,
                         fxs_message *message)
 {
@@ -169,7 +159,6 @@ int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, in
     return 0;
 }
 
-/* Cosine and sine of the yaws. */
 static const double turns[YAWS][2] = {
     {1, 0}, {0.8660254037844386, 0.5}, {0.5, 0.8660254037844386}, {0, 1}, {-0.5, 0.8660254037844386},
     {-0.8660254037844386, 0.5}, {-1, 0}, {-0.8660254037844386, -0.5}, {-0.5, -0.8660254037844386}, {0, -1},
@@ -197,7 +186,6 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
     return fxs_first_view_make(&first, FOV, WIDTH, HEIGHT, view, c->message);
 }
 
-/* Views shared by several threads: thread t takes views t, t + threads, ... */
 typedef struct looking {
     const chooser *c;
     fxs_file_view views[STANDS];
@@ -228,9 +216,6 @@ static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sig
     return 0;
 }
 
-/* ---- Which way is up --------------------------------------------------------------------------------------------- */
-
-/* Gaussians seen and detail from above, on the side of c->up: the larger of the sums from far and from near. */
 static int look_down(chooser *c, double *seen, double *detail)
 {
     stand stands[AROUND];
@@ -256,8 +241,8 @@ static int is_direction(const double up[3])
     return up && (up[0] != 0 || up[1] != 0 || up[2] != 0);
 }
 
-/* Decides which direction is up. Captures show most from above, and subjects stand on the ground. In doubt, up is -y
-   or z, as in most files. */
+/* Decides which direction is up. Captures show most from above, and subjects stand on the ground. In doubt, up is
+   -y or z, as in most files. */
 static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
@@ -280,19 +265,15 @@ static int find_up(chooser *c, const double known[3])
     return 0;
 }
 
-/* ---- The choice -------------------------------------------------------------------------------------------------- */
-
-/* Directions to the camera, level and up: that of fxs_view_frame_box, a lower one, a higher one. */
 static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
 
-/* The best stand so far, and the best for each yaw. */
 typedef struct choice {
     stand best, sides[YAWS];
     double score, scores[YAWS];
 } choice;
 
-/* Factor 0.5 if the border cuts through the subject, up to 1 if it does not. A border that is all covered, or
-   surroundings that fill the picture, have no outline to cut. */
+/* Score factor: 0.5 if the border cuts through the subject, up to 1 if not. A completely covered border has no
+   outline to cut. */
 static double uncut(const chooser *c, const sight *s)
 {
     const double cut = (double)s->cut / BORDER, covered = (double)s->covered / (255 * PIXELS);
@@ -344,10 +325,9 @@ static int try_place(chooser *c, int place, choice *made)
     return try_stands(c, stands, YAWS, !c->is_within ? 1 : c->box_count == 1 ? 1.5 : 3, made);
 }
 
-/* Tries other heights and distances on the best side that was not refined yet. */
 static int try_heights(chooser *c, choice *made)
 {
-    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were already tried level */
+    static const double parts[] = {1, 0.5, 0.85, 0.7};
     stand stands[STANDS];
     uint32_t count = 0;
     int yaw = 0;
@@ -362,10 +342,8 @@ static int try_heights(chooser *c, choice *made)
     return 0;
 }
 
-/* ---- From within ------------------------------------------------------------------------------------------------- */
-
-/* Over some stands: the largest number of Gaussians seen, reduced if one is large; the mean covered and close parts
-   of the picture. */
+/* Renders several views. Returns the largest number of Gaussians seen, the mean coverage and the mean share of
+   close pixels. */
 static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
     sight sights[STANDS];
@@ -380,15 +358,13 @@ static int look_about(chooser *c, const stand *stands, uint32_t count, double *m
     return 0;
 }
 
-/* True if a free place lies in the middle of the core: the core is hollow. */
 static int is_amid(const chooser *c, const double place[3])
 {
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* Finds places with something to see around them. *seen: most Gaussians seen from one of the places. *weighed: the same
-   number with factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers
-   every view. */
+/* Finds places inside the scene. seen: most Gaussians seen from such a place. weighed: `seen`, raised in a room or
+   a hollow core. Elsewhere in an unbounded scene `weighed` is lowered, because the sky covers every view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];
@@ -437,14 +413,13 @@ static void find_boxes(chooser *c)
     c->box_count = size_of(&b[0]) > UNBOUNDED * size_of(&b[1]) ? BOXES : 1;
 }
 
-/* Finds the boxes and places to look from, the up direction, and whether to look from within. */
 static int find_stands(chooser *c, const double known[3])
 {
     stand stands[2 * AROUND];
     double outside, inside, weighed, covered, close;
     FXS_TRY(fxs_core_find(&c->core, &c->sample, c->message));
     find_boxes(c);
-    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down, so also from below */
+    for (int i = 0; i < 2 * AROUND; i++) {
         const double rise = i & 2 && c->box_count > 1 ? -heights[0][1] : heights[0][1];
         stands[i] = (stand){i / 2 * 2, heights[0][0], rise, i % 2 ? 0.5 : 1, &c->boxes[c->box_count - 1]};
     }
@@ -475,8 +450,6 @@ static int choose(chooser *c, const double up[3], fxs_first_choice *first)
     }
     return first_of(first, &made.best, c->up, c->message);
 }
-
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 static int set_up(chooser *c)
 {

@@ -1,25 +1,23 @@
-/* Chooses a first view for a scene without cameras, by scoring small pictures of it. */
+/* Chooses a first view of a scene by scoring small pictures. */
 #ifndef FXS_FIRST_VIEW_H
 #define FXS_FIRST_VIEW_H
 
 #include <fixsplat/camera.h>
 
 typedef struct fxs_first_choice {
-    double up[3];                    /* length 1 */
-    double from[3];                  /* direction from the middle of the box to the camera, which looks back */
-    double part;                     /* distance relative to the one that shows the whole box, 0.5 to 1; 0: in the
-                                        middle */
-    double low[3], high[3];          /* box of the scene, of its core, or around a place within */
+    double up[3];                    /* unit vector */
+    double from[3];                  /* direction from the box's middle to the camera */
+    double part;                     /* relative distance to the camera, 0.5 to 1; 0: in the box's middle */
+    double low[3], high[3];          /* box of the scene, of its core, or around a place inside */
 } fxs_first_choice;
 
-/* Chooses a view for objects in the box low..high. `up`: the scene's up direction, of any length; null or 0: the
-   function finds it. Made for a field of view of 50 degrees and an aspect of 3:2. The choice does not depend on kernels
-   and threads. Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
+/* Chooses a view for objects in the box low..high, for a field of view of 50 degrees and an aspect of 3:2. up: the
+   scene's up direction; null or 0: unknown. Kernels and threads do not change the result. Errors:
+   FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
 int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects,
                           uint32_t count, const double low[3], const double high[3], const double up[3],
                           fxs_message *message);
 
-/* Makes the chosen view. Errors as for fxs_view_look_at. */
 int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_file_view *view,
                         fxs_message *message);
 

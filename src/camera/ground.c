@@ -1,5 +1,5 @@
-/* Finds the ground from flat Gaussians: their thinnest axes gather around the up direction. Tests -y and z, refines
- * each to the mean normal in a cone, and decides by the share of flat Gaussians across each axis. */
+/* Finds the ground of a scene from flat Gaussians, because their thinnest axes gather around the up direction.
+   Refines -y and z to the mean normal within a cone, then compares the results. */
 #include "ground.h"
 
 #include <math.h>
@@ -8,16 +8,15 @@
 #include <fixsplat/internal/allocator.h>
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
-#define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close to an axis */
-#define GROWN 2                      /* least growth_of along z in a scene captured from the front */
-#define TURNED 0.86                  /* cosine of 30 degrees, the largest tilt of the ground */
+#define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close */
+#define GROWN 2
+#define TURNED 0.86                  /* cosine of 30 degrees, the ground's largest tilt */
 
-/* The sample with weights. */
 typedef struct weighed {
     const fxs_sample_point *points;
     uint32_t count;
-    double *weights, middle[3];      /* middle: medians of the places */
-    double reach, spread;            /* reach: median distance from the middle; spread: as in fxs_ground */
+    double *weights, middle[3];
+    double reach, spread;
 } weighed;
 
 static double dot(const double a[3], const double b[3])
@@ -25,7 +24,6 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Sorts the values. Returns the value of rank count / parts. */
 static double quantile(double *values, uint32_t count, uint32_t parts)
 {
     fxs_sort_values(values, count);
@@ -38,7 +36,7 @@ static void find_away(const weighed *s, uint32_t i, double away[3])
         away[k] = s->points[i].place[k] - s->middle[k];
 }
 
-/* Weights: opacity * size^2 / (reach^2 + distance^2)^2, with the size capped at reach / 10. */
+/* weight of a Gaussian = opacity * size^2 / (reach^2 + distance^2)^2 */
 static void weigh(weighed *s)
 {
     double *w = s->weights, away[3];
@@ -60,13 +58,12 @@ static void weigh(weighed *s)
     }
 }
 
-/* The weight of a Gaussian that lies across the axis, times its flatness; else 0. */
 static double weight_across(const weighed *s, uint32_t i, const double axis[3])
 {
     return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
 }
 
-/* The share of the flat Gaussians' weight that lies across an axis. */
+/* Returns the share of flat Gaussians with normals along the axis, by weight. */
 static double share_of(const weighed *s, const double axis[3])
 {
     double all = 0, across = 0;
@@ -77,10 +74,9 @@ static double share_of(const weighed *s, const double axis[3])
     return all > 0 ? across / all : 0;
 }
 
-/* Moves the axis repeatedly to the mean normal within a cone around it, while the cone narrows. */
 static void refine(const weighed *s, double axis[3])
 {
-    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};    /* cosines */
+    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};
     for (size_t k = 0; k < sizeof cones / sizeof *cones; k++) {
         double sum[3] = {0, 0, 0};
         for (uint32_t i = 0; i < s->count; i++) {
@@ -95,8 +91,8 @@ static void refine(const weighed *s, double axis[3])
     }
 }
 
-/* Finds the two neighbouring layers with the largest weight across the axis. Returns the shares of all weight above
-   and below. */
+/* Finds the two neighbouring layers with most weight of flat Gaussians. Returns the shares of weight above and
+   below these layers. */
 static void weigh_sides(const weighed *s, const double axis[3], double thickness, double *above, double *below)
 {
     double across[LAYERS] = {0}, all[LAYERS] = {0}, total = 0, away[3];
@@ -118,8 +114,8 @@ static void weigh_sides(const weighed *s, const double axis[3], double thickness
     }
 }
 
-/* Layers are reach / 16 thick, thinner if the whole scene falls into one. The result is damped for few Gaussians and
-   for a share near the random 6 %; small differences become 0. */
+/* Measures on which side of the ground most of the scene lies. Layers are reach / 16 thick. The result is damped
+   for few Gaussians and for a share of flat Gaussians near the random 6 %. */
 static double sides_of(const weighed *s, const double axis[3], double share)
 {
     double above = 0, below = 0, thickness = s->reach / 16;
@@ -130,7 +126,7 @@ static double sides_of(const weighed *s, const double axis[3], double share)
     return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
 }
 
-/* Median size of the Gaussians in the last eighth along an axis / in the first eighth. */
+/* Median size of the Gaussians in the last eighth along an axis, relative to the first eighth. */
 static double growth_of(const weighed *s, const double axis[3], double *values)
 {
     const uint32_t step = s->count / GROWTH_POINTS + 1;
@@ -152,9 +148,9 @@ static double growth_of(const weighed *s, const double axis[3], double *values)
     return size[1] / size[0];
 }
 
-/* Picks the axis, y or z, with more flat Gaussians across it; y in doubt. Uses the refined axis only if clearly more
-   Gaussians lie across it, so that an upright scene stays exactly upright. A wall captured from the front also lies
-   across z; then subjects are on its -z side, or Gaussians grow along z. */
+/* Picks the axis, y or z, that most flat Gaussians have as normal; y in doubt. The refined axis must be clearly
+   better, so that an upright scene stays upright. A wall captured from the front also faces z. Such a scene has
+   its subjects on the -z side, or Gaussians that grow along z. */
 static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)
 {
     static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};

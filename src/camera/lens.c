@@ -1,4 +1,4 @@
-/* The lens models of lens.h, and the largest pinhole view that a photograph fills. */
+/* Evaluates lens models, and finds the largest pinhole view that a photograph fills. */
 #include "lens.h"
 
 #include <math.h>
@@ -38,7 +38,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     return lens->kind != FXS_LENS_FISHEYE && lens->kind != FXS_LENS_FISHEYE_AFTER && lens->skew == 0;
 }
 
-/* Lambert's continued fraction for angle / 8; then the angle is doubled three times. */
+/* Tangent by Lambert's continued fraction for angle / 8, then three doublings of the angle. */
 double fxs_tangent(double angle)
 {
     const double z = angle / 8, square = z * z;
@@ -51,8 +51,7 @@ double fxs_tangent(double angle)
     return t;
 }
 
-/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), applied four times; then the series. The argument is below 0.1, where
-   ten terms suffice. */
+/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), applied four times, then ten terms of the series. */
 static double arc_tangent(double x)
 {
     double sum = 0;
@@ -86,7 +85,6 @@ static void bend_fisheye(const fxs_lens *lens, double x, double y, double bent[2
     bent[1] += p[0] * (square + 2 * v * v) + 2 * p[1] * u * v + square * (s[2] + square * s[3]);
 }
 
-/* The factor by which the lens multiplies x and y at a squared distance from the principal point. */
 static double bend_by(const fxs_lens *lens, double square)
 {
     const double radius = sqrt(square), *k = lens->k;
@@ -111,8 +109,8 @@ void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2])
     bent[0] += lens->skew * bent[1];
 }
 
-/* 1 if the lens maps the line from the principal point to a border pixel of the pinhole picture into the photograph,
-   with growing radius (no folding). */
+/* Returns 1 if the lens maps the line from the principal point to a border pixel into the photograph, with growing
+   radius. */
 static int filled_along(const fxs_lens *lens, const fxs_file_view *photograph, double x, double y)
 {
     double bent[2], last = 0;
@@ -142,7 +140,6 @@ static int filled(const fxs_lens *lens, const fxs_file_view *photograph, double 
     return 1;
 }
 
-/* The scale at which the farthest side of the picture is 60 degrees off the axis. */
 static double scale_of_widest(const fxs_file_view *p)
 {
     const double x = fmax(p->cx, p->width - p->cx) / p->fx, y = fmax(p->cy, p->height - p->cy) / p->fy;

@@ -1,18 +1,15 @@
-/* Renders through a lens in two steps: a perspective picture (`cover`) that contains the whole photograph, then a
- * resampling of it. The place of a pixel in `cover` is the inverse of the lens, by Newton's method from a table of
- * the radial part. */
+/* Renders through a lens by resampling a perspective picture of the whole photograph. A pixel's position is the
+   inverse of the lens, by Newton's method from a table of the radial part. */
 #include "lens_warp.h"
 
 #include <math.h>
 #include <string.h>
 
 #define FARTHEST 3.7320508075688772    /* tangent of 75 degrees */
-#define DIFFERENCE 1e-6                /* step of numerical derivatives */
-#define NEAR_ENOUGH 1e-8               /* convergence in focal lengths; at most 1/100 pixel */
+#define DIFFERENCE 1e-6
+#define NEAR_ENOUGH 1e-8
 
 enum { NEWTON_MOST = 12, SAMPLES = 64, LARGER_MOST = 4, MARGIN = 2, POSITION_BITS = 8 };
-
-/* ---- The inverse of a lens --------------------------------------------------------------------------------------- */
 
 static void make_table(fxs_lens_warp *w)
 {
@@ -33,7 +30,7 @@ static void make_table(fxs_lens_warp *w)
     }
 }
 
-/* Distance from the axis for a radius in the photograph, by the table; clamped to the table's end. */
+/* Returns the distance from the axis for a radius in the photograph, by table. */
 static double look_up(const fxs_lens_warp *w, double reach)
 {
     int low = 0, high = w->steps;
@@ -49,7 +46,6 @@ static double look_up(const fxs_lens_warp *w, double reach)
     return (low + (reach - w->reach[low]) / (w->reach[high] - w->reach[low])) * w->step;
 }
 
-/* One step of Newton's method. Returns the squared error before the step. */
 static double improve(const fxs_lens *lens, const double bent[2], double at[2])
 {
     double here[2], right[2], below[2];
@@ -76,13 +72,11 @@ int fxs_lens_warp_straighten(const fxs_lens_warp *w, const double bent[2], doubl
     return left <= NEAR_ENOUGH * NEAR_ENOUGH && place[0] * place[0] + place[1] * place[1] <= most * most;
 }
 
-/* ---- Size of the perspective picture ----------------------------------------------------------------------------- */
-
 typedef struct box {
     double low[2], high[2], farthest;
 } box;
 
-/* Adds a border place to the box. If the lens sees nothing there, uses the farthest point it sees in that direction. */
+/* Extends a box by a border point. Where the lens sees nothing, uses the farthest visible point. */
 static void take_place(const fxs_lens_warp *w, double x, double y, box *b)
 {
     const fxs_file_view *p = &w->photograph;
@@ -99,7 +93,6 @@ static void take_place(const fxs_lens_warp *w, double x, double y, box *b)
     b->farthest = fmax(b->farthest, sqrt(place[0] * place[0] + place[1] * place[1]));
 }
 
-/* The largest magnification by the lens relative to the perspective picture. */
 static double largest_scale(const fxs_lens_warp *w, double farthest)
 {
     double scale = 0;
@@ -108,13 +101,11 @@ static double largest_scale(const fxs_lens_warp *w, double farthest)
     return scale > 0 ? scale : 1;
 }
 
-/* Most pixels of a side of the perspective picture, without margins. `side`: the photograph's side. */
 static double most_pixels(double side)
 {
     return fmin(FXS_MAX_SIZE - 2 * MARGIN, LARGER_MOST * side);
 }
 
-/* A side in whole pixels, with margins; NaN and infinity are handled. */
 static int pixels(double wanted, double side)
 {
     const double most = most_pixels(side);
@@ -147,9 +138,6 @@ void fxs_lens_warp_make(fxs_lens_warp *w, const fxs_lens *lens, const fxs_file_v
     w->cover.height = pixels((b.high[1] - b.low[1]) * w->cover.fy, size[1]);
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
-
-/* The first of the two pixels around a coordinate, and the fraction between them, 0 to 255. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);

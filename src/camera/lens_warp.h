@@ -1,6 +1,5 @@
-/* Renders through a lens: a perspective picture that covers the lens's view is resampled to the pixels of the
-   photograph. Positions are computed in doubles with + - * / and sqrt only, colours in integers, so the bytes are
-   the same on every machine. */
+/* Renders through a lens by resampling a perspective picture. Uses + - * / and sqrt of doubles, and integers for
+   colours, so the bytes are the same on every machine. */
 #ifndef FXS_LENS_WARP_H
 #define FXS_LENS_WARP_H
 
@@ -15,23 +14,21 @@ enum { FXS_WARP_STEPS = 1024 };
 typedef struct fxs_lens_warp {
     fxs_lens lens;
     fxs_file_view photograph;
-    fxs_file_view cover;           /* camera of the perspective picture */
-    double step;                   /* reach[i]: radius in the photograph of a point i * step off the axis, in focal
-                                      lengths, */
-    double reach[FXS_WARP_STEPS + 1];    /* without tangential terms */
-    int steps;                     /* entries while reach grows, up to 75 degrees off the axis */
+    fxs_file_view cover;
+    double step;                   /* table spacing, focal lengths */
+    double reach[FXS_WARP_STEPS + 1];    /* table: radius in the photograph at i * step off the axis */
+    int steps;                     /* number of table entries, up to 75 degrees off the axis */
 } fxs_lens_warp;
 
-/* Sets up a warp. The perspective picture has at least the resolution of the photograph everywhere, limited to 4
-   times its width and height and to FXS_MAX_SIZE. */
+/* Sets up a warp. The perspective picture has at least the photograph's resolution everywhere, up to 4 times its
+   width and height and FXS_MAX_SIZE. */
 void fxs_lens_warp_make(fxs_lens_warp *warp, const fxs_lens *lens, const fxs_file_view *photograph);
 
-/* Inverse of fxs_lens_bend. Returns 0 if the lens sees nothing there, or sees more than 75 degrees off the axis. */
+/* Inverts fxs_lens_bend. Returns 0 if the lens sees nothing there, or more than 75 degrees off the axis. */
 int fxs_lens_warp_straighten(const fxs_lens_warp *warp, const double bent[2], double place[2]);
 
-/* Writes rows first to end - 1 of a picture of the photograph's size. Pixels are RGBA without gaps, interpolated
-   bilinearly from the picture `cover` at places rounded to 1/256 pixel. Pixels where the lens sees nothing become
-   `outside`. */
+/* Writes rows first to end - 1 of the photograph as RGBA without padding, interpolated bilinearly. Pixels where
+   the lens sees nothing become `outside`. */
 void fxs_lens_warp_rows(const fxs_lens_warp *warp, const uint8_t *cover, const uint8_t outside[4], uint8_t *rgba,
                         int first, int end);
 

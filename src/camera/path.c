@@ -1,19 +1,17 @@
-/* Interpolates views along a path: positions and intrinsics by Catmull-Rom splines, rotations by the same spline of
- * quaternions. */
+/* Interpolates views between key views. Positions, intrinsics and quaternions follow Catmull-Rom splines. */
 #include <math.h>
 
 #include "src/base/exponential.h"
 #include <fixsplat/camera.h>
 #include "camera_internal.h"
 
-/* Spline weights between values `first` and first + 1: value first - 1 + k has weight[k]. */
 typedef struct spline {
     long first, count;
     double weight[4];
 } spline;
 
-/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. Before the first and after
-   the last value the line continues: 2 v0 - v1. */
+/* Catmull-Rom weights: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. Both ends
+   continue linearly: 2 v0 - v1. */
 static spline spline_at(long count, double at)
 {
     const long first = at >= (double)(count - 1) ? count - 2 : (long)at;
@@ -31,7 +29,6 @@ static spline spline_at(long count, double at)
     return s;
 }
 
-/* Weighted sums of `values` numbers per key, which `get` returns. */
 static void blend(const spline *s, const fxs_file_view *keys, int values, void (*get)(const fxs_file_view *, double *),
                   double *out)
 {
@@ -63,8 +60,6 @@ static void position_of(const fxs_file_view *view, double *v)
         v[i] = view->position[i];
 }
 
-/* ---- Rotations --------------------------------------------------------------------------------------------------- */
-
 static void matrix_of(const double q[4], double r[9])
 {
     const double s = 2 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -76,7 +71,7 @@ static void matrix_of(const double q[4], double r[9])
     }
 }
 
-/* q and -q are the same rotation: uses the sign closer to the previous key. */
+/* Quaternions q and -q are the same rotation, so each key takes the sign closer to the previous key. */
 static void turn_between(const spline *s, const fxs_file_view *keys, double rotation[9])
 {
     double sum[4] = {0, 0, 0, 0}, before[4] = {0, 0, 0, 0}, q[4];
@@ -94,9 +89,7 @@ static void turn_between(const spline *s, const fxs_file_view *keys, double rota
     matrix_of(sum, rotation);
 }
 
-/* ---- Path -------------------------------------------------------------------------------------------------------- */
-
-/* At a key, returns exactly that key. */
+/* Interpolates key views. A whole number `at` returns exactly that key. */
 void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view)
 {
     double lens[5];

@@ -1,5 +1,5 @@
-/* Samples objects: decodes every step-th Gaussian into a point, and packs every each-th point again, in profile
- * default with SH degree 0, so that the renderer can draw the sample. Fixed-point and exact doubles only. */
+/* Samples Gaussians of objects. Every step-th Gaussian becomes a point, and some points are packed again for
+   drawing, in profile default with SH degree 0. Uses fixed point and exact doubles only. */
 #include "sample.h"
 
 #include <math.h>
@@ -11,20 +11,16 @@
 #include "src/base/tilt.h"
 #include "src/core/codes.h"
 
-/* A decoded Gaussian, in the fixed-point units of the codes. */
 typedef struct loose {
     int64_t position_q32[3];
     int32_t scale_q16[3];            /* log2(sigma) */
     int32_t colour_q16[3];
-    uint32_t rotation;               /* rotation word */
-    int32_t axis_bits;               /* bits of its x and y */
+    uint32_t rotation;
+    int32_t axis_bits;               /* bits of x and y in the rotation word */
     uint32_t opacity;                /* 0 to 255 */
 } loose;
 
-/* ---- Decoding ---------------------------------------------------------------------------------------------------- */
-
-/* Opacity of 255. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. Visible codes give at least
-   1. */
+/* Decodes an opacity code c. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
 static uint32_t opacity_of(uint32_t code, uint32_t law)
 {
     static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* 255 * 4^(1 - law) - 1 */
@@ -58,7 +54,7 @@ static loose loosen(enum fxs_profile profile, const fxs_chunk *chunk, const fxs_
 /* 2^(x / 65536) */
 static double exp2_of(int32_t x_q16)
 {
-    const int32_t whole = -(-x_q16 >> 16);                        /* ceil; the remainder is 0 to 65535 */
+    const int32_t whole = -(-x_q16 >> 16);
     return ldexp(fxs_exp2_q15((int32_t)((int64_t)whole * 65536 - x_q16) >> 1), whole - 15);
 }
 
@@ -90,14 +86,11 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     for (int i = 0; i < 3; i++)
         p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
     p.size = exp2_of((s[a] + s[b]) / 2) * scale;
-    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* coding makes balls slightly flat */
+    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* quantised spheres are slightly flat */
     p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
     return p;
 }
 
-/* ---- Encoding ---------------------------------------------------------------------------------------------------- */
-
-/* The smallest step with which codes 0..codes cover the range. */
 static uint64_t step_for(uint64_t reach, uint32_t codes)
 {
     return (reach + codes - 1) / codes;
@@ -139,7 +132,6 @@ static void pack_positions(fxs_chunk *chunk, const loose *l, uint32_t count, uns
     }
 }
 
-/* Converts a rotation word from `from` to `to` bits for x and y each. */
 static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
 {
     const uint32_t half = 1u << (31 - to), roll = ((word << 2 * from) + (1u << (2 * to - 1))) >> 2 * to;
@@ -147,7 +139,7 @@ static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
     return (word - y + half) >> (32 - to) << (32 - to) | y;
 }
 
-/* Adds larger_q16 to all log2(sigma). Code: sqrt((scale - x) / step). */
+/* Packs sizes, after adding larger_q16 to all log2(sigma). The code of a size x is sqrt((scale - x) / step). */
 static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
@@ -170,7 +162,7 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
     }
 }
 
-/* Must follow pack_scales: the lowest colour bits go into its scale words. */
+/* Packs colours. Call after pack_scales, because scale words hold the lowest colour bits. */
 static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
 {
     uint32_t words[FXS_CHUNK], scales[FXS_CHUNK];
@@ -198,7 +190,7 @@ static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsig
     }
 }
 
-/* Unused slots of the last chunk stay 0: opacity 0. */
+/* Packs a chunk of 256 Gaussians. Unused slots keep opacity 0. */
 static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *l, uint32_t count, int32_t larger_q16)
 {
     fxs_chunk chunk = {{0}, {0}, 0, {0}, {0}, 0, {0}, 0, 0, 0, {0}};
@@ -210,14 +202,11 @@ static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *
     memcpy(header, &chunk, sizeof chunk);
 }
 
-/* ---- The sample -------------------------------------------------------------------------------------------------- */
-
-/* State of taking a sample. */
 typedef struct taking {
     fxs_sample *sample;
-    unsigned char *headers, *rows;   /* next chunk to write */
-    uint64_t step, next;             /* next: index of the next point from the object's first Gaussian */
-    uint32_t each;                   /* one of `each` points is drawn */
+    unsigned char *headers, *rows;
+    uint64_t step, next;
+    uint32_t each;
     int32_t larger_q16;
 } taking;
 
@@ -226,7 +215,6 @@ static uint64_t drawn(const fxs_object *o)
     return o->visible ? o->scene->count : 0;
 }
 
-/* Applies the object's crop boxes. */
 static int is_kept(const fxs_object *o, const int64_t p[3])
 {
     int keeps = 0, kept = 0;
@@ -254,7 +242,6 @@ static void end_chunk(taking *t, fxs_scene *scene, const loose *l, uint32_t coun
     scene->count += count;
 }
 
-/* Appends the object if the sample has a Gaussian of it. */
 static int take_object(taking *t, const fxs_object *o)
 {
     fxs_sample *s = t->sample;
@@ -291,8 +278,8 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* log2(x) / 3, linear between powers of two. Added to log2(sigma) of every x-th Gaussian, it keeps the filled share of
-   space. */
+/* Growth of log2(sigma) that keeps space equally filled by every x-th Gaussian: log2(x) / 3, linear between powers
+   of two. */
 static int32_t larger_of(uint64_t x)
 {
     const int whole = 63 - fxs_clz64(x);
@@ -312,7 +299,7 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     t.larger_q16 = larger_of(t.step * t.each);
     for (uint32_t i = 0; i < count; i++)
         chunks += (drawn(&objects[i]) / (t.step * t.each) + FXS_CHUNK) / FXS_CHUNK;
-    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each chunk has a Gaussian */
+    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,

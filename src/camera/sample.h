@@ -1,40 +1,37 @@
-/* A sample of some objects' Gaussians, small enough to render dozens of times. */
+/* Takes a sample of Gaussians, small enough to render dozens of times. */
 #ifndef FXS_SAMPLE_H
 #define FXS_SAMPLE_H
 
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/internal/message.h>
 
-#define FXS_SAMPLE_MOST 20480u       /* most Gaussians that are drawn */
+#define FXS_SAMPLE_MOST 20480u       /* maximum number of drawn Gaussians */
 #define FXS_SAMPLE_POINTS (3 * FXS_SAMPLE_MOST)
 
-/* A sampled Gaussian in world coordinates. */
 typedef struct fxs_sample_point {
     double place[3];
-    double normal[3];                /* the thinnest axis, length 1, either sign */
-    double size;                     /* root of the product of the two largest sigmas */
+    double normal[3];                /* thinnest axis, length 1, either sign */
+    double size;                     /* square root of the product of the two largest sigmas */
     double flatness;                 /* 31/32 - thinnest / middle sigma, at least 0 */
-    double opacity;                  /* 0 to 1 */
+    double opacity;
 } fxs_sample_point;
 
-/* Every step-th Gaussian as a point. Every point, every second or every third is packed again for drawing, with SH
-   degree 0 and enlarged. */
+/* A sample of Gaussians as points. Points are also packed for drawing, enlarged and with SH degree 0. */
 typedef struct fxs_sample {
     fxs_object *objects;
-    uint32_t count;                  /* objects with a drawn Gaussian */
+    uint32_t count;                  /* number of objects with a drawn Gaussian */
     fxs_sample_point *points;
     uint32_t point_count;
-    double step;                     /* Gaussians per point */
-    fxs_scene *scenes;               /* one per object; they point into `bytes` */
-    unsigned char *bytes;            /* all chunks */
+    double step;                     /* Gaussians of the scene per point of the sample */
+    fxs_scene *scenes;
+    unsigned char *bytes;
 } fxs_sample;
 
-/* Takes a sample; free it with fxs_sample_free. Returns 0, or FXS_ERR_MEMORY or FXS_ERR_SCENE and a message, with
-   nothing to free. The same on every machine: integers and exact doubles only. */
+/* Takes a sample. Returns 0, or FXS_ERR_MEMORY or FXS_ERR_SCENE and a message. The result is the same on every
+   machine. */
 int fxs_sample_take(fxs_sample *sample, const fxs_object *objects, uint32_t count, fxs_message *message);
 void fxs_sample_free(fxs_sample *sample);
 
-/* Sorts in ascending order. */
 void fxs_sort_values(double *values, uint32_t count);
 
 #endif

@@ -1,4 +1,4 @@
-/* The growing list of views that camera readers fill, and the validation of views. */
+/* Grows the list of views that camera readers fill, and validates views. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +43,7 @@ int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **a
     } else {
         snprintf(view->name, sizeof view->name, "%zu", list->count);
     }
-    fxs_text_make_safe(view->name);    /* names go into messages */
+    fxs_text_make_safe(view->name);
     list->count++;
     return 0;
 }
@@ -104,7 +104,7 @@ static int size_valid(double size)
     return size >= 1 && size <= MAX_SIZE && size == floor(size);
 }
 
-/* Accepts a matrix with a uniform scale too. */
+/* Converts a matrix to a rotation. A uniform scale is accepted. */
 static int make_rotation(double r[9])
 {
     double squares = 0, divided[9];

@@ -1,18 +1,17 @@
-/* Finds the core of a scene, the region of its small Gaussians, and free places in it. A place is rated on a grid in
- * the lower half of the core: the surroundings are binned by direction, and the merit is (covered bins)^2 * harmonic
- * mean distance. */
+/* Finds the core of a scene, the region of its small Gaussians, and free places in the core's lower half. The
+   surroundings of a place are binned by direction. Merit: (covered bins)^2 * harmonic mean distance. */
 #include "within.h"
 
 #include <math.h>
 
 #include <fixsplat/internal/allocator.h>
 
-enum { FACE = 6, BINS = 6 * FACE * FACE };    /* bins of directions: squares on the faces of a cube */
+enum { FACE = 6, BINS = 6 * FACE * FACE };
 enum { GRID = 7, PLACES = GRID * GRID * GRID };
-enum { CORE_POINTS = 8192, POINTS = 2048 };   /* points used to find the core, and to rate a place */
+enum { CORE_POINTS = 8192, POINTS = 2048 };
 
-#define TALL 1.8                     /* least height / width of a standing subject */
-#define FLAT 0.25                    /* least ratio of the subject's two widths; below, a strip seen from above */
+#define TALL 1.8                     /* minimum height / width of a standing subject */
+#define FLAT 0.25                    /* minimum width / depth of a standing subject */
 
 double fxs_distance(const double a[3], const double b[3])
 {
@@ -27,11 +26,8 @@ static uint32_t stride_of(const fxs_sample *s, uint32_t most)
     return (s->point_count + most - 1) / most;
 }
 
-/* ---- The core ---------------------------------------------------------------------------------------------------- */
-
 enum measure { PLACE_X, PLACE_Y, PLACE_Z, DISTANCE };
 
-/* Collects the measure `what` of the points with at most this size, sorted ascending. Returns their number. */
 static uint32_t measure(const fxs_sample *s, double size, enum measure what, const double middle[3], double *values)
 {
     uint32_t n = 0;
@@ -79,9 +75,6 @@ int fxs_core_stands(const fxs_core *core)
     return 0;
 }
 
-/* ---- Places ------------------------------------------------------------------------------------------------------ */
-
-/* The bin of a nonzero direction. */
 static int bin_of(const double d[3])
 {
     const double x = fabs(d[0]), y = fabs(d[1]), z = fabs(d[2]);
@@ -91,7 +84,7 @@ static int bin_of(const double d[3])
     return ((axis * 2 + (d[axis] > 0)) * FACE + i) * FACE + j;
 }
 
-/* Rates a place. A bin is covered if Gaussians span half of its solid angle. */
+/* Rates a place. A direction is covered if Gaussians span half of its solid angle. */
 static void look_about(fxs_within *w, const fxs_sample *s)
 {
     const double pi = 3.141592653589793, most = 4 * pi / BINS;
@@ -118,7 +111,7 @@ static void look_about(fxs_within *w, const fxs_sample *s)
     w->merit = (double)covered * covered * w->clear;
 }
 
-/* Whether a place is not above the middle of the core. */
+/* Returns 1 if a place is not above the core's middle. */
 static int is_low(const double place[3], const fxs_core *core, const double up[3])
 {
     double height = 0, size = 0;
@@ -129,7 +122,6 @@ static int is_low(const double place[3], const fxs_core *core, const double up[3
     return height < size / (2 * GRID);
 }
 
-/* The best place that is not near one found before; null: none. */
 static const fxs_within *best_of(const fxs_within *all, int tried, const fxs_within *found, int count, double reach)
 {
     const fxs_within *best = NULL;

@@ -1,4 +1,4 @@
-/* Encoders of depth (.png, .pfm) and id (.png, .raw) targets. A file is encoded in memory, then written at once. */
+/* Writes depth targets (.png, .pfm) and id targets (.png, .raw). */
 #include "depth_file.h"
 
 #include <math.h>
@@ -37,8 +37,6 @@ static int write_file(const char *path, const void *bytes, size_t size, fxs_mess
     return fxs_encoded_write(path, &file, message);
 }
 
-/* ---- Depth as .png ----------------------------------------------------------------------------------------------- */
-
 double fxs_depths_farthest(const fxs_depths *d)
 {
     uint32_t farthest = 0;
@@ -49,7 +47,7 @@ double fxs_depths_farthest(const fxs_depths *d)
     return ldexp(farthest, -d->depth_bits);
 }
 
-/* 1 to 65535 for depths, saturating at the range; 0: no depth */
+/* Converts a depth to 1..65535, clamped; 0: no depth. */
 static unsigned grey(uint32_t depth, uint64_t range)
 {
     const uint64_t value = ((uint64_t)depth * 65535 + range / 2) / range;
@@ -79,8 +77,6 @@ static int write_png(const char *path, const fxs_depths *d, double range, fxs_me
     fxs_encoded_free(&png);
     return error;
 }
-
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 static unsigned char *put_little_32(unsigned char *out, uint32_t value)
 {
@@ -119,8 +115,6 @@ int fxs_depth_file_write(const char *path, const fxs_depths *depths, double rang
     return write_png(path, depths, range, message);
 }
 
-/* ---- Ids --------------------------------------------------------------------------------------------------------- */
-
 static uint32_t scramble(uint32_t x)
 {
     x = (x ^ x >> 16) * 0x45d9f3bu;
@@ -128,7 +122,7 @@ static uint32_t scramble(uint32_t x)
     return x ^ x >> 16;
 }
 
-/* A hue, 0 to 1535, mixed with white by 0 to 255, then scaled by value / 255. */
+/* Colour of a hue, 0 to 1535, with white, 0 to 255, mixed in. */
 static void colour_of(uint8_t rgb[3], uint32_t hue, uint32_t white, uint32_t value)
 {
     for (uint32_t c = 0; c < 3; c++) {
@@ -145,7 +139,7 @@ static void paint(uint8_t rgba[4], const fxs_id *id, int by_object)
     rgba[3] = 255;
     if (id->gaussian == FXS_NOTHING)
         return;
-    if (by_object)                           /* golden section: hues of consecutive ids are far apart */
+    if (by_object)                           /* golden section spreads the hues of consecutive ids */
         colour_of(rgba, (uint32_t)((uint64_t)(id->object * 0x9e3779b9u) * 1536 >> 32), 40, 120 + mixed % 136);
     else
         colour_of(rgba, mixed % 1536, mixed >> 12 & 127, 128 + (mixed >> 20 & 127));

@@ -1,6 +1,5 @@
-/* Reads HEIF with libheif, as planes of Y, Cb and Cr, and converts colours here in integers, so the bytes are the
- * same on every machine. Before libheif parses a file, its bytes are searched for streams of excessive size and for
- * pictures that refer to each other too often, because libheif does not limit these. */
+/* Reads HEIF with libheif and converts colours in integers, so the bytes are the same on every machine. libheif
+   limits neither stream sizes nor references between pictures, so both are checked first. */
 #ifdef FXS_WITH_HEIF
 
 #include "heif_library.h"
@@ -16,11 +15,11 @@ typedef struct reading {
     struct heif_context *context;
     struct heif_image_handle *handle;
     struct heif_image *image;
-    uint8_t *bytes;                /* the whole file */
+    uint8_t *bytes;
     size_t size;
 } reading;
 
-/* Samples above 8 bits are 16-bit words in native byte order; the upper 8 bits are used. */
+/* Samples above 8 bits are 16-bit words in native byte order. Their upper 8 bits are used. */
 typedef struct plane {
     const uint8_t *samples;
     int width, height, stride, bits;
@@ -36,9 +35,7 @@ static int sample(const plane *p, int x, int y)
     return wide >> (p->bits - 8) & 255;
 }
 
-/* ---- Colours ----------------------------------------------------------------------------------------------------- */
-
-/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb. Factors are Q16; `black` is subtracted
+/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb. Factors are Q16. `black` is subtracted
    from Y; Cb and Cr begin at -128. */
 typedef struct colours {
     int black, y, red, green[2], blue;
@@ -49,8 +46,8 @@ static int fixed(double x)
     return (int)(x * 65536 + 0.5);
 }
 
-/* ITU-T H.273: R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B. Full range: 256
-   levels. Limited range: 219 levels of Y from 16, 224 of chroma. */
+/* ITU-T H.273: R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B. Limited range: 219
+   levels of Y from 16, 224 levels of chroma. */
 static void set_colours(colours *c, double kr, double kb, int is_full)
 {
     const double kg = 1 - kr - kb, chroma = is_full ? 1 : 255.0 / 224;
@@ -62,7 +59,7 @@ static void set_colours(colours *c, double kr, double kb, int is_full)
     c->green[1] = fixed(chroma * 2 * kr * (1 - kr) / kg);
 }
 
-/* Colour matrix from the file, else from its stream, else BT.601 in full range, as in libheif. */
+/* Takes the colour matrix of the file, else of its stream. Default: BT.601 in full range, as in libheif. */
 static const char *find_colours(const reading *r, colours *c)
 {
     struct heif_color_profile_nclx *stated = NULL;
@@ -91,8 +88,6 @@ static uint8_t rounded(int fixed)
     return (uint8_t)(((fixed < 0 ? 0 : fixed > most ? most : fixed) + 32768) >> 16);
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
-
 static const char *find_plane(const reading *r, enum heif_channel channel, plane *p)
 {
     p->samples = r->lib->heif_image_get_plane_readonly(r->image, channel, &p->stride);
@@ -112,7 +107,7 @@ static int halved(int at, int size)
     return at / 2 < size ? at / 2 : size - 1;
 }
 
-/* `planes`: Y, Cb, Cr, alpha. Chroma is taken from the nearest sample, not interpolated. */
+/* Converts YCbCr to RGBA. Chroma is taken from the nearest sample. */
 static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
 {
     const int width = planes[0].width, height = planes[0].height;
@@ -131,8 +126,7 @@ static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
         }
 }
 
-/* libheif converts colours in floats. So it is asked for YCbCr 4:2:0, as cameras write it, which HEVC specifies
-   bit-exactly. */
+/* Asks for YCbCr 4:2:0, which HEVC specifies bit-exactly. libheif's colour conversion uses floats. */
 static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int *height)
 {
     static const enum heif_channel channels[4] = {heif_channel_Y, heif_channel_Cb, heif_channel_Cr, heif_channel_Alpha};
@@ -159,12 +153,10 @@ static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int
     return NULL;
 }
 
-/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
-
 /* Bit reader of a NAL unit (ITU-T H.265, 7.3.1.1). Skips the 3 of bytes 0 0 3. Returns 0 past the end. */
 typedef struct bits {
     const uint8_t *bytes;
-    size_t size, at;               /* at: in bits */
+    size_t size, at;
 } bits;
 
 static uint32_t take(bits *b, int count)
@@ -181,7 +173,7 @@ static uint32_t take(bits *b, int count)
     return value;
 }
 
-/* ue(v) of section 9.2 */
+/* Reads an Exp-Golomb code: ue(v) of ITU-T H.265, 9.2. */
 static uint32_t take_code(bits *b)
 {
     int zeros = 0;
@@ -190,14 +182,13 @@ static uint32_t take_code(bits *b)
     return (1u << zeros) - 1 + take(b, zeros);
 }
 
-/* The number of pixels in a sequence parameter set (7.3.2.2). */
 static uint64_t stated_pixels(const uint8_t *unit, size_t size)
 {
     bits b = {unit, size, 16 + 4};
     uint32_t has[7];
-    const int layers = (int)take(&b, 3);   /* sub-layers */
+    const int layers = (int)take(&b, 3);
     take(&b, 1);
-    for (int i = 0; i < 3; i++)    /* profile and level */
+    for (int i = 0; i < 3; i++)
         take(&b, 32);
     for (int i = 0; i < layers; i++)
         has[i] = take(&b, 2);
@@ -208,15 +199,14 @@ static uint64_t stated_pixels(const uint8_t *unit, size_t size)
         take(&b, has[i] & 1 ? 8 : 0);
     }
     take_code(&b);
-    if (take_code(&b) == 3)        /* chroma */
+    if (take_code(&b) == 3)
         take(&b, 1);
     const uint64_t width = take_code(&b);
     return width * take_code(&b);
 }
 
-/* The decoder allocates by the size in its stream, whatever the file says. So every sequence parameter set, which
-   follows a length of at least two bytes, is limited to twice the pixels of a picture, because sizes are whole
-   blocks. Other bytes look like such a parameter set in one of about 10^9 photographs. */
+/* The HEVC decoder allocates by the size in its stream. Every sequence parameter set is therefore limited to twice
+   the pixels of a picture, because sizes are whole blocks. */
 static const char *find_large_stream(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 2; at + 2 < size; at++) {
@@ -230,11 +220,8 @@ static const char *find_large_stream(const uint8_t *bytes, size_t size)
     return NULL;
 }
 
-/* ---- References between pictures
-   ---------------------------------------------------------------------------------- */
-
-/* A picture may consist of others (dimg: a grid of tiles) and have another as its alpha (auxl), by item number.
-   libheif follows cycles until the stack overflows, and decodes a tile once per reference. */
+/* A picture may refer to tiles (dimg) and to its alpha (auxl). libheif follows cycles until the stack overflows,
+   and decodes a tile once per reference. */
 enum { ITEMS = 65536, DEEPEST = 3, MOST_TILES = 1 << 15 };
 
 static uint32_t number_at(const uint8_t *bytes, size_t count)
@@ -245,9 +232,8 @@ static uint32_t number_at(const uint8_t *bytes, size_t count)
     return number;
 }
 
-/* Adds to `to`, per picture, the number of times it is decoded by the pictures that refer to it. Layout of a child
-   of iref: size, type, number, count, numbers of `wide` bytes each. Lowers *left by the children and numbers read.
-   Returns 0 if a number is too large or *left is used up. */
+/* Adds up how often each picture is decoded because other pictures refer to it. A child of an iref box has size,
+   type, number, count, then numbers of `wide` bytes. Returns 0 if a number is too large or *left is used up. */
 static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to,
                      size_t *left)
 {
@@ -272,8 +258,6 @@ static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, 
     return 1;
 }
 
-/* Processes every iref, with a size of 4 or 8 bytes. They may be nested, so all together are limited to the contents
-   of a single one: children of at least 12 bytes, and as many numbers as pictures may be decoded. */
 static int add_all(const uint8_t *bytes, size_t size, const uint32_t *from, uint32_t *to)
 {
     size_t left = size / 8 + 2 * MOST_TILES;
@@ -311,8 +295,6 @@ static const char *find_circles(const uint8_t *bytes, size_t size)
     return fault ? fault : last || tiles > MOST_TILES ? "a picture of pictures in circles, or of too many" : NULL;
 }
 
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
-
 static const char *said(struct heif_error error)
 {
     static __thread char words[160];
@@ -323,7 +305,7 @@ static const char *said(struct heif_error error)
                                                               : words;
 }
 
-/* The first four bytes are the offset of the TIFF file in the rest. */
+/* The first four bytes of an EXIF block are the offset of its TIFF data. */
 static void take_exif(const reading *r, fxs_exif_bytes *exif)
 {
     heif_item_id id;

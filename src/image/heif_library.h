@@ -1,10 +1,9 @@
-/* libheif, loaded on first use because it depends on a dozen libraries (port/posix/heif_library.c). */
+/* Loads libheif on first use, because it depends on a dozen libraries. */
 #ifndef FXS_HEIF_LIBRARY_H
 #define FXS_HEIF_LIBRARY_H
 
 #include <libheif/heif.h>
 
-/* Applies `use` to each function used, with its type from libheif.h. */
 #define FXS_HEIF_FUNCTIONS(use) \
     use(heif_init) \
     use(heif_context_alloc) \
@@ -38,7 +37,7 @@ typedef struct fxs_heif_library {
 #undef FXS_HEIF_FIELD
 } fxs_heif_library;
 
-/* NULL: not installed. */
+/* Returns libheif's functions, or NULL if libheif is not installed. */
 const fxs_heif_library *fxs_heif_library_open(void);
 
 #endif

@@ -8,7 +8,7 @@
 
 #ifdef FXS_WITH_STB
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc reports unused functions at the end of the file */
+#pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wsign-conversion"
@@ -30,8 +30,6 @@
 
 enum { MAX_SIZE = 16384 };
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
 enum fxs_image_format fxs_image_format_of(const char *path)
 {
     static const struct {
@@ -52,10 +50,6 @@ int fxs_image_file_known(const char *path)
     const enum fxs_image_format format = fxs_image_format_of(path);
     return format >= FXS_IMAGE_PNG && format <= FXS_IMAGE_WEBP;
 }
-
-/* ---- Formats ----------------------------------------------------------------------------------------------------- */
-
-/* Encoders return 0 or an error, without a message. */
 
 uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes)
 {
@@ -111,7 +105,6 @@ static int encode_y4m(const uint8_t *rgba, int width, int height, fxs_encoded *y
 }
 
 #ifdef FXS_WITH_STB
-/* A buffer that grows as bytes are added. */
 typedef struct growing {
     fxs_encoded *encoded;
     int failed;
@@ -151,8 +144,7 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 #endif
 
 #ifdef FXS_WITH_WEBP
-/* 1 if a lossless picture decodes to these pixels. If memory runs out, libwebp 1.2.4 may return a truncated stream
-   as success. Its decoder crashes without memory, so an allocation is tried first. */
+/* Checks that a lossless picture decodes to these pixels, because libwebp 1.2.4 may truncate when memory runs out. */
 static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
 {
     const size_t bytes = 4 * (size_t)width * (size_t)height;
@@ -165,7 +157,6 @@ static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, i
     return same;
 }
 
-/* Lossless: least effort (0 of 9); colours of transparent pixels are kept. */
 static int encode_webp(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *webp)
 {
     WebPConfig config;
@@ -185,8 +176,7 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     picture.custom_ptr = &writer;
     const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture) &&
                         (quality || holds(&writer, rgba, width, height));
-    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* copied, because the writer's memory
-                                                                                needs WebPFree */
+    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;
     if (bytes) {
         webp->bytes = memcpy(bytes, writer.mem, writer.size);
         webp->size = writer.size;
@@ -202,8 +192,6 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     return FXS_ERR_UNSUPPORTED;
 }
 #endif
-
-/* ---- Encoding ---------------------------------------------------------------------------------------------------- */
 
 static int encode(enum fxs_image_format format, int quality, const uint8_t *rgba, int width, int height,
                   fxs_encoded *encoded)
@@ -250,13 +238,11 @@ void fxs_encoded_free(fxs_encoded *encoded)
     memset(encoded, 0, sizeof *encoded);
 }
 
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
-
 int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message)
 {
     fxs_output output;
     FXS_TRY(fxs_output_open(&output, path, 0, message));
-    fxs_output_write(&output, encoded->bytes, encoded->size, message);   /* the output keeps its error */
+    fxs_output_write(&output, encoded->bytes, encoded->size, message);
     return fxs_output_close(&output, message);
 }
 

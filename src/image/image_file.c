@@ -29,14 +29,11 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define FREE_PIXELS (1 << 20)     /* allowed in any file */
-#define MAX_BYTE_PIXELS 512       /* limit beyond FREE_PIXELS, pixels per byte. The first scan of a .jpg has at least
-                                     a bit per 8 x 8 pixels. A .png of one colour has 258 (RGBA) or 344 (RGB), in
-                                     black and white up to 8256 */
+#define FREE_PIXELS (1 << 20)
+#define MAX_BYTE_PIXELS 512       /* maximum number of pixels per byte of the file */
 #define MAX_WEBP_BYTES (1 << 28)
-#define MAX_JPEG_SCANS 100        /* a scan can be a few bytes but takes time for the whole picture */
+#define MAX_JPEG_SCANS 100        /* a JPEG scan of a few bytes takes time for the whole picture */
 
-/* Faults of this build, not of the file. */
 static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
 static const char no_webp[] = "a .webp; this program was built without libwebp, which .webp needs";
@@ -61,10 +58,7 @@ const char *fxs_image_refusal(int width, int height, uint64_t bytes)
                : NULL;
 }
 
-/* Readers return NULL or the fault. */
-
 #if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
-/* State of a library that decodes: its fault, and the place for longjmp. */
 typedef struct decoding {
     const char *fault;
     jmp_buf refused;
@@ -76,7 +70,6 @@ static void refuse(decoding *picture, const char *fault)
     longjmp(picture->refused, 1);
 }
 
-/* Allocates the pixels, if a file of `bytes` bytes may have that number. */
 static void make_room(decoding *picture, uint8_t **rgba, int width, int height, uint64_t bytes)
 {
     const char *fault = fxs_image_refusal(width, height, bytes);
@@ -89,7 +82,7 @@ static void make_room(decoding *picture, uint8_t **rgba, int width, int height, 
 #endif
 
 #ifdef FXS_WITH_PNG
-/* Also for warnings, after which libpng would skip the damaged part. */
+/* Refuses a .png also after warnings, where libpng would skip damaged parts. */
 static void refuse_png(png_structp png, const char *fault)
 {
     static __thread char words[200];
@@ -117,8 +110,7 @@ typedef struct png_reading {
     png_infop info;
 } png_reading;
 
-/* Ignores gamma and colour profiles. Chunks that pixels do not need are skipped without allocation, at any size. An
-   index beyond the palette reads black, because libpng always allocates 256 colours. */
+/* Decodes a .png without gamma and colour profiles. An index beyond the palette reads black. */
 static void decode_png(png_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     decoding *picture = &reading->picture;
@@ -175,8 +167,7 @@ static void refuse_by_code(j_common_ptr jpeg)
     refuse(jpeg->client_data, code == JERR_OUT_OF_MEMORY ? fxs_no_memory : code == JWRN_JPEG_EOF ? cut_short : words);
 }
 
-/* libjpeg warns of damaged data and invents pixels; here damage is a fault. Extra bytes between segments, from some
-   cameras, are harmless. */
+/* Turns libjpeg's warnings into faults. Extra bytes between segments, which some cameras write, are harmless. */
 static void refuse_damage(j_common_ptr jpeg, int level)
 {
     if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA)
@@ -189,7 +180,7 @@ static void limit_scans(j_common_ptr jpeg)
         refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
-/* Converts CMYK without its profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
+/* Converts CMYK without profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
 static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
 {
     const int flip = is_inverted ? 0 : 255;
@@ -200,7 +191,7 @@ static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
     }
 }
 
-/* Uses the integer inverse DCT and smooth chroma, which libjpeg-turbo computes identically on every processor. */
+/* Decodes a .jpg with integer inverse DCT and smooth chroma, which are identical on every processor. */
 static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, fxs_exif_bytes *exif)
 {
     j_decompress_ptr jpeg = &reading->jpeg;
@@ -251,7 +242,6 @@ static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 }
 #endif
 
-/* libwebp gives the same result in C and with every instruction set. */
 static const char *read_webp(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
 #ifdef FXS_WITH_WEBP
@@ -294,8 +284,6 @@ static const char *read_heif(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 #endif
 }
 
-/* A number of a .ppm header: skips blanks and comments before it, and takes the blank after it. Returns -1 if there
-   is no number. */
 static int header_number(FILE *file)
 {
     int c = getc(file), comment = 0, value = 0;
@@ -326,7 +314,7 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return fxs_no_memory;
-    uint8_t *rgb = *rgba + pixels;   /* moved from the end of the block to its final place */
+    uint8_t *rgb = *rgba + pixels;   /* RGB is read into the end of the block, then spread to RGBA */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
     for (size_t i = 0; i < pixels; i++) {
@@ -351,7 +339,6 @@ static int fail_kind(const char *path, FILE *file, fxs_message *message)
     return fxs_fail(message, "%s: %s%s%s", path, no_picture, kind ? ", but " : "", kind ? kind : "");
 }
 
-/* A HEIF begins with a ftyp box; the four bytes before are the box's size. */
 static const char *read_any(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
 {
     char head[12] = "";

@@ -1,5 +1,5 @@
-/* A pixel of the panorama is a direction, by fixed-point sine and cosine. It is sampled bilinearly from every face
- * that shows it; faces overlap by a margin and are blended by the distance from their edge. */
+/* Resamples cube faces to an equirectangular panorama in fixed point. Faces overlap by a margin and are blended by
+   the distance from their edge. */
 #include "panorama.h"
 
 #include <string.h>
@@ -7,13 +7,13 @@
 #define ONE_Q30 ((int64_t)1 << 30)
 #define HALF_PI_Q30 1686629713
 
-/* Size of a face in pixels: `side` spans 90 degrees; `margin` is added on all four sides. */
+/* A cube face: `side` pixels span 90 degrees, and `margin` is added on all sides. */
 typedef struct face {
     int side, margin, size;
 } face;
 
-/* The side is even, so the focal length and the middle are integers. It is half the panorama's width: a pixel of the
-   panorama spans 1 to 2 pixels of a face, which a bilinear sample covers. */
+/* The side of a cube face is even, so that focal length and middle are integers. A pixel of the panorama spans 1
+   to 2 pixels of a face. */
 static face face_of(int width)
 {
     const int side = (width / 2 + 3) / 4 * 4, margin = side / 16 + 2;
@@ -25,7 +25,7 @@ int fxs_panorama_face_size(int width)
     return face_of(width).size;
 }
 
-/* The axes right, down and forward of each face, as axes of the view: 1 is x, -3 is -z. */
+/* Axes right, down and forward of each cube face: 1 is the view's x, -3 its -z. */
 static const signed char axes[FXS_PANORAMA_FACES][3] = {
     {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
 };
@@ -45,14 +45,12 @@ void fxs_panorama_face(const fxs_file_view *view, int number, int width, fxs_fil
     }
 }
 
-/* ---- Directions -------------------------------------------------------------------------------------------------- */
-
 static int64_t times_q30(int64_t a, int64_t b)
 {
     return (a * b) >> 30;
 }
 
-/* sin of 0 to a quarter turn, by its series to x^13; error below 2^-28 */
+/* Sine of 0 to a quarter turn by its series to x^13; error below 2^-28. */
 static int64_t sin_of_quarter_q30(int64_t part_q30)
 {
     static const int divisors[] = {156, 110, 72, 42, 20, 6};
@@ -63,7 +61,6 @@ static int64_t sin_of_quarter_q30(int64_t part_q30)
     return times_q30(x, sum);
 }
 
-/* sin of an angle in turns */
 static int64_t sin_q30(uint32_t turns_q32)
 {
     const int64_t part = turns_q32 & 0x3fffffff;
@@ -76,14 +73,10 @@ static int64_t cos_q30(uint32_t turns_q32)
     return sin_q30(turns_q32 + 0x40000000u);
 }
 
-/* ---- Samples ----------------------------------------------------------------------------------------------------- */
-
-/* Weighted sums of the samples from the faces for a pixel. */
 typedef struct samples {
     int64_t sums[4], weight;
 } samples;
 
-/* Adds `weight` times the bilinear sample at (x, y), in coordinates of pixel centres. */
 static void add_sample(samples *s, const face *f, const uint8_t *rgba, int64_t x_q8, int64_t y_q8, int64_t weight)
 {
     const int64_t most_q8 = (int64_t)(f->size - 1) * 256 - 1;
@@ -102,10 +95,10 @@ static int64_t component(const int64_t d[3], int axis)
     return axis < 0 ? -d[-axis - 1] : d[axis - 1];
 }
 
-/* The pixel in direction d. Each face is weighted by the distance from its edge, so no seam is visible. */
+/* Weights each cube face by the distance from its edge, so that no seam is visible. */
 static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
 {
-    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* outermost sample, Q16 tangent */
+    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;
     const int64_t middle_q8 = (int64_t)f->size * 128 - 128, focal_q8 = (int64_t)f->side * 128;
     samples s;
     memset(&s, 0, sizeof s);

@@ -1,5 +1,4 @@
-/* Equirectangular panoramas from six square pictures of cube faces. Integers only, so the bytes are the same
-   everywhere. */
+/* Makes equirectangular panoramas from six cube faces. Integer arithmetic gives the same bytes on every machine. */
 #ifndef FXS_PANORAMA_H
 #define FXS_PANORAMA_H
 
@@ -11,15 +10,14 @@ extern "C" {
 
 #define FXS_PANORAMA_FACES 6
 
-/* The width and height of a face for a panorama of this width: 90 degrees plus margins that overlap the neighbours. */
+/* Returns the side of a cube face in pixels: 90 degrees plus overlapping margins. */
 int fxs_panorama_face_size(int width);
 
-/* Makes the view of a face around a view: 0 to 5 are ahead, right, behind, left, up, down. Keeps the view's near
-   plane. */
+/* Makes the view of a cube face: 0 to 5 are ahead, right, behind, left, up, down. */
 void fxs_panorama_face(const fxs_file_view *view, int face, int width, fxs_file_view *out);
 
-/* Writes rows first to end - 1 of a panorama of width x height pixels. The view's z axis is in the middle, its y
-   axis at the lower edge. All pictures are RGBA without gaps. `faces`: pictures of the views of fxs_panorama_face. */
+/* Writes rows first to end - 1 of a panorama. The view's z axis is in the middle, its y axis at the lower edge.
+   Pictures are RGBA without padding. */
 void fxs_panorama_rows(uint8_t *rgba, int width, int height, uint8_t *const faces[FXS_PANORAMA_FACES], int first,
                        int end);
 

@@ -1,4 +1,4 @@
-/* EXIF of photographs, with libexif: orientation, exposure, and a name of camera and lens. */
+/* Reads EXIF of photographs with libexif: orientation, exposure, and a name of camera and lens. */
 #include "photograph_internal.h"
 
 #include <stdlib.h>
@@ -39,8 +39,6 @@ enum fxs_photograph_kind fxs_photograph_kind_of(const char *name)
     return FXS_PHOTOGRAPH_NONE;
 }
 
-/* ---- EXIF -------------------------------------------------------------------------------------------------------- */
-
 void fxs_exif_keep(fxs_exif_bytes *exif, const void *bytes, size_t size)
 {
     if (exif->bytes || !(exif->bytes = malloc(size + 1)))
@@ -51,7 +49,7 @@ void fxs_exif_keep(fxs_exif_bytes *exif, const void *bytes, size_t size)
 
 #ifdef FXS_WITH_EXIF
 
-/* Without libexif's corrections of non-standard data. NULL: out of memory. */
+/* Loads EXIF without libexif's corrections of non-standard data. NULL: out of memory. */
 static ExifData *load(const fxs_exif_bytes *bytes)
 {
     ExifData *data = exif_data_new();
@@ -63,7 +61,6 @@ static ExifData *load(const fxs_exif_bytes *bytes)
     return data;
 }
 
-/* The first number of an entry; 0 if missing. */
 static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[ifd], tag);
@@ -80,7 +77,6 @@ static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
     return r.denominator ? (double)r.numerator / (double)r.denominator : 0;
 }
 
-/* A maker or model, printable ASCII only. */
 static void say_text(ExifData *data, ExifTag tag, char text[40])
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[EXIF_IFD_0], tag);
@@ -106,7 +102,7 @@ void fxs_exif_parse(const fxs_exif_bytes *bytes, fxs_exif *exif)
     const double sensitivity = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
     if (!bytes->is_upright && orientation >= 1 && orientation <= 8)
         exif->orientation = (int)orientation;
-    /* a sensitivity of 65535 means that the true value does not fit the field */
+    /* 65535 means that the sensitivity does not fit the EXIF field */
     if (seconds > 1e-6 && seconds < 1e5 && aperture > 0.1 && aperture < 1e3 && sensitivity > 0 && sensitivity < 65535)
         exif->exposure = seconds * sensitivity / (aperture * aperture);
     say_text(data, EXIF_TAG_MAKE, maker);
@@ -159,8 +155,6 @@ void fxs_exif_set_upright(fxs_exif_bytes *bytes)
 }
 
 #endif
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 int fxs_photograph_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_exif *exif, fxs_message *message)
 {

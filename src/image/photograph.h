@@ -1,4 +1,4 @@
-/* Photographs from cameras and phones: pictures with EXIF. */
+/* Reads photographs of cameras and phones, with EXIF. */
 #ifndef FXS_PHOTOGRAPH_H
 #define FXS_PHOTOGRAPH_H
 
@@ -9,25 +9,23 @@
 
 enum fxs_photograph_kind { FXS_PHOTOGRAPH_NONE, FXS_PHOTOGRAPH, FXS_PHOTOGRAPH_HEIF };
 
-/* By the ending of a name, in any case. FXS_PHOTOGRAPH: .png, .jpg, .jpeg, .ppm, .webp. FXS_PHOTOGRAPH_HEIF: .heic,
-   .heif, .hif. */
+/* Returns the kind of a photograph by the ending of its name. FXS_PHOTOGRAPH: .png, .jpg, .jpeg, .ppm, .webp.
+   FXS_PHOTOGRAPH_HEIF: .heic, .heif, .hif. */
 enum fxs_photograph_kind fxs_photograph_kind_of(const char *name);
 
-/* Values that a file lacks or gives out of range are unknown. */
 typedef struct fxs_exif {
     int orientation;               /* 1 to 8: rotation and mirroring to apply (EXIF tag 274); unknown: 1 */
     double exposure;               /* time * sensitivity / f-number^2, in seconds and ISO; unknown: 0 */
-    char lens[120];                /* maker, model, focal lengths: equal for photographs of one camera and zoom;
-                                      unknown: empty */
+    char lens[120];                /* text that is equal for photographs of one camera and zoom */
 } fxs_exif;
 
-/* As fxs_image_file_read, with EXIF. EXIF is known for .jpg and HEIF in builds with libexif. A HEIF is already
-   turned by its own metadata, so its orientation is 1. */
+/* Reads a photograph and its EXIF, which is supported for .jpg and HEIF in builds with libexif. Pixels of a HEIF
+   are already upright, so the orientation is 1. */
 int fxs_photograph_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_exif *exif,
                         fxs_message *message);
 
-/* Reads a photograph and writes it as .jpg of quality 98 with its EXIF. The pixels are already turned, so the EXIF
-   orientation is reset. Returns 0, or an error of reading or writing; FXS_ERR_FILE for transparent pixels. */
+/* Converts a photograph to an upright .jpg of quality 98 with its EXIF. Returns 0, or an error and a message;
+   FXS_ERR_FILE for transparent pixels. */
 int fxs_photograph_to_jpg(const char *from, const char *to, fxs_message *message);
 
 #endif

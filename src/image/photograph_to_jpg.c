@@ -9,13 +9,13 @@
 #include "png_internal.h"
 #include "src/base/try_internal.h"
 
-/* Writes the .jpg's start marker, an APP1 segment with the EXIF, then the rest. */
+/* Inserts an APP1 segment with the EXIF after the start marker of a .jpg. */
 static int write_jpg(const char *path, const fxs_encoded *jpg, const fxs_exif_bytes *exif, fxs_message *message)
 {
     fxs_output output;
     const uint8_t head[4] = {0xff, 0xe1, (uint8_t)((exif->size + 2) >> 8), (uint8_t)(exif->size + 2)};
     FXS_TRY(fxs_output_open(&output, path, 0, message));
-    fxs_output_write(&output, jpg->bytes, 2, message);     /* the output keeps its error */
+    fxs_output_write(&output, jpg->bytes, 2, message);
     if (exif->bytes) {
         fxs_output_write(&output, head, sizeof head, message);
         fxs_output_write(&output, exif->bytes, exif->size, message);

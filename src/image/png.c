@@ -8,12 +8,6 @@
 #include <libdeflate.h>
 #endif
 
-/* ---- Compression ------------------------------------------------------------------------------------------------- */
-
-/* Measured on five views of a captured scene at 1200x900, with rows filtered as below: libdeflate's level 1 takes 17
-   ms and 930 KB (level 2: 25 ms, 909 KB), zlib's Z_RLE 29 ms and 971 KB, its level 1 32 ms and 1024 KB, its default
-   level 6 150 ms and 800 KB. Huffman codes alone (zlib) save only a tenth of Z_RLE's time and take a tenth more
-   bytes, because most time goes into writing 1.7 million symbols. */
 #ifdef FXS_WITH_DEFLATE
 enum { LEVEL = 1 };
 
@@ -22,7 +16,6 @@ static size_t bound_of(size_t size)
     return libdeflate_zlib_compress_bound(NULL, size);
 }
 
-/* Returns the number of bytes in `out`, or 0 if out of memory. */
 static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size_t size)
 {
     struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(LEVEL);
@@ -43,7 +36,7 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
     if (deflateInit2(&stream, 1, Z_DEFLATED, MAX_WBITS, 9, Z_RLE) != Z_OK)
         return 0;
     stream.next_in = (Bytef *)(uintptr_t)rows;
-    stream.avail_in = (uInt)size;              /* at most 2^30 bytes plus one per row */
+    stream.avail_in = (uInt)size;
     stream.next_out = out;
     stream.avail_out = (uInt)room;
     const int ended = deflate(&stream, Z_FINISH);
@@ -53,17 +46,15 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
 }
 #endif
 
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
+/* PNG filter of the first row: 0 (none). Other rows: 2 (difference from the row above). */
 
-/* The first row has filter 0 (none); the others have filter 2, the difference from the row above. */
-
-/* Subtracts four bytes at once: the upper bit of each catches the borrow and is corrected afterwards. */
+/* Subtracts four bytes at once. The upper bit of each byte catches the borrow. */
 static inline uint32_t minus_bytes(uint32_t a, uint32_t b)
 {
     return ((a | 0x80808080u) - (b & 0x7f7f7f7fu)) ^ ((a ^ ~b) & 0x80808080u);
 }
 
-/* Filters the first `used` bytes of each pixel. Writes four; the next pixel overwrites the rest. */
+/* Filters the first `used` bytes of each pixel. Writes four bytes; the next pixel overwrites the rest. */
 static inline void filter_colours(uint8_t *out, const uint8_t *rgba, size_t width, size_t height, size_t used)
 {
     for (size_t y = 0; y < height; y++) {
@@ -106,9 +97,7 @@ static void filter(uint8_t *out, int kind, const uint8_t *pixels, int width, int
         filter_colours(out, pixels, w, h, 4);
 }
 
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
-
-enum { AROUND_DATA = 8 + 25 + 12 + 12 };       /* signature, IHDR, frame of IDAT, IEND */
+enum { AROUND_DATA = 8 + 25 + 12 + 12 };
 
 static uint8_t *put_32(uint8_t *out, uint32_t value)
 {
@@ -117,7 +106,7 @@ static uint8_t *put_32(uint8_t *out, uint32_t value)
     return out;
 }
 
-/* Writes a chunk's length before its data, which are at out + 8, and its checksum after them. */
+/* Adds length, type and checksum around a PNG chunk's data at out + 8. */
 static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 {
     put_32(out, (uint32_t)length);
@@ -128,7 +117,7 @@ static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 static uint8_t *put_header(uint8_t *out, int kind, int width, int height)
 {
     static const uint8_t signature[8] = {137, 'P', 'N', 'G', 13, 10, 26, 10};
-    const uint8_t form[5] = {(uint8_t)(kind >> 8), (uint8_t)kind, 0, 0, 0};   /* deflate, filtered, not interlaced */
+    const uint8_t form[5] = {(uint8_t)(kind >> 8), (uint8_t)kind, 0, 0, 0};
     memcpy(out, signature, sizeof signature);
     out += sizeof signature;
     put_32(put_32(out + 8, (uint32_t)width), (uint32_t)height);

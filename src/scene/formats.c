@@ -1,4 +1,4 @@
-/* The list of scene formats. A new format needs a reader or writer, a row here, and a test. */
+/* Lists the scene formats. A new format needs a reader or writer, a row in the table, and a test. */
 #include "formats_internal.h"
 
 #include <stdio.h>
@@ -8,8 +8,7 @@
 #include <fixsplat/internal/message.h>
 #include "src/base/foreign.h"
 
-/* FXS_TO_PACK: a build that only packs what it reads. It has no writers, no reader of packed scenes and no
-   descriptions. */
+/* A build with FXS_TO_PACK only packs scenes of other formats. It has no writers. */
 #ifdef FXS_TO_PACK
 #define WRITE(name) NULL
 #define READ_PACKED NULL
@@ -20,12 +19,10 @@
 #define SAYS(text) text
 #endif
 
-/* The first format that matches a file's content or name is chosen. So formats without a magic number, and the shorter
-   of two endings, come later. */
+/* The first format that matches a file is chosen. Formats without a magic number therefore come last. */
 static const fxs_format_row formats[] = {
-    /* name, endings, about
-       read, written, SH degree, anti-aliased, what writing it loses, far
-       reader, writer */
+    /* columns of the table: name, endings, description, read, written, SH degree, anti-aliased, loss when written,
+       distant origin, reader, writer */
     {{"fxs", ".fxs", SAYS("packed: opens at once, and is rendered from the file as it lies"),
       1, 1, 3, 1, SAYS("by its profile"), 1},
      READ_PACKED, NULL},
@@ -81,8 +78,6 @@ const fxs_scene_format *fxs_scene_format_at(int index)
     return index >= 0 && index < FORMATS ? &formats[index].about : NULL;
 }
 
-/* ---- By name ----------------------------------------------------------------------------------------------------- */
-
 static const char *ending_of(const fxs_scene_format *format, int i, size_t *length)
 {
     const char *at = format->endings;
@@ -92,8 +87,7 @@ static const char *ending_of(const fxs_scene_format *format, int i, size_t *leng
     return at;
 }
 
-/* Returns 1 if a path has this ending. An ending with a dot needs a name before it; an ending without one is a complete
-   file name. Ignores case. */
+/* Returns 1 if a path has this ending, ignoring case. An ending without a dot is a complete file name. */
 static int ends_so(const char *path, const char *ending, size_t length)
 {
     const size_t size = strlen(path);
@@ -117,7 +111,6 @@ const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write)
     return NULL;
 }
 
-/* Returns 1 if an earlier format has this name too. */
 static int is_listed(const fxs_scene_format *format, const char *name, size_t length, int to_write)
 {
     char path[32];
@@ -168,8 +161,6 @@ const char *fxs_format_index_name(int number)
     return NULL;
 }
 
-/* ---- By content -------------------------------------------------------------------------------------------------- */
-
 static const char *first_name(const char *bytes)
 {
     static const char blanks[] = " \t\r\n";
@@ -180,7 +171,6 @@ static const char *first_name(const char *bytes)
     return *bytes == '"' ? bytes + 1 : NULL;
 }
 
-/* Returns the length of a UTF-8 byte order mark before a JSON object or a .ply, else 0. */
 static size_t mark_of(const char *bytes)
 {
     const size_t length = strlen(FXS_UTF8_MARK);

@@ -1,4 +1,4 @@
-/* Readers and writers of scene formats, which formats.c lists. */
+/* Interface of the readers and writers of scene formats. Functions return 0, or an error and a message. */
 #ifndef FXS_FORMATS_INTERNAL_H
 #define FXS_FORMATS_INTERNAL_H
 
@@ -7,12 +7,11 @@
 #include "src/gaussian/stream_internal.h"
 
 typedef struct fxs_writer {
-    size_t size;          /* bytes of the writer's own data */
-    /* `data` is zeroed and the SH degree is 0 to 3. Returns 0, or an error and a message, with nothing to close. */
+    size_t size;          /* size of the writer's state, bytes */
+    /* Begins a file. `data` is zeroed. After an error, no close is needed. */
     int (*open)(void *data, const char *path, const fxs_scene_write_options *options, fxs_message *message);
     int (*put)(void *data, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
-    /* Completes the file, adds the losses specific to this format to the report, and frees the writer's memory, also
-       after an error. */
+    /* Completes the file, adds the losses of this format to the report, and frees memory, also after an error. */
     int (*close)(void *data, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
                  fxs_message *message);
 } fxs_writer;
@@ -20,18 +19,16 @@ typedef struct fxs_writer {
 typedef struct fxs_format_row {
     fxs_scene_format about;
     const fxs_reader *reader;   /* null: the format cannot be read */
-    const fxs_writer *writer;   /* null: the format cannot be written through fxs_writer */
+    const fxs_writer *writer;   /* null: the format cannot be written */
 } fxs_format_row;
 
-/* Finds the format of a file by its first bytes. Returns 0, or an error and a message. */
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message);
 
-/* Returns the row of a format to write: by `name`, or if that is null by the ending of `path`. Returns null if none
-   matches. */
+/* Returns the format to write by `name`, or if null, by the ending of `path`. Returns null for an unknown format. */
 const fxs_format_row *fxs_format_to_write(const char *name, const char *path);
 
-/* Returns a file name that stands for the scene in its folder, such as tileset.json. `number`: from 0; null beyond the
-   last. The name ends at a space or a 0. */
+/* Returns a file name that stands for a whole folder, such as tileset.json. Null: no more names. The name ends at
+   a space or a zero. */
 const char *fxs_format_index_name(int number);
 
 extern const fxs_reader fxs_read_fxs, fxs_read_compressed_ply, fxs_read_ply, fxs_read_ksplat, fxs_read_spz,

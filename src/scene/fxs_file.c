@@ -12,7 +12,6 @@
 #include "src/core/codes.h"
 #include "fxs_file_internal.h"
 
-/* CRC-32 of the header, with the header's checksum field taken as 0. */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
 {
     fxs_packed_header blank;
@@ -27,7 +26,6 @@ static const unsigned char *header_of(const fxs_scene *scene, uint32_t i)
                                   : scene->node_chunks + (size_t)(i - scene->chunk_count) * sizeof(fxs_chunk);
 }
 
-/* The header of chunk i, in the scene's byte order. */
 static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk;
@@ -53,7 +51,6 @@ static uint32_t palette_checksum(const fxs_crc32_table *table, const fxs_scene *
     return fxs_crc32(table, 0, scene->palette, palette_bytes(scene));
 }
 
-/* bytes of the nodes with their padding */
 static size_t node_bytes(const fxs_scene *scene)
 {
     return (size_t)(scene->node_chunks - scene->nodes);
@@ -137,8 +134,7 @@ void fxs_file_seal_heads(const fxs_crc32_table *table, unsigned char *head, size
     h.checksum = fxs_little_32(header_checksum(table, &h));
     memcpy(head, &h, sizeof h);
     if (tree) {
-        const uint32_t checksum = fxs_little_32(fxs_crc32(table, 0, tree, tree_bytes));   /* with the checksum field
-                                                                                             0 */
+        const uint32_t checksum = fxs_little_32(fxs_crc32(table, 0, tree, tree_bytes));
         memcpy(tree + offsetof(fxs_tree_header, checksum), &checksum, sizeof checksum);
     }
 }
@@ -164,7 +160,6 @@ static int write_tree(fxs_output *output, const fxs_crc32_table *table, const fx
     return fxs_output_write(output, scene->node_rows, (size_t)(end - leaves) * scene->chunk_bytes, message);
 }
 
-/* Errors are also kept in the output. */
 static int write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
 {
     fxs_crc32_table table;

@@ -1,5 +1,5 @@
-/* Headers, palette and nodes of the whole scene are assembled in memory in the layout of an .fxs file. Rows are copied
-   from the parts to the output, a few chunks at a time. */
+/* Merges part files of a packed scene into an .fxs file. Headers, SH palette and tree nodes are assembled in
+   memory. Chunks of 256 Gaussians are copied from part to output, a few together. */
 #include "part_file.h"
 
 #include <errno.h>
@@ -18,7 +18,7 @@
 #include "src/base/try_internal.h"
 #include "src/pack/part.h"
 
-enum { TOGETHER = 32 };                  /* chunks read at once */
+enum { TOGETHER = 32 };
 
 static uint32_t checksum_of_chunk(const fxs_crc32_table *table, const unsigned char *header, const unsigned char *rows,
                                   size_t bytes)
@@ -42,7 +42,6 @@ static uint32_t tree_checksum(const fxs_crc32_table *table, const fxs_part_layou
     return fxs_crc32(table, before, tops, (size_t)(l->bytes - l->tops));
 }
 
-/* CRC-32 of a part's headers. `head` is in the file's byte order. */
 static uint32_t head_checksum(const fxs_crc32_table *table, const fxs_part_layout *l, const fxs_part_header *head,
                               const unsigned char *behind)
 {
@@ -50,8 +49,6 @@ static uint32_t head_checksum(const fxs_crc32_table *table, const fxs_part_layou
     blank.head_checksum = blank.tree_checksum = 0;
     return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), behind, (size_t)(l->rows - l->scene));
 }
-
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
 int fxs_part_file_is(const char *path, fxs_message *message)
 {
@@ -96,34 +93,32 @@ int fxs_part_file_write(const char *path, const fxs_packed_scene *part, fxs_mess
     return fxs_output_close(&output, message);
 }
 
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
-
 typedef struct part {
     const char *path;
     fxs_scene_source source;
     int is_open;
     fxs_part_header head;
     fxs_part_layout layout;
-    fxs_packed_header scene;             /* as in the file; determines the layout */
-    unsigned char *heads;                /* bytes from the scene's header to the rows; freed at the end of the merge */
+    fxs_packed_header scene;
+    unsigned char *heads;
 } part;
 
 typedef struct merger {
     const fxs_part_merge *how;
     fxs_message *message;
     fxs_crc32_table table;
-    part *parts;                         /* ordered by number */
+    part *parts;
     uint32_t count;
-    fxs_packed_header header;            /* header of the whole scene */
+    fxs_packed_header header;
     fxs_scene_parts layout;
-    unsigned char *head, *tree_bytes;    /* file contents before the rows, and the tree before its rows */
+    unsigned char *head, *tree_bytes;
     void *head_block, *tree_block;
-    fxs_scene scene;                     /* refers to `head` and `tree_bytes` */
+    fxs_scene scene;
     fxs_palette *palette;
     fxs_tree *tree;
-    uint32_t above;                      /* nodes above the parts, with their headers and rows */
+    uint32_t above;
     unsigned char *above_chunks, *above_rows;
-    unsigned char *buffer;               /* rows of TOGETHER chunks, or one leaf's rows */
+    unsigned char *buffer;
     uint64_t written;
 } merger;
 
@@ -143,7 +138,7 @@ static int progress(const merger *m, double done)
                ? fxs_fail_as(FXS_ERR_STOPPED, m->message, "merging stopped") : 0;
 }
 
-/* Reads the part's header and the scene's header. Allocates nothing until the file size agrees with them. */
+/* Opens a part file. Allocates nothing until the file's size agrees with the headers. */
 static int open_part(merger *m, part *p, const char *path)
 {
     fxs_packed_header scene;
@@ -178,7 +173,7 @@ static int load_heads(merger *m, part *p)
     if (!p->heads)
         return fxs_fail_memory(m->message, p->path, bytes);
     FXS_TRY(read_at(m, p, p->layout.scene, p->heads, bytes));
-    memcpy(p->heads, &p->scene, sizeof p->scene);      /* keeps the layout even if the file changes */
+    memcpy(p->heads, &p->scene, sizeof p->scene);      /* keeps the layout if the file changes meanwhile */
     fxs_part_header_turn(&head);
     if (head_checksum(&m->table, &p->layout, &head, p->heads) != p->head.head_checksum)
         return fail_damaged(m, p, "its headers are");
@@ -237,15 +232,12 @@ static int check_alike(const merger *m, const part *p)
     return 0;
 }
 
-/* ---- Headers ----------------------------------------------------------------------------------------------------- */
-
 static unsigned char *allocate_aligned(void **block, uint64_t bytes)
 {
     *block = bytes < SIZE_MAX - 63 ? fxs_allocate_zeroed(NULL, (size_t)bytes + 63, 1) : NULL;
     return *block ? (unsigned char *)(((uintptr_t)*block + 63) / 64 * 64) : NULL;
 }
 
-/* Assembles the header, all leaf headers and the palette, as in the .fxs file. */
 static int put_together(merger *m)
 {
     const part *first = &m->parts[0];
@@ -275,7 +267,6 @@ static int put_together(merger *m)
                ? 0 : fxs_fail(m->message, "%s and the others are no parts of one scene", first->path);
 }
 
-/* Restores the palette that coded the parts, without the data that its groups were learned from. */
 static int restore_palette(merger *m)
 {
     const part *first = &m->parts[0];
@@ -302,15 +293,13 @@ static int restore_palette(merger *m)
                ? 0 : fail_damaged(m, first, "its palette is");
 }
 
-/* ---- The tree ---------------------------------------------------------------------------------------------------- */
-
 static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header, const unsigned char **rows,
                      fxs_message *message)
 {
     merger *m = argument;
     const size_t bytes = m->header.chunk_bytes;
     uint32_t i = 0;
-    (void)message;                   /* m->message is the same */
+    (void)message;
     while (leaf >= m->parts[i].head.first + m->parts[i].head.chunk_count)
         i++;
     const part *p = &m->parts[i];
@@ -320,7 +309,6 @@ static int read_leaf(void *argument, uint32_t leaf, const unsigned char **header
     return 0;
 }
 
-/* Searches the part's list of top nodes linearly, because it is short. */
 static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *header, fxs_coarse *gaussians,
                     uint32_t *count, fxs_message *message)
 {
@@ -341,7 +329,7 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
         fxs_little_endian(gaussians, 0, *count * sizeof *gaussians / sizeof(float), sizeof(float));
         fxs_chunk_turn(header);
         int valid = fxs_chunk_valid(header);
-        for (uint32_t g = 0; g < *count; g++)      /* the other values of a Gaussian need no check */
+        for (uint32_t g = 0; g < *count; g++)
             for (int k = 0; k < 3; k++)
                 valid = valid && fabsf(gaussians[g].gaussian.position[k]) <= 0x1p28f;
         return valid ? 0 : fail_damaged(m, p, "its tree is");
@@ -349,7 +337,6 @@ static int read_top(void *argument, uint32_t number, uint32_t at, fxs_chunk *hea
     return fail_damaged(m, p, "its tree is");
 }
 
-/* Checks the number of nodes and their checksum, then copies the part's nodes. */
 static int take_part_of_tree(merger *m, uint32_t number)
 {
     const part *p = &m->parts[number];
@@ -417,7 +404,7 @@ static int plan_tree(merger *m)
     return error;
 }
 
-/* Checks all node headers, so that the output can be opened. */
+/* Checks all node headers of the tree before the output is opened. */
 static int check_nodes(const merger *m)
 {
     const unsigned char *headers = m->tree_bytes + (m->layout.node_chunks - m->layout.tree);
@@ -449,8 +436,6 @@ static int build_tree(merger *m)
     FXS_TRY(check_nodes(m));
     return fxs_tree_write(m->tree, m->tree_bytes + sizeof tree, m->message);
 }
-
-/* ---- Output ------------------------------------------------------------------------------------------------------ */
 
 static int copy_rows(merger *m, fxs_output *output, const part *p, uint64_t offset, const unsigned char *headers,
                      uint32_t count)
@@ -502,7 +487,6 @@ static int write_nodes(merger *m, fxs_output *output)
     return 0;
 }
 
-/* Writes the headers before their rows are checked; an error removes the output. */
 static int write_all(merger *m, fxs_output *output)
 {
     FXS_TRY(fxs_output_write(output, m->head, (size_t)m->layout.rows, m->message));
@@ -546,7 +530,7 @@ static int merge(merger *m, char *const *paths, uint32_t count, const char *out)
     fxs_message closing;
     const int error = write_all(m, &output);
     if (error && !output.error)
-        output.error = EIO;              /* so that the output is discarded */
+        output.error = EIO;
     const int closed = fxs_output_close(&output, &closing);
     if (!error && closed)
         *m->message = closing;

@@ -10,7 +10,6 @@
 #include "formats_internal.h"
 #include "src/base/files_internal.h"
 
-/* Returns the path, or for a folder the path of its index file, for fxs_release. Null: out of memory. */
 static char *path_of_file(const char *path, const fxs_allocator *allocator)
 {
     const size_t room = strlen(path) + 64;

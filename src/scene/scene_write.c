@@ -14,8 +14,7 @@
 struct fxs_scene_writer {
     const fxs_writer *writer;
     void *data;
-    double origin[3];            /* added to positions before the format's writer gets them; 0 if that writer adds it
-                                    itself */
+    double origin[3];            /* origin added to positions; 0 if the format's writer adds it */
     fxs_scene_write_report report;
 };
 

@@ -1,4 +1,4 @@
-/* Placements of scenes in a world: checks them, and converts them to objects, matrices and boxes. */
+/* Checks placements of scenes in a world, and converts them to objects, matrices and boxes. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/message.h>
 
@@ -11,7 +11,7 @@
 #define FARTHEST 0x1p28
 #define SCALE_LEAST 0x1p-16
 #define SCALE_MOST 0x1p16
-#define CROP_MOST 0x1p30           /* larger than any coordinate; crop sides beyond it are moved to it */
+#define CROP_MOST 0x1p30
 
 void fxs_placement_init(fxs_placement *p, uint32_t file, uint32_t id)
 {
@@ -39,7 +39,7 @@ void fxs_placement_turn_up(fxs_placement *p, const double up[3])
     memcpy(p->rotation, turn[0] > 1e-12 ? turn : opposite, sizeof p->rotation);
 }
 
-/* q = r q, r: the rotation about the axis */
+/* q = r q, with r the rotation about the axis. */
 void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
 {
     const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
@@ -51,8 +51,6 @@ void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
     q[j] = c * old[j] - s * old[k];
     q[k] = c * old[k] + s * old[j];
 }
-
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
 static int no_memory(fxs_message *message)
 {
@@ -105,8 +103,6 @@ void fxs_world_free(fxs_world *world)
     memset(world, 0, sizeof *world);
 }
 
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
-
 static int out_of_range(fxs_message *message, const char *what, const char *expected)
 {
     fxs_fail(message, "%s: expected %s", what, expected);
@@ -118,7 +114,6 @@ static int is_between(double x, double low, double high)
     return x >= low && x <= high;
 }
 
-/* Returns 1 if q is finite and its squared length is safe to divide by. */
 static int is_quaternion(const double q[4])
 {
     double most = 0;

@@ -1,4 +1,4 @@
-/* Reads a world from a JSON file. */
+/* Reads a world, a list of placed scenes, from a JSON file. */
 #include <fixsplat/world.h>
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 
 typedef struct reader {
     fxs_world *world;
-    const char *path;              /* path of the JSON file */
+    const char *path;
     fxs_message *message;
 } reader;
 
@@ -102,7 +102,6 @@ static int take_crops(const reader *r, const cJSON *list, fxs_placement *p)
     return error;
 }
 
-/* Reads a number or an array of numbers. Returns 0 for an item of another name. */
 static int take_numbers(const cJSON *item, fxs_placement *p, const char **fault)
 {
     const struct {

@@ -1,5 +1,4 @@
-/* Counts neighbours in grids, one for each cell width that occurs. Cells are in a hash table. An entry stores the first
-   Gaussian of its cell. A look-up compares the cell of this Gaussian, so counts are exact. */
+/* Finds Gaussians with few neighbours, by counting in hashed grids of several cell widths. */
 #include "floaters_internal.h"
 
 #include <math.h>
@@ -14,8 +13,8 @@ enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1
 
 #define LOG2_E 1.4426950408889634
 
-/* For each strength: by how many powers of two the cells of a faint and of an opaque Gaussian may be wider than those
-   of the median Gaussian; and whether both ends of a Gaussian need neighbours too. */
+/* For each strength of the filter: the largest log2 cell width of a faint and of an opaque Gaussian, relative to
+   the median. */
 static const struct {
     int wider[2], ends;
 } strengths[FXS_FLOATER_STRENGTHS + 1] = {
@@ -25,13 +24,13 @@ static const struct {
 #define OPAQUE 0.9
 
 typedef struct cell {
-    uint32_t first, count;        /* first Gaussian, number of Gaussians; count 0: free slot */
+    uint32_t first, count;
 } cell;
 
 typedef struct grid {
     const fxs_floater *items;
     cell *cells;
-    uint32_t mask;                /* number of slots, a power of two, minus 1 */
+    uint32_t mask;
     int level;
 } grid;
 
@@ -47,14 +46,13 @@ int fxs_floaters_init(fxs_floaters *f, int strength, uint64_t count, const fxs_a
     return f->items ? 0 : fxs_fail_memory(message, NULL, count * sizeof *f->items);
 }
 
-/* Returns the smallest level with 2^level >= 4 sigma. */
 static int level_of(const fxs_gaussian *g)
 {
     const double most = fmax(fmax(g->scale[0], g->scale[1]), g->scale[2]);
     return (int)fmin(fmax(ceil(most * LOG2_E + 2), LEAST_LEVEL), MOST_LEVEL);
 }
 
-/* `end`: the longest axis times its sigma, which is limited to e^40, larger than any scene */
+/* Computes the longest axis times its sigma, which is at most e^40. */
 static void find_end(float end[3], const fxs_gaussian *g)
 {
     const float *q = g->rotation, *s = g->scale;
@@ -81,15 +79,11 @@ int fxs_floaters_take(fxs_floaters *f, const fxs_gaussian *g)
     return 0;
 }
 
-/* ---- The grid ---------------------------------------------------------------------------------------------------- */
-
 static int is_finite(const fxs_floater *item)
 {
     return isfinite(item->position[0]) && isfinite(item->position[1]) && isfinite(item->position[2]);
 }
 
-/* The cell of position + part * end, clamped to +-2^62. Scenes have at most 2^27 units, 2^59 cells of the smallest
-   level. */
 static void cell_of(const fxs_floater *item, int part, int level, int64_t at[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -130,7 +124,7 @@ static void fill(const grid *g, uint32_t count)
     }
 }
 
-/* Returns 1 if the 27 cells around the centre, or around an end, contain enough other Gaussians. */
+/* Returns 1 if the 27 cells around a point contain enough other Gaussians. */
 static int has_neighbours(const grid *g, const fxs_floater *item, int part)
 {
     int64_t middle[3];
@@ -142,8 +136,6 @@ static int has_neighbours(const grid *g, const fxs_floater *item, int part)
     }
     return count > FXS_FLOATER_NEIGHBOURS;
 }
-
-/* ---- All Gaussians ----------------------------------------------------------------------------------------------- */
 
 static int least_level(const fxs_floaters *f)
 {

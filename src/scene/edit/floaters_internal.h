@@ -1,4 +1,4 @@
-/* Finds floaters: Gaussians with few neighbours, as defined in scene_filter.h. */
+/* Finds floaters: Gaussians with few neighbours. */
 #ifndef FXS_FLOATERS_INTERNAL_H
 #define FXS_FLOATERS_INTERNAL_H
 
@@ -6,8 +6,8 @@
 
 typedef struct fxs_floater {
     float position[3];
-    float end[3];                 /* vector from the position to one sigma along the longest axis */
-    int16_t level;                /* neighbours are counted in cells 2^level units wide */
+    float end[3];                 /* vector of one sigma along the longest axis */
+    int16_t level;
     uint8_t opaque, floats;
 } fxs_floater;
 
@@ -17,14 +17,15 @@ typedef struct fxs_floaters {
     int strength, found;
 } fxs_floaters;
 
-/* Allocates room for `count` Gaussians. strength: 1 to FXS_FLOATER_STRENGTHS. Returns 0, or an error and a message. */
+/* Allocates room for `count` Gaussians. strength: 1 to FXS_FLOATER_STRENGTHS. Returns 0, or an error and a
+   message. */
 int fxs_floaters_init(fxs_floaters *floaters, int strength, uint64_t count, const fxs_allocator *allocator,
                       fxs_message *message);
 
-/* Takes the next Gaussian. After fxs_floaters_find, returns 1 if it is a floater; else 0. */
+/* Takes the next Gaussian. After fxs_floaters_find, returns 1 for a floater, else 0. */
 int fxs_floaters_take(fxs_floaters *floaters, const fxs_gaussian *gaussian);
 
-/* Finds the floaters. Set `next` to 0 before the Gaussians are taken again. Returns 0, or an error and a message. */
+/* Finds the floaters. Set `next` to 0 before taking the Gaussians again. Returns 0, or an error and a message. */
 int fxs_floaters_find(fxs_floaters *floaters, const fxs_allocator *allocator, fxs_message *message);
 
 void fxs_floaters_free(fxs_floaters *floaters, const fxs_allocator *allocator);

@@ -1,6 +1,5 @@
-/* Merges the placed files of a world into one stream. Each object is a part: its file is read once more, cropped, and
-   every Gaussian is moved, rotated with its SH, scaled and tinted. Far from 0, positions are relative to a common
-   origin near the largest part. */
+/* Merges the placed files of a world into a single stream. Every Gaussian is cropped, moved, rotated with its SH,
+   scaled and tinted. Far from 0, positions are relative to a common origin near the largest part. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/allocator.h>
 
@@ -13,35 +12,32 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
-#define FARTHEST 0x1p28             /* limit for the centre of a start view, scene units */
+#define FARTHEST 0x1p28
 
-/* An object: the changes to the Gaussians of its file. */
 typedef struct part {
     fxs_placement placement;
     double rows[3][4];
-    fxs_transform turn;            /* rotates SH */
+    fxs_transform turn;
     double log_scale;
-    double inner[3];               /* origin of the file's stream while this part is read */
-    int moves;                     /* 1: `inner` can be chosen */
-    double middle[3];              /* approximate centre in the world */
-    double shift[3];               /* position = rows * position in the file + shift */
+    double inner[3];
+    int moves;
+    double middle[3];
+    double shift[3];               /* position in the world = rows * position in the file + shift */
     int is_moved, is_turned, is_tinted;
 } part;
 
 typedef struct merge_reader {
-    const fxs_reader *reader;   /* reader of file 0; the merged stream uses that file's handle */
+    const fxs_reader *reader;
     void *data;
     const fxs_allocator *allocator;
-    fxs_scene_file **files;           /* null: file 0, and unused files */
+    fxs_scene_file **files;
     uint32_t file_count;
     part *parts;
-    fxs_import *import;               /* import of file 0 */
-    uint32_t count, at;               /* number of parts; the part being read */
+    fxs_import *import;
+    uint32_t count, at;
     int sh_degree;
     double origin[3];
 } merge_reader;
-
-/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
 static int is_in(const fxs_world_crop *crop, const double place[3])
 {
@@ -68,7 +64,6 @@ static int is_kept(const part *whole, const float position[3])
     return kept || !keeping;
 }
 
-/* out = a b, quaternions w, x, y, z */
 static void multiply(double out[4], const double a[4], const double b[4])
 {
     out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
@@ -77,7 +72,6 @@ static void multiply(double out[4], const double a[4], const double b[4])
     out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
 }
 
-/* world to camera: camera * rotation^-1, unit quaternions */
 static void turn_camera(double camera[4], const double rotation[4])
 {
     const double back[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
@@ -108,7 +102,7 @@ static void move(const part *p, fxs_gaussian *g)
     }
 }
 
-/* Multiplies by the tint: colour = 1/2 + SH_0 dc + SH */
+/* Multiplies a colour 1/2 + SH_0 dc + SH by the tint. */
 static void tint(const double factor[3], fxs_gaussian *g)
 {
     for (int c = 0; c < 3; c++) {
@@ -131,8 +125,6 @@ static void change(const part *p, fxs_gaussian *g, int sh_degree)
     if (p->is_tinted)
         tint(p->placement.tint, g);
 }
-
-/* ---- The reader -------------------------------------------------------------------------------------------------- */
 
 static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
@@ -191,8 +183,6 @@ static void merge_close(void *handle)
 static const fxs_reader merged_format = {NULL, sizeof(merge_reader), NULL, merge_read, merge_rewind,
                                                merge_close};
 
-/* ---- Merging ----------------------------------------------------------------------------------------------------- */
-
 static void close_all(fxs_scene_file **files, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -201,7 +191,7 @@ static void close_all(fxs_scene_file **files, uint32_t count)
 
 static void normalise(double to[4], const double q[4])
 {
-    int scale;                     /* exponent of the largest component; keeps the squares in range */
+    int scale;
     double square = 0, most = 0;
     for (int i = 0; i < 4; i++)
         most = fabs(q[i]) > most ? fabs(q[i]) : most;
@@ -249,7 +239,6 @@ static int is_known(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* Fills missing fields of the common start from an object's start. */
 static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_file_info *own)
 {
     fxs_start start = own->start;
@@ -260,7 +249,6 @@ static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_fi
         memcpy(&all->tangent, &start.tangent, sizeof start - offsetof(fxs_start, tangent));
 }
 
-/* Lists the visible objects and fills in *info for all of them. Returns 0, or an error. */
 static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_file_info *infos,
                       fxs_scene_file_info *info, fxs_message *message)
 {
@@ -290,22 +278,19 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
     return FXS_ERR_OBJECT;
 }
 
-/* ---- Origins ----------------------------------------------------------------------------------------------------- */
-
 static void place_of(const part *p, const double from[3], double place[3])
 {
     for (int i = 0; i < 3; i++)
         place[i] = p->rows[i][0] * from[0] + p->rows[i][1] * from[1] + p->rows[i][2] * from[2] + p->rows[i][3];
 }
 
-/* Returns the number of Gaussian `i` of a sample spread over the whole file. */
 static uint64_t number_of(const fxs_scene_file_info *info, int i)
 {
     const uint64_t most = FXS_ORIGIN_SAMPLE, k = (uint64_t)i;
     return info->count / most * k + info->count % most * k / most;
 }
 
-/* Finds a part's centre: the origin of its file, or the centre of a sample if the file's origin is fixed. */
+/* Finds a part's centre: its file's origin, or if that is fixed, the centre of a sample. */
 static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info, fxs_message *message)
 {
     enum { BATCH = 256 };
@@ -331,8 +316,8 @@ static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info
     return 0;
 }
 
-/* Sets the origin of the part's stream to the point that maps to the common origin, if the stream's origin can be
-   chosen and the point is far from 0. Positions are then rounded only once, after the addition. */
+/* Sets the origin of a part's stream to the point that maps to the common origin. Positions are then rounded only
+   once. */
 static void set_inner(const merge_reader *r, part *p)
 {
     const double square = p->placement.scale * p->placement.scale;
@@ -350,8 +335,8 @@ static void set_inner(const merge_reader *r, part *p)
     }
 }
 
-/* If a part lies far from 0, places the common origin near the part with most Gaussians. `moves`: 1 if the origin of
-   file 0 can be chosen. */
+/* Places the common origin near the part with most Gaussians, if any part lies far from 0. moves: 1 if the origin
+   of file 0 can be chosen. */
 static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int moves, fxs_scene_file_info *info,
                          fxs_message *message)
 {

@@ -1,5 +1,5 @@
-/* Reduces the number of Gaussians by merging pairs. Each round orders them in space, finds for every Gaussian the
-   neighbour in its chunk with the least loss, and merges the best quarter of the pairs. Loss: change of the
+/* Reduces the number of Gaussians by merging pairs. Each round sorts the Gaussians in space, finds for every
+   Gaussian the neighbour with the least loss, and merges the best quarter of the pairs. Loss: change of the
    covariances' log-determinants and of the colour, weighted by opacity times area. */
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/allocator.h>
@@ -15,45 +15,42 @@
 
 enum {
     CHUNK = 256,
-    NEAREST = 16,                   /* candidates for a pair */
+    NEAREST = 16,
     COEFFICIENTS = 45
 };
 
 static const double colour_weight = 20;    /* weight of the colour loss relative to the shape loss */
-static const double thinnest = 0.1;        /* minimum sigma as a share of the largest sigma */
+static const double thinnest = 0.1;        /* minimum sigma relative to the largest sigma */
 
 typedef struct shape {
-    double covariance[6];          /* xx, yy, zz, xy, xz, yz; sigmas limited by `thinnest` */
+    double covariance[6];
     double log_determinant;
-    double weight;                 /* opacity times area */
+    double weight;
 } shape;
 
 typedef struct pair {
     double loss;
-    uint32_t a, b;                 /* a < b */
+    uint32_t a, b;
 } pair;
 
 typedef struct decimated {
     const fxs_reader *reader;
-    void *data;                  /* the previous reader and its data */
+    void *data;
     const fxs_allocator *allocator;
     fxs_gaussian *gaussians;
     uint32_t count, next;
-    /* The fields below are used during merging only. */
     shape *shapes;
     fxs_order_entry *entries;
     pair *pairs;
-    uint8_t *merged;               /* 1: merged in this round; 2: removed */
+    uint8_t *merged;
 } decimated;
-
-/* ---- Merging two Gaussians --------------------------------------------------------------------------------------- */
 
 static double opacity_of(const fxs_gaussian *g)
 {
     return fxs_opacity_of_logit(g->opacity);
 }
 
-/* Covariance R S S R^T; R from a quaternion w, x, y, z of any length. */
+/* Covariance R S S R^T, with R from a quaternion w, x, y, z of any length. */
 static void find_covariance(double covariance[6], const float q[4], const double sigma[3])
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
@@ -91,7 +88,7 @@ static void find_shape(shape *s, const fxs_gaussian *g)
     s->weight = fxs_weight(g);
 }
 
-/* Covariance of a merged pair with weights v + w = 1: v A + w B + v w d d^T, d = b - a */
+/* Covariance of a merged pair with weights v + w = 1: v A + w B + v w d d^T, d = b - a. */
 static void join(double out[6], const double a[6], const double b[6], double v, double w, const float from[3],
                  const float to[3])
 {
@@ -101,7 +98,7 @@ static void join(double out[6], const double a[6], const double b[6], double v, 
         out[k] = v * a[k] + w * b[k] + v * w * products[k];
 }
 
-/* Returns the squared difference in colour, averaged over all directions. */
+/* Returns the squared colour difference, averaged over all directions. */
 static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     double sum = 0;
@@ -112,7 +109,8 @@ static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
     return FXS_SH_0 * FXS_SH_0 * sum;
 }
 
-/* ((v + w) ln |joint| - v ln |A| - w ln |B|) / 2 + v w / (v + w) colour_weight difference */
+/* Loss of merging A and B: ((v + w) ln |joint| - v ln |A| - w ln |B|) / 2 + v w / (v + w) colour_weight
+   difference. */
 static double loss_of(const decimated *d, uint32_t a, uint32_t b)
 {
     const shape *s = &d->shapes[a], *t = &d->shapes[b];
@@ -124,7 +122,7 @@ static double loss_of(const decimated *d, uint32_t a, uint32_t b)
     return sum * (shapes / 2 + v * (1 - v) * colour_weight * colour_difference(g, h));
 }
 
-/* Sets the opacity that preserves opacity times area; its logit is at least -20. */
+/* Sets the opacity that preserves opacity times area. The logit is at least -20. */
 static void set_opacity(fxs_gaussian *g, double weight, double most)
 {
     const double opacity = fmin(weight / (fxs_weight(g) / opacity_of(g)), most > 0.99 ? most : 0.99);
@@ -152,8 +150,6 @@ static void merge(fxs_gaussian *a, const fxs_gaussian *b)
     set_opacity(a, weight, most < 1 ? most : 0.99);
 }
 
-/* ---- A round ----------------------------------------------------------------------------------------------------- */
-
 static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
@@ -170,8 +166,6 @@ static int find_order(decimated *d, fxs_message *message)
     return fxs_order(d->entries, d->count, 0, &options) ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
-/* Finds the Gaussians of a chunk nearest to one of its members, nearest first, as positions in the chunk. Returns their
-   number. */
 static uint32_t find_nearest(uint32_t nearest[NEAREST], const fxs_order_entry *chunk, uint32_t count, uint32_t of)
 {
     float distances[NEAREST];
@@ -195,7 +189,6 @@ static uint32_t find_nearest(uint32_t nearest[NEAREST], const fxs_order_entry *c
     return found;
 }
 
-/* Finds the best partner of each Gaussian. Returns the number of pairs. */
 static uint32_t find_pairs(decimated *d)
 {
     uint32_t pairs = 0;
@@ -226,7 +219,6 @@ static int compare_pairs(const void *a, const void *b)
                               : (x->b > y->b) - (x->b < y->b);
 }
 
-/* Merges disjoint pairs from the best quarter and closes the gaps. */
 static void merge_pairs(decimated *d, uint32_t pairs, uint32_t target)
 {
     uint32_t left = d->count, kept = 0;
@@ -245,8 +237,6 @@ static void merge_pairs(decimated *d, uint32_t pairs, uint32_t target)
             d->gaussians[kept++] = d->gaussians[i];
     d->count = left;
 }
-
-/* ---- The reader -------------------------------------------------------------------------------------------------- */
 
 static long decimated_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
@@ -290,8 +280,6 @@ static void decimated_close(void *handle)
 static const fxs_reader decimated_format = {
     NULL, sizeof(decimated), NULL, decimated_read, decimated_rewind, decimated_close
 };
-
-/* ---- Decimation -------------------------------------------------------------------------------------------------- */
 
 static int make_room(decimated *d, uint32_t count, fxs_message *message)
 {

@@ -14,13 +14,13 @@
 #include "src/scene/formats_internal.h"
 
 typedef struct filter_reader {
-    const fxs_reader *reader;   /* the file's own reader */
+    const fxs_reader *reader;
     void *data;
-    const fxs_allocator *allocator;   /* used by the file's reader and the filtering one */
-    double origin[3];                 /* origin of the stream */
+    const fxs_allocator *allocator;
+    double origin[3];
     fxs_scene_filter filter;
-    fxs_scene_filter_report report;   /* counts since the last rewind */
-    fxs_floaters floaters;            /* finds floaters among the Gaussians that pass all other tests */
+    fxs_scene_filter_report report;
+    fxs_floaters floaters;
 } filter_reader;
 
 void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
@@ -30,8 +30,8 @@ void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
     fxs_sized_fill(filter, size, &all, sizeof all);
 }
 
-/* Distances are measured from a + t u, 0 <= t <= 1; a sphere has u = 0. With w = p - a, |w - t u|^2 <= r^2 becomes
-   |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
+/* Tests if point p is farther than r from the segment a + t u, 0 <= t <= 1. A sphere has u = 0. With w = p - a, |w
+   - t u|^2 <= r^2 becomes |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
 static int is_outside(const fxs_filter_shape *s, const double p[3])
 {
     const double *n = s->numbers;
@@ -50,7 +50,6 @@ static int is_outside(const fxs_filter_shape *s, const double p[3])
     return s->kind == FXS_FILTER_BOX ? outside : wu < 0 || wu > uu || ww * uu - wu * wu > n[6] * n[6] * uu;
 }
 
-/* Returns 1 if the point lies in at least one shape of each kind used. */
 static int is_in_shapes(const fxs_scene_filter *filter, const double position[3])
 {
     unsigned asked = 0, found = 0;
@@ -62,7 +61,6 @@ static int is_in_shapes(const fxs_scene_filter *filter, const double position[3]
     return asked == found;
 }
 
-/* NaN counts as inside; the tests that follow decide. */
 static int is_inside(const fxs_scene_filter *filter, const double position[3])
 {
     for (int i = 0; i < 3; i++)
@@ -132,7 +130,6 @@ static const fxs_reader filtered = {
     NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
 };
 
-/* Reads all Gaussians, so that the report covers the whole file. */
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,
                  void *argument, fxs_message *message)
 {

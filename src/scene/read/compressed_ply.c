@@ -8,7 +8,6 @@
 
 enum { CHUNK = 256, WORDS = 4 };
 
-/* Bounds of an attribute: three lower bounds, then three upper bounds. */
 enum { POSITION = 0, SCALE = 6, COLOUR = 12, BOUNDS = 18 };
 
 static const char *const bound_names[BOUNDS] = {
@@ -21,21 +20,19 @@ static const char *const word_names[WORDS] = {"packed_position", "packed_rotatio
 
 typedef struct rows {
     const fxs_ply_element *element;
-    uint64_t start;                      /* offset of the first row in the file, bytes */
+    uint64_t start;
     int columns;
-    uint32_t column[FXS_PLY_MAX_REST];   /* bytes from the start of the row */
+    uint32_t column[FXS_PLY_MAX_REST];
     fxs_byte_reader bytes;
 } rows;
 
 typedef struct compressed_reader {
     fxs_ply_header header;
     int sh_degree, stored_sh_degree;
-    uint64_t read;                       /* Gaussians */
-    float bounds[BOUNDS];                /* bounds of the current chunk */
-    rows chunk, vertex, sh;              /* sh.element is NULL for degree 0 */
+    uint64_t read;
+    float bounds[BOUNDS];
+    rows chunk, vertex, sh;              /* sh.element NULL: SH degree 0 */
 } compressed_reader;
-
-/* Header */
 
 static int is_compressed_ply(const fxs_head *head, fxs_message *message)
 {
@@ -73,7 +70,7 @@ static int add_columns(const fxs_ply_header *header, rows *r, const char *const 
     return 0;
 }
 
-/* Older files lack bounds of colours; they are then 0 to 1. */
+/* Colour bounds are 0 to 1 in older files, which lack them. */
 static int add_bounds(compressed_reader *reader, fxs_message *message)
 {
     int has_colour = fxs_ply_find(&reader->header, reader->chunk.element, bound_names[COLOUR]) >= 0;
@@ -100,7 +97,6 @@ static int add_sh(compressed_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Returns 0 if all rows have a fixed size and the counts of the elements agree. */
 static int check_elements(const compressed_reader *reader, const char *path, fxs_message *message)
 {
     const fxs_ply_header *header = &reader->header;
@@ -172,8 +168,6 @@ static int compressed_open(void *handle, const fxs_scene_source *source, fxs_sce
     return 0;
 }
 
-/* Rows */
-
 static double unpack(uint32_t word, int shift, int bits)
 {
     uint32_t mask = (1u << bits) - 1;
@@ -185,7 +179,8 @@ static double between(const float *bounds, int low, double t)
     return (double)bounds[low] * (1 - t) + (double)bounds[low + 3] * t;
 }
 
-/* The largest component is omitted and positive or 0. The others lie in +-1/sqrt(2), w first. */
+/* Smallest three: the omitted, largest component of the quaternion is positive. Other components are within
+   +-1/sqrt(2), w first. */
 static void decode_rotation(uint32_t word, float rotation[4])
 {
     int largest = (int)(word >> 30);
@@ -216,7 +211,7 @@ static void decode_words(const compressed_reader *reader, const uint8_t *row, fx
     gaussian->opacity = fxs_logit_of_code(words[3] & 255);
 }
 
-/* Codes 0 and 255 stand for -4 and 4, others for the centre of their 256th of [-4, 4]. */
+/* SH codes 0 and 255 are -4 and 4. Other codes are the centre of their 256th of [-4, 4]. */
 static float decode_coefficient(int code)
 {
     return code == 0 ? -4 : code == 255 ? 4 : (float)(((code + 0.5) / 256 - 0.5) * 8);

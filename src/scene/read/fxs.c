@@ -1,4 +1,4 @@
-/* Reads .fxs: the Gaussians of a packed scene, without the merged Gaussians of its tree. */
+/* Reads .fxs, the packed scene, without the merged Gaussians of its level-of-detail tree. */
 #include <math.h>
 #include <string.h>
 
@@ -16,11 +16,11 @@ enum { MOST_PALETTE = FXS_PALETTE_STAGES * FXS_PALETTE_ENTRIES * FXS_PALETTE_STR
 typedef struct fxs_file_reader {
     const fxs_scene_source *source;
     fxs_crc32_table crc;
-    fxs_scene scene;                     /* without pointers to its bytes, except the palette */
-    uint64_t rows_at;                    /* offset of the first chunk's rows in the file, bytes */
-    uint32_t slots, holes;               /* slots and empty slots in the whole file */
-    uint32_t next, passed;               /* the next slot; holes before it */
-    fxs_chunk chunk;                     /* chunk of the next slot, and its rows */
+    fxs_scene scene;
+    uint64_t rows_at;                    /* file offset of the first chunk's data, bytes */
+    uint32_t slots, holes;
+    uint32_t next, passed;
+    fxs_chunk chunk;
     unsigned char rows[MOST_ROWS];
     int8_t palette[MOST_PALETTE];
 } fxs_file_reader;
@@ -38,7 +38,6 @@ static int damaged(const fxs_file_reader *r, const char *what, fxs_message *mess
     return fxs_fail(message, "%s: %s is damaged", r->source->path, what);
 }
 
-/* Compares a checksum inside `bytes` with the CRC-32 of the bytes, computed with the checksum field 0. */
 static int is_whole(const fxs_file_reader *r, uint32_t *checksum, const void *bytes, size_t size, const void *more,
                     size_t more_size)
 {
@@ -79,7 +78,6 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
-/* Chooses the origin from chunks spread over the whole file, as chunks hold about equal numbers of Gaussians. */
 static int choose_origin(const fxs_file_reader *r, fxs_message *message)
 {
     double places[FXS_ORIGIN_SAMPLE][3];

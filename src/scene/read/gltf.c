@@ -1,5 +1,5 @@
-/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. Converts to the
-   axes of a .ply, y down, by negating x and y. Converts linear colours to sRGB. Also reads drafts of the extension:
+/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with .spz data in a bufferView. Negates x
+   and y to get the axes of a .ply, with y down. Converts linear colours to sRGB. Supports drafts of the extension:
    SCALE as logarithms (February 2026); _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include <fixsplat/internal/allocator.h>
 
@@ -25,13 +25,13 @@
 #include "src/gaussian/transform_internal.h"
 
 enum {
-    MAX_DEPTH = 64,              /* depth of the node tree */
+    MAX_DEPTH = 64,
     MAX_BUFFERS = 64,
-    MAX_MEMBERS = 1024,          /* members of a JSON object; every look-up is linear */
-    MAX_PARTS = 1024,            /* primitives times the nodes that place them */
-    MAX_COUNT = 2147483647,      /* Gaussians in a file */
-    BATCH = 256,                 /* Gaussians per read */
-    MAX_STRIDE = 252             /* bytes */
+    MAX_MEMBERS = 1024,          /* members of a JSON object; look-ups are linear */
+    MAX_PARTS = 1024,            /* primitives, counted for each node that places them */
+    MAX_COUNT = 2147483647,
+    BATCH = 256,
+    MAX_STRIDE = 252
 };
 
 typedef struct list {
@@ -44,9 +44,9 @@ static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "b
 
 typedef struct buffer {
     const fxs_scene_source *source;
-    fxs_scene_source own;        /* open if the source is another file or memory */
-    uint8_t *memory;             /* decoded data: URI */
-    uint64_t memory_size;        /* bytes held */
+    fxs_scene_source own;
+    uint8_t *memory;
+    uint64_t memory_size;
     uint64_t offset, size;
 } buffer;
 
@@ -57,16 +57,16 @@ typedef struct range {
 
 typedef struct buffer_view {
     range bytes;
-    int64_t stride;              /* 0: not given */
-    const char *fault;           /* or null; reported when the view is used */
+    int64_t stride;              /* bytes between elements; 0: not given */
+    const char *fault;
 } buffer_view;
 
-enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
+enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* glTF's componentType minus 5120 */
 
 typedef struct accessor {
-    range bytes;                 /* buffer NULL: all elements are 0 */
-    range indices, values;       /* of a sparse accessor: indices and values of replaced elements */
-    uint32_t replaced, at;       /* number of replaced elements; the next one to read */
+    range bytes;                 /* buffer NULL: all elements of the accessor are 0 */
+    range indices, values;
+    uint32_t replaced, at;
     uint32_t count, stride, size;
     uint8_t type, is_normalized, components, index_size;
 } accessor;
@@ -74,18 +74,17 @@ typedef struct accessor {
 enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 
 typedef struct splats {
-    range spz;                   /* its .spz; buffer null: it has attributes instead */
-    fxs_spz *opened;             /* set when its first part is read */
-    int first;                   /* first primitive with the same .spz; itself if it has attributes */
+    range spz;                   /* .spz data; buffer null: plain attributes */
+    fxs_spz *opened;
+    int first;
     accessor attributes[ATTRIBUTES];
     int attribute_count;
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
     int scales_known, has_log_scales, is_linear, is_clamped;
-    double middle[3];            /* centre of the positions if they are far from 0 relative to their extent; else 0 */
+    double middle[3];
 } splats;
 
-/* The range of a mesh's primitives with Gaussians, valid after is_read is set. */
 typedef struct mesh {
     int is_read, first, end;
 } mesh;
@@ -97,23 +96,23 @@ typedef struct part {
 
 typedef struct gltf {
     const fxs_scene_source *source;
-    fxs_message *message;        /* message of the current call */
-    double frame[3][4];          /* from the file's axes to the Gaussians' axes */
-    list lists[LISTS];           /* valid only during opening, like the next three fields */
+    fxs_message *message;
+    double frame[3][4];
+    list lists[LISTS];           /* valid only while the file is opened */
     buffer_view *views;
     mesh *meshes;
-    uint8_t *visited;            /* nodes */
+    uint8_t *visited;
     uint64_t bin_offset, bin_size;
     buffer buffers[MAX_BUFFERS];
     int is_quantized;            /* KHR_mesh_quantization: POSITION may be integer */
     splats *splats;
     part *parts;
     int splats_count, parts_count;
-    const char *other;           /* kind of a primitive without Gaussians, or null */
-    int part;                    /* the part being read */
-    uint32_t next;               /* next Gaussian of the part */
-    fxs_transform transform;     /* transform of the part */
-    fxs_spz *spz;                /* .spz of the part, or null */
+    const char *other;
+    int part;
+    uint32_t next;
+    fxs_transform transform;
+    fxs_spz *spz;
     uint8_t bytes[BATCH * MAX_STRIDE];
 } gltf;
 
@@ -122,7 +121,6 @@ static int fail(const gltf *g, const char *fault)
     return fxs_fail(g->message, "%s: %s", g->source->path, fault);
 }
 
-/* Allocates zeroed memory. Returns null, and a message for FXS_ERR_MEMORY, if memory ran out. */
 static void *allocate(const gltf *g, size_t count, size_t size)
 {
     void *block = fxs_allocate_zeroed(g->source->options.allocator, count, size);
@@ -140,8 +138,6 @@ static int fail_item(const gltf *g, const char *item, int index, const char *fau
 {
     return fxs_fail(g->message, "%s: %s %d: %s", g->source->path, item, index, fault);
 }
-
-/* ---- JSON ------------------------------------------------------------------------------------------------------ */
 
 static const cJSON *member(const cJSON *object, const char *name)
 {
@@ -180,7 +176,7 @@ static int make_list(gltf *g, const cJSON *root, int which)
 
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))     /* the size is the next power of two */
+    if (count & (count - 1))     /* the capacity is the next power of two */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -188,15 +184,12 @@ static void *grow(const gltf *g, void *items, int count, size_t size)
     return larger;
 }
 
-/* ---- Buffers --------------------------------------------------------------------------------------------------- */
-
 static int base64_digit(int c)
 {
     return c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26 : c >= '0' && c <= '9' ? c - '0' + 52
            : c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/* Returns the number of bytes, or -1. */
 static int64_t decode_base64(const char *text, uint8_t *out)
 {
     const uint8_t *start = out;
@@ -232,7 +225,6 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-/* Opens a buffer's file, which must be in the folder of the .gltf. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
     char *name = allocate(g, strlen(uri) + 1, 1);
@@ -246,7 +238,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     return result;
 }
 
-/* Leaves a buffer without bytes (the fallback of a compressed one) empty. */
+/* Opens a glTF buffer. A buffer without bytes, the fallback of a compressed buffer, stays empty. */
 static int open_buffer(gltf *g, int index)
 {
     const cJSON *item = g->lists[BUFFERS].items[index];
@@ -310,7 +302,7 @@ static int use_buffer_view(const gltf *g, int index, buffer_view *out)
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
-/* Finds an attribute. Drafts use _SCALE for KHR_gaussian_splatting:SCALE. */
+/* Finds an attribute, also under its draft name: _SCALE for KHR_gaussian_splatting:SCALE. */
 static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 {
     const cJSON *found = member(attributes, name);
@@ -322,9 +314,7 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
     return member(attributes, draft);
 }
 
-/* ---- Accessors ------------------------------------------------------------------------------------------------- */
-
-/* Component types as bits of a mask: a plain type is bit 2 type, a normalized one bit 2 type + 1. */
+/* Bit masks of glTF component types: bit 2 type if plain, bit 2 type + 1 if normalized. */
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
@@ -347,10 +337,9 @@ static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t c
     return 0;
 }
 
-/* Finds the replaced elements of a sparse accessor; they are tightly packed. */
 static int read_sparse(const gltf *g, int index, const cJSON *sparse, accessor *a)
 {
-    static const uint8_t sizes[] = {1, 0, 2, 0, 4};            /* UBYTE, USHORT, UINT */
+    static const uint8_t sizes[] = {1, 0, 2, 0, 4};
     const cJSON *indices = member(sparse, "indices");
     const int64_t count = whole(member(sparse, "count"), -1);
     const int64_t type = whole(member(indices, "componentType"), -1) - 5120 - UBYTE;
@@ -383,7 +372,6 @@ static int fail_indices(const gltf *g)
     return fail(g, "indices of a sparse accessor that do not ascend, or are beyond its elements");
 }
 
-/* Writes the replaced elements from `first` to `end` - 1 into g->bytes. */
 static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
 {
     uint8_t indices[4 * BATCH], values[BATCH * 16];
@@ -407,8 +395,7 @@ static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
     return end < a->count || a->at == a->replaced ? 0 : fail_indices(g);
 }
 
-/* Reads up to BATCH elements into g->bytes, a->stride bytes apart. Elements must be read in order; set a->at to 0
-   before the first. */
+/* Reads up to BATCH elements into g->bytes, in ascending order. Set a->at to 0 before the first element. */
 static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
 {
     const size_t size = (count - 1) * a->stride + a->size;
@@ -452,7 +439,6 @@ static double component(const accessor *a, const uint8_t *bytes)
     }
 }
 
-/* Converts COLOR_0, which is stored as OPACITY with four components. */
 static void store_colour(fxs_gaussian *gaussian, const double *rgba)
 {
     gaussian->opacity = fxs_logit_of_opacity(rgba[3]);
@@ -468,7 +454,7 @@ static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const 
         gaussian->opacity = fxs_logit_of_opacity(v[0]);
     if (attribute == ROTATION)
         for (int i = 0; i < 4; i++)
-            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* x y z w in the file */
+            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* rotations in the file are x y z w */
     if (attribute == ROTATION || attribute == OPACITY)
         return;
     float *out = attribute == POSITION ? gaussian->position : attribute == SCALE ? gaussian->scale
@@ -494,7 +480,7 @@ static int read_attributes(gltf *g, splats *s, fxs_gaussian *gaussians, size_t c
     return 0;
 }
 
-/* sRGB from linear light: 12.92 c up to 0.0031308, else 1.055 c^(1 / 2.4) - 0.055 (IEC 61966-2-1). *slope: its
+/* sRGB from linear light (IEC 61966-2-1): 12.92 c up to 0.0031308, else 1.055 c^(1 / 2.4) - 0.055. *slope:
    derivative. */
 static double srgb_of(double c, double *slope)
 {
@@ -506,7 +492,7 @@ static double srgb_of(double c, double *slope)
     return 1.055 * power - 0.055;
 }
 
-/* Converts the colour of degree 0 to sRGB. Multiplies higher SH, which are small, by the slope. */
+/* Converts the SH of degree 0 to sRGB. Higher SH are small, and multiplied by the slope. */
 static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
 {
     for (int c = 0; c < 3; c++) {
@@ -517,7 +503,6 @@ static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
     }
 }
 
-/* Replaces opacities of the .spz by EXT_splat_opacity values that are finite and not negative. */
 static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t count)
 {
     accessor *a = &s->attributes[OPACITY];
@@ -550,8 +535,6 @@ static int count_outside(gltf *g, accessor *a, float low, float high, uint64_t *
     return 0;
 }
 
-/* ---- Primitives and nodes -------------------------------------------------------------------------------------- */
-
 static int read_sh(gltf *g, const cJSON *attributes, splats *s)
 {
     char name[48];
@@ -573,7 +556,6 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
     return 0;
 }
 
-/* Finds opacity and SH. In a draft, they were a colour of four components. */
 static int read_colours(gltf *g, const cJSON *attributes, splats *s)
 {
     static const char opacity[] = "KHR_gaussian_splatting:OPACITY";
@@ -617,7 +599,8 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
                                "compressed in a way that is not read");
 }
 
-/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is ignored, because the .spz is complete without it. */
+/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is ignored, because the .spz is complete without
+   it. */
 static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
 {
     static const char name[] = "EXT_splat_opacity";
@@ -628,7 +611,6 @@ static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
     return number ? read_accessor(g, number, name, 1, PLAIN(FLOAT), &s->attributes[OPACITY]) : 0;
 }
 
-/* Names used in drafts of the .spz compression, inside or next to the extension. */
 static const cJSON *find_spz(const cJSON *extensions)
 {
     static const char *const names[] = {
@@ -660,10 +642,9 @@ static int is_same(const splats *a, const splats *b)
            same_range(&own->values, &other->values) && own->count == other->count;
 }
 
-/* Checks that this renderer draws as the file asks. Linear colours are accepted and converted later. */
 static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear)
 {
-    enum { SPACES = 6, LINEAR = 3 };            /* the other names are from drafts */
+    enum { SPACES = 6, LINEAR = 3 };
     static const char *const spaces[SPACES] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709",
                                                "lin_rec709_display", "BT.709-linear", "linear"};
     const char *kernel = fxs_json_string(splatting, "kernel"), *space = fxs_json_string(splatting, "colorSpace");
@@ -762,14 +743,12 @@ static int place_mesh(gltf *g, int index, double rows[3][4])
     return 0;
 }
 
-/* Returns 1 if the member is absent or has exactly `count` numbers. */
 static int take_numbers(const cJSON *object, const char *name, double *out, int count)
 {
     const cJSON *item = member(object, name);
     return !item || fxs_json_numbers(item, out, count);
 }
 
-/* glTF stores matrices in column-major order. */
 static int local_matrix(const gltf *g, int index, double m[16])
 {
     const cJSON *node = g->lists[NODES].items[index];
@@ -818,8 +797,6 @@ static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
     return 0;
 }
 
-/* ---- Parts ----------------------------------------------------------------------------------------------------- */
-
 static int open_spz(gltf *g, int index)
 {
     splats *s = &g->splats[index];
@@ -834,7 +811,6 @@ static int open_spz(gltf *g, int index)
     return !s->attributes[OPACITY].count || s->attributes[OPACITY].count == s->count ? 0 : fail_counts(g);
 }
 
-/* fxs_import.drop: frees the last decompressed .spz that is not being read. The first ones stay. */
 int fxs_gltf_drop(void *handle)
 {
     gltf *g = handle;
@@ -844,7 +820,6 @@ int fxs_gltf_drop(void *handle)
     return 0;
 }
 
-/* Starts reading a part; g->parts_count: the end. */
 static int enter(gltf *g, int index)
 {
     g->part = g->parts_count;
@@ -870,9 +845,8 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Decides if scales are logarithms. By the standard, scales are linear and rarely negative; a draft stored logarithms.
-   Signed integers are taken as logarithms. Floats are, if a quarter of the Gaussians have a negative scale: nearly all
-   logarithms of captured scenes are negative. The number of Gaussians is already known to be within the limit. */
+/* Decides if scales are logarithms, as in a draft, or linear, as in the standard. Signed integers are logarithms.
+   Floats are logarithms if a quarter of the Gaussians have a negative scale. */
 static int find_log_scales(gltf *g)
 {
     uint64_t below = 0, count = 0;
@@ -893,7 +867,7 @@ static int find_log_scales(gltf *g)
     return 0;
 }
 
-/* Finds opacities above 1.0001, which are reported as clamped. Smaller excesses come from rounding. */
+/* Finds opacities above 1.0001, which are reported as clamped. Smaller excesses are rounding errors. */
 static int find_clamped(gltf *g)
 {
     uint64_t above;
@@ -916,7 +890,6 @@ static void place_of(const gltf *g, const part *p, double place[3])
         place[k] = p->rows[k][0] * m[0] + p->rows[k][1] * m[1] + p->rows[k][2] * m[2] + p->rows[k][3];
 }
 
-/* Places the origin at the part with most Gaussians. The contents of a tileset use the origin of the first content. */
 static void choose_origin(const gltf *g, fxs_scene_file_info *info)
 {
     fxs_import *import = g->source->import;
@@ -967,9 +940,6 @@ static int describe(gltf *g, fxs_scene_file_info *info)
     return enter(g, 0);
 }
 
-/* ---- Opening --------------------------------------------------------------------------------------------------- */
-
-/* Finds the JSON and the offset of the binary chunk. */
 static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
 {
     uint8_t h[20], chunk[8];
@@ -1109,7 +1079,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* before its source is closed */
+        fxs_spz_close(g->splats[i].opened);   /* the .spz closes before its source */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
@@ -1136,8 +1106,7 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 
 #endif
 
-/* Returns 1 if a JSON object with this first name may be a glTF. The index of a .sog may also have "asset", so the
-   caller checks more. */
+/* Returns 1 if a JSON object whose first member is `name` may be a glTF. */
 static int is_gltf_name(const char *name)
 {
     static const char *const names[] = {

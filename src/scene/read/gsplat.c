@@ -1,11 +1,11 @@
-/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute; for each byte of
-   an attribute a .png with one pixel per Gaussian; shN.npz with a palette of SH. Values are spaced evenly between their
-   bounds. Axes and meaning are as in a .ply, except that positions are stored as sign(x) ln(1 + |x|). */
+/* Reads a folder written by gsplat's PngCompression. meta.json has the bounds of each attribute. Each byte of an
+   attribute is a .png with a pixel per Gaussian. shN.npz is a palette of SH. Positions are stored as sign(x) ln(1
+   + |x|). */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* Recognises a JSON file with members that no SOG file has. */
+/* Recognises meta.json by members that no SOG file has. */
 static int is_gsplat(const fxs_head *head, fxs_message *message)
 {
     (void)message;
@@ -38,13 +38,13 @@ typedef struct gsplat {
     size_t count, at;
     double low[IMAGES][4], high[IMAGES][4];
     uint8_t *pixels[IMAGES];       /* RGBA; a single channel is repeated three times */
-    uint64_t sizes[IMAGES];        /* bytes */
+    uint64_t sizes[IMAGES];
     int sh_degree;
     double sh_low, sh_high;
-    int sh_most;                   /* largest code of SH */
-    fxs_text arrays[2];            /* palette and labels, as .npy */
+    int sh_most;
+    fxs_text arrays[2];
     const uint8_t *palette, *labels;
-    size_t entries, entry_step, value_step;    /* entries of the palette; bytes between entries and between values */
+    size_t entries, entry_step, value_step;
 } gsplat;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -67,9 +67,6 @@ static int fail(const gsplat *g, const char *fault, fxs_message *message)
     return fxs_fail(message, "%s: %s", g->source->path, fault);
 }
 
-/* ---- meta.json --------------------------------------------------------------------------------------------------- */
-
-/* Returns null, or the fault in words. */
 static const char *read_sh(gsplat *g, const cJSON *shn)
 {
     const cJSON *low = member(shn, "mins"), *high = member(shn, "maxs"), *shape = member(shn, "shape");
@@ -120,8 +117,6 @@ static int load_meta(gsplat *g, fxs_message *message)
     return result;
 }
 
-/* ---- Images ------------------------------------------------------------------------------------------------------ */
-
 static int decode(gsplat *g, int image, const fxs_text *file, fxs_message *message)
 {
     png_image png = {.version = PNG_IMAGE_VERSION};
@@ -156,11 +151,8 @@ static int load_image(gsplat *g, int image, fxs_message *message)
     return result;
 }
 
-/* ---- SH ---------------------------------------------------------------------------------------------------------- */
-
-/* Finds the array in a .npy (numpy.lib.format), behind a text header with type, order and shape. Returns its first
-   byte, or null if the type differs, the shape is not `columns` columns (0: one dimension), or the data are
-   incomplete. */
+/* Finds the array in .npy data (numpy.lib.format). Returns null if the type or shape differs. columns: 0 for one
+   dimension. */
 static const uint8_t *find_array(const fxs_text *npy, const char *type, size_t size, size_t columns, size_t *rows,
                                  int *is_by_column)
 {
@@ -219,8 +211,6 @@ static int load_sh(gsplat *g, fxs_message *message)
     return result;
 }
 
-/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
-
 static double value(const gsplat *g, int image, int channel, size_t i)
 {
     return lerp(g->low[image][channel], g->high[image][channel], g->pixels[image][4 * i + (size_t)channel] / 255.0);
@@ -245,8 +235,6 @@ static void read_gaussian(const gsplat *g, size_t i, fxs_gaussian *out)
         out->sh[k] = (float)lerp(g->sh_low, g->sh_high,
                                  g->palette[entry * g->entry_step + k * g->value_step] / (double)g->sh_most);
 }
-
-/* ---- The format -------------------------------------------------------------------------------------------------- */
 
 static int gsplat_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {

@@ -1,41 +1,39 @@
-/* Reads .ksplat 0.x. Layout: SplatBuffer.js of mkkellogg/GaussianSplats3D. The file has a header of 4096 bytes, section
-   headers of 1024 bytes, and sections. A section has the lengths of its partly filled buckets, the centres of all
-   buckets, and its Gaussians, bucket by bucket. At compression level 0 it has Gaussians only. */
+/* Reads .ksplat 0.x. Layout: SplatBuffer.js of mkkellogg/GaussianSplats3D. A section lists the lengths of its
+   partly filled buckets, the centres of all buckets, and its Gaussians in bucket order. Compression level 0 has
+   Gaussians only. */
 #include "src/base/byte_reader.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { HEADER_SIZE = 4096, SECTION_HEADER_SIZE = 1024, LEVELS = 3 };
 
-/* Offsets in a Gaussian, and the size of an SH coefficient, for each compression level. */
+/* For each compression level: byte offsets in a Gaussian, and bytes of an SH coefficient. */
 static const struct layout { uint8_t scale, rotation, colour, sh, coefficient; } layouts[LEVELS] = {
     {12, 24, 40, 44, 4}, {6, 12, 20, 24, 2}, {6, 12, 20, 24, 1}
 };
 
 typedef struct section {
-    uint32_t count;                         /* Gaussians */
+    uint32_t count;
     uint32_t bucket_size, buckets, full_buckets, partial_buckets;
-    uint32_t centre_size;                   /* bytes between bucket centres */
+    uint32_t centre_size;
     int sh_degree;
-    uint32_t row_size;                      /* bytes per Gaussian */
-    double range, step;                     /* position = (code - range) step + centre, above level 0 */
-    uint64_t lengths, centres, rows, end;   /* offsets in the file, bytes */
+    uint32_t row_size;
+    double range, step;                     /* position = (code - range) step + centre, above compression level 0 */
+    uint64_t lengths, centres, rows, end;
 } section;
 
 typedef struct ksplat_reader {
     const fxs_scene_source *source;
     int level;
-    float sh_low, sh_high;                  /* range of the SH codes at level 2 */
-    uint64_t count, read;                   /* Gaussians */
+    float sh_low, sh_high;
+    uint64_t count, read;
     uint32_t sections, sections_begun;
-    section section;                        /* the current section */
-    uint32_t section_read;                  /* Gaussians read from it */
-    uint32_t buckets_begun, bucket_left;    /* buckets begun; Gaussians left in the current one */
-    float centre[3];                        /* centre of the current bucket */
+    section section;
+    uint32_t section_read;
+    uint32_t buckets_begun, bucket_left;
+    float centre[3];
     fxs_byte_reader headers, lengths, centres, rows;
 } ksplat_reader;
-
-/* Headers */
 
 static section parse_section(const ksplat_reader *reader, const uint8_t *header)
 {
@@ -54,7 +52,6 @@ static section parse_section(const ksplat_reader *reader, const uint8_t *header)
     return s;
 }
 
-/* Returns null, or the fault in words. */
 static const char *check_section(const ksplat_reader *reader, const section *s)
 {
     const uint64_t file_size = reader->source->input.size;
@@ -87,7 +84,7 @@ static int begin_section(ksplat_reader *reader, fxs_message *message)
         return fxs_bytes_fail_row(&reader->headers, "section", reader->sections_begun, reader->sections, message);
     reader->sections_begun++;
     reader->section_read = reader->buckets_begun = reader->bucket_left = 0;
-    if (s->count > 0) {   /* check_section has verified that they are in the file */
+    if (s->count > 0) {
         fxs_bytes_seek(&reader->lengths, s->lengths);
         fxs_bytes_seek(&reader->centres, s->centres);
         fxs_bytes_seek(&reader->rows, s->rows);
@@ -143,8 +140,6 @@ static int ksplat_open(void *handle, const fxs_scene_source *source, fxs_scene_f
     return ksplat_rewind(reader, message);
 }
 
-/* Gaussians */
-
 static float load_real(const ksplat_reader *reader, const uint8_t *values, int i)
 {
     return reader->level == 0 ? fxs_load_float(values + 4 * i) : fxs_half(fxs_load_u16(values + 2 * i));
@@ -194,7 +189,7 @@ static int advance(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Within each degree, the file stores one channel after the other. */
+/* Decodes SH. Within each degree, the file stores a channel after the other. */
 static void decode_sh(const ksplat_reader *reader, const uint8_t *values, float sh[45])
 {
     for (int degree = 1; degree <= reader->section.sh_degree; degree++) {

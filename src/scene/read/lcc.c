@@ -1,7 +1,7 @@
-/* Reads .lcc of XGRIDS: a JSON file, and next to it index.bin (the Gaussians of each cell and level), data.bin and
-   shcoef.bin (32 and 64 bytes per Gaussian) and optionally environment.bin. Layout: XGRIDS, "LCC Data Organization
-   Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from XGRIDS).
-   Points that the paper leaves open (axes, SH of files without "fileType") follow PlayCanvas's splat-transform. */
+/* Reads .lcc of XGRIDS: a JSON file with index.bin, data.bin, shcoef.bin and optionally environment.bin. index.bin
+   lists the Gaussians of each cell and level. Layout: XGRIDS, "LCC Data Organization Format White Paper"
+   (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from XGRIDS). Axes and the SH of
+   files without "fileType" follow PlayCanvas's splat-transform. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -19,16 +19,16 @@
 
 enum {
     MAX_LEVELS = 1000,
-    LEVEL_SIZE = 16,       /* bytes per level in the index, after 4 bytes for the cell */
-    ROW = 32, SH_ROW = 64  /* bytes */
+    LEVEL_SIZE = 16,
+    ROW = 32, SH_ROW = 64
 };
 
-/* Values of the smallest and largest code of x, y and z (or r, g and b). */
+/* Values of the smallest and largest code of three channels. */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
 
-/* A cell: its first byte in data.bin and its number of Gaussians. The environment is a cell too. */
+/* First byte of a cell in data.bin, and its number of Gaussians. */
 typedef struct cell {
     uint64_t begin, count;
 } cell;
@@ -37,22 +37,20 @@ typedef struct lcc_reader {
     const fxs_scene_source *source;
     size_t levels;
     int has_sh;
-    bounds scale[2], sh[2];   /* [0] cells, [1] environment */
-    cell *cells;              /* cells with Gaussians, in the order of data.bin; then the environment */
-    size_t cell_room, cell_count, environment;   /* environment: its index in `cells` */
+    bounds scale[2], sh[2];
+    cell *cells;
+    size_t cell_room, cell_count, environment;
     fxs_scene_source data_file, sh_file, environment_file;
     fxs_byte_reader rows, sh_rows;
     fxs_transform transform;
-    size_t at;                /* the current cell */
-    uint64_t done;            /* Gaussians read from it */
+    size_t at;
+    uint64_t done;
 } lcc_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
 {
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
-
-/* ---- The .lcc ---------------------------------------------------------------------------------------------------- */
 
 static const cJSON *find_attribute(const cJSON *root, const char *name)
 {
@@ -65,7 +63,6 @@ static const cJSON *find_attribute(const cJSON *root, const char *name)
     return NULL;
 }
 
-/* Reads the bounds of an attribute for the cells and the environment, which defaults to the same bounds. */
 static int read_bounds(const cJSON *root, const char *name, const char *environment_name, bounds out[2])
 {
     const cJSON *own = find_attribute(root, name), *environment = find_attribute(root, environment_name);
@@ -77,7 +74,6 @@ static int read_bounds(const cJSON *root, const char *name, const char *environm
     return 1;
 }
 
-/* Returns null, or the fault in words. */
 static const char *read_meta(lcc_reader *r, const cJSON *root)
 {
     const cJSON *levels = member(root, "totalLevel");
@@ -113,10 +109,6 @@ static int load_meta(lcc_reader *r, fxs_message *message)
     return result;
 }
 
-/* ---- Other files ------------------------------------------------------------------------------------------------- */
-
-/* Opens a file by its usual name, or else by its name in the white paper. If both are missing and `may_be_absent` is 1,
-   returns 0 with nothing opened. */
 static int open_beside(const lcc_reader *r, fxs_scene_source *file, const char *name, const char *other,
                        int may_be_absent, fxs_message *message)
 {
@@ -134,7 +126,6 @@ static uint64_t load_u64(const uint8_t *bytes)
     return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
-/* Lists the Gaussians of each cell at the chosen level: their number, first byte in data.bin, and number of bytes. */
 static int list_cells(lcc_reader *r, const fxs_scene_source *index, size_t count, fxs_message *message)
 {
     const size_t level = (size_t)r->source->options.level;
@@ -184,7 +175,7 @@ static int compare_cells(const void *a, const void *b)
     return (x->begin > y->begin) - (x->begin < y->begin);
 }
 
-/* Each byte may belong to one Gaussian only; otherwise a small file could demand much work. */
+/* Checks that cells do not overlap, because a small file could otherwise demand much work. */
 static int check_cells(lcc_reader *r, fxs_message *message)
 {
     const uint64_t size = r->data_file.input.size;
@@ -211,7 +202,6 @@ static int open_data(lcc_reader *r, fxs_message *message)
     return check_cells(r, message);
 }
 
-/* The environment stores SH in the rows of its Gaussians. */
 static int open_environment(lcc_reader *r, fxs_message *message)
 {
     const uint64_t row = r->has_sh ? ROW + SH_ROW : ROW;
@@ -226,14 +216,12 @@ static int open_environment(lcc_reader *r, fxs_message *message)
     return 0;
 }
 
-/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
-
 static double lerp(const bounds *b, int i, double t)
 {
     return b->low[i] * (1 - t) + b->high[i] * t;
 }
 
-/* Smallest three of x, y, z, w: the top two bits are the index of the omitted component; the others lie in
+/* Smallest three of x, y, z, w: the top two bits are the index of the omitted component. Other components lie in
    +-1/sqrt(2). */
 static void decode_rotation(uint32_t code, float rotation[4])
 {
@@ -250,7 +238,7 @@ static void decode_rotation(uint32_t code, float rotation[4])
     rotation[(omitted + 1) % 4] = (float)sqrt(fmax(0, 1 - sum));
 }
 
-/* Each coefficient is a word of 11, 10 and 11 bits. */
+/* SH coefficients: red, green and blue in 11, 10 and 11 bits of a word. */
 static void decode_sh(const bounds *b, const uint8_t *row, float sh[45])
 {
     for (int k = 0; k < 15; k++) {
@@ -277,7 +265,7 @@ static void decode(const lcc_reader *r, const uint8_t *row, const uint8_t *sh_ro
     fxs_transform_apply(&r->transform, g, sh_row ? 3 : 0);
 }
 
-/* Cells are in the order of data.bin, so that each byte is read once. */
+/* Moves to a cell. Cells are in the order of data.bin, so each byte is read once. */
 static int enter_cell(lcc_reader *r)
 {
     const cell *c = &r->cells[r->at];
@@ -285,7 +273,7 @@ static int enter_cell(lcc_reader *r)
         r->rows.source = &r->environment_file;
         return fxs_bytes_seek(&r->rows, 0);
     }
-    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));   /* within the files, as check_cells ensured */
+    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));
     return r->has_sh ? fxs_bytes_skip(&r->sh_rows, 2 * c->begin - fxs_bytes_tell(&r->sh_rows)) : 0;
 }
 
@@ -307,8 +295,6 @@ static int read_gaussian(lcc_reader *r, fxs_gaussian *g, fxs_message *message)
     return 0;
 }
 
-/* ---- The format -------------------------------------------------------------------------------------------------- */
-
 static int lcc_rewind(void *handle, fxs_message *message)
 {
     lcc_reader *r = handle;
@@ -320,10 +306,9 @@ static int lcc_rewind(void *handle, fxs_message *message)
     return fxs_bytes_seek(&r->rows, 0);
 }
 
-/* The caller checks the level against the number of levels returned here. */
 static int lcc_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* rotation from z up to y down */
     lcc_reader *r = handle;
     const int level = source->options.level;
     r->source = source;

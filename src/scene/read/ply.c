@@ -7,7 +7,6 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* A field: an index into the floats of fxs_gaussian, or FILTER. */
 enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS, FIELDS, NO_FIELD = -1 };
 
 static const char *const field_names[FIRST_REST] = {
@@ -15,7 +14,7 @@ static const char *const field_names[FIRST_REST] = {
     "f_dc_0", "f_dc_1", "f_dc_2"
 };
 
-/* Properties that change the picture in other programs but are not read. A name that ends in _ is a prefix. */
+/* Properties that change the picture in other programs but are ignored here. A trailing _ marks a prefix. */
 static const char *const unused_names[] = {
     "t", "time", "beta", "gamma", "shape", "f_", "rot_", "rotation_", "scale_", "scaling_", "opacity_", "filter_",
     "motion_", "omega_", "trbf_", "velocity_", "delta_", "lifespan", "t_", "time_", "beta_", "sb_", "sh_", "shs_",
@@ -23,11 +22,10 @@ static const char *const unused_names[] = {
 };
 
 typedef struct column {
-    uint16_t offset;       /* bytes from the start of the row */
+    uint16_t offset;
     uint8_t type, field;
 } column;
 
-/* Consecutive floats in a row; their fields are `stride` apart. */
 typedef struct run {
     uint16_t offset;
     uint8_t count, field, stride;
@@ -37,21 +35,19 @@ typedef struct ply_reader {
     fxs_ply_header header;
     const fxs_ply_element *vertex;
     int sh_degree, stored_sh_degree;
-    int is_flat;                         /* 1: no scale_2, 2D Gaussians */
-    int is_filtered;                     /* 1: filter_3D of Mip-Splatting applies */
-    double full;                         /* full brightness of a colour read instead of f_dc; 0: f_dc is read */
-    float fields[FIELDS];                /* a row with FILTER */
+    int is_flat;                         /* 1: 2D Gaussians, without scale_2 */
+    int is_filtered;                     /* 1: the file has filter_3D of Mip-Splatting */
+    double full;                         /* number that means full brightness; 0: colours are SH (f_dc) */
+    float fields[FIELDS];
     int columns, all_float;
-    int runs;                            /* runs of the columns, if all are floats */
-    uint64_t vertex_offset;              /* offset of the first vertex in the file, bytes */
+    int runs;
+    uint64_t vertex_offset;
     uint64_t vertices_read;
     int8_t field_table[FXS_PLY_MAX_PROPERTIES];
     column column_table[FIELDS];
     run run_table[FIELDS];
     fxs_byte_reader bytes;
 } ply_reader;
-
-/* Rows */
 
 static int skip_list(ply_reader *reader, const fxs_ply_property *list)
 {
@@ -135,10 +131,7 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
     return 0;
 }
 
-/* Header */
-
-/* Some programs store halves as unsigned 16-bit integers. Only colours can be such integers, so other fields are read
-   as halves. Text files are not affected. */
+/* Reads unsigned 16-bit integers as halves, because some programs store halves so. Colours are excepted. */
 static void find_halves(ply_reader *reader)
 {
     for (int i = reader->vertex->first; i < reader->vertex->end; i++) {
@@ -177,7 +170,6 @@ static int stem_of(const char *name)
     return length;
 }
 
-/* Lists the properties that is_unused finds. Numbered properties are listed once, as in motion_*. */
 static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
 {
     const fxs_ply_property *table = reader->header.property_table;
@@ -203,7 +195,6 @@ static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
     }
 }
 
-/* If the file has x, y and z but no other property of Gaussians, reports a mesh or point cloud. */
 static int fail_field(const ply_reader *reader, const char *missing, fxs_message *message)
 {
     enum { FIRST_OF_GAUSSIANS = 3 };
@@ -212,7 +203,7 @@ static int fail_field(const ply_reader *reader, const char *missing, fxs_message
     int known = 0;
     for (int i = 0; i < FIRST_REST; i++)
         known += (i < FIRST_OF_GAUSSIANS) == (fxs_ply_find(&reader->header, reader->vertex, field_names[i]) >= 0);
-    if (known == FIRST_REST)           /* x, y and z alone */
+    if (known == FIRST_REST)
         return fxs_fail(message, "%s: %s", path, faces && faces->count ? FXS_MESH : FXS_POINT_CLOUD);
     return fxs_fail(message, "%s: element vertex has no property %s", path, missing);
 }
@@ -288,7 +279,6 @@ static int ply_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* Returns 1 if coordinates may be finer than floats: doubles, 32-bit integers or text. */
 static int is_fine(const ply_reader *reader)
 {
     for (const column *c = reader->column_table; c < reader->column_table + reader->columns; c++)
@@ -297,9 +287,8 @@ static int is_fine(const ply_reader *reader)
     return reader->header.encoding == FXS_PLY_ASCII;
 }
 
-/* Chooses the origin from a sample of rows: spread over the file if rows have a fixed size, else the first ones. A row
-   that cannot be read ends the sample. info->coarse becomes the largest spacing of floats, at the sampled positions,
-   that exceeds the size of the Gaussian there. */
+/* Chooses the origin from a sample of rows. info->coarse becomes the largest spacing of floats that exceeds a
+   sampled Gaussian's size. */
 static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_ply_element *vertex = reader->vertex;
@@ -355,8 +344,8 @@ static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     return open_reader(reader, info, message);
 }
 
-/* 3D smoothing filter of Mip-Splatting (Yu et al. 2024): variances grow by the filter's square, and opacity shrinks in
-   proportion to the volume's growth. */
+/* Applies the 3D smoothing filter of Mip-Splatting (Yu et al. 2024). Variances grow by the filter's square, and
+   opacity shrinks as the volume grows. */
 static void apply_filter(fxs_gaussian *g, double filter, int scales)
 {
     double shrunk = 0;

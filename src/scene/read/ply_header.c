@@ -6,7 +6,7 @@
 
 enum {
     MAX_LINE = 4096,
-    MAX_WORDS = 6,             /* words read per line */
+    MAX_WORDS = 6,
     MAX_HEADER = 1 << 20,
     MAX_COUNT = 2147483647
 };
@@ -22,7 +22,7 @@ typedef struct parser {
     fxs_byte_reader *bytes;
     const char *path;
     fxs_message *message;
-    int line;                  /* number of the last line read */
+    int line;
 } parser;
 
 static int is(const char *word, const char *name)
@@ -96,7 +96,6 @@ static int parse_type(const parser *p, const char *name, uint8_t *type)
     return fail_line(p, "unknown type", name);
 }
 
-/* `words`: 3 words, or 5 for a list. */
 static int parse_property(parser *p, char **words, int is_list)
 {
     fxs_ply_header *header = p->header;
@@ -132,7 +131,6 @@ static int split(char *line, char *words[MAX_WORDS])
     return count;
 }
 
-/* Returns 1 at the last line of the header. */
 static int parse_line(parser *p, char *line)
 {
     char *words[MAX_WORDS];
@@ -176,7 +174,7 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
     return 0;
 }
 
-/* An ASCII value needs at least a digit and a separator; the last value of a file needs no separator. */
+/* Checks a .ply file's size. A text value needs at least a digit and a separator. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message)
 {
     uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->input.size, values = 0;

@@ -1,4 +1,4 @@
-/* Reads headers and values of .ply files with any elements. */
+/* Reads headers and values of .ply files. Functions return 0, or an error and a message. */
 #ifndef FXS_PLY_HEADER_H
 #define FXS_PLY_HEADER_H
 
@@ -18,22 +18,22 @@ enum {
 typedef struct fxs_ply_type {
     const char *name, *alias;
     uint8_t size;
-    double full;               /* value of full brightness for colours */
+    double full;               /* number that means full brightness in colours */
 } fxs_ply_type;
 
 extern const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES];
 
 typedef struct fxs_ply_property {
-    char name[FXS_PLY_MAX_NAME + 1];   /* truncated to fit */
+    char name[FXS_PLY_MAX_NAME + 1];
     uint8_t type;
     uint8_t is_list, count_type;
-    uint32_t offset;           /* bytes from the start of a binary row, if all lists are empty */
+    uint32_t offset;           /* bytes from the start of a binary row */
 } fxs_ply_property;
 
 typedef struct fxs_ply_element {
-    char name[FXS_PLY_MAX_NAME + 1];   /* truncated to fit */
+    char name[FXS_PLY_MAX_NAME + 1];
     uint64_t count;
-    int first, end;            /* range of properties: first to end - 1 */
+    int first, end;
     int has_lists;
     uint32_t row_size;         /* bytes of a binary row, if all lists are empty */
 } fxs_ply_element;
@@ -46,37 +46,31 @@ typedef struct fxs_ply_header {
     fxs_ply_property property_table[FXS_PLY_MAX_PROPERTIES];
 } fxs_ply_header;
 
-/* Reads the header of a file into *header, which must be zeroed. Returns 0, or an error and a message. */
+/* Reads the header of a .ply file. *header must be zeroed. */
 int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_message *message);
 
-/* Checks the file's size against the element counts. Call directly after fxs_ply_read_header. Returns 0, or an error
-   and a message. */
+/* Checks the file's size against the element counts. Call directly after fxs_ply_read_header. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message);
 
-/* Returns the element of this name, or null. */
 const fxs_ply_element *fxs_ply_find_element(const fxs_ply_header *header, const char *name);
 
 /* Returns the index of a property that is not a list, or -1. */
 int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, const char *name);
 
-/* Finds the SH coefficients f_rest_*, stored channel by channel. Returns their degree, 0 to 4, and the index of
-   coefficient k of a channel in rest[3 * k + channel]; or an error and a message that begins with `path`. */
+/* Finds the SH coefficients f_rest_*. Returns their degree, 0 to 4, or an error. rest[3 * k + channel] becomes the
+   property of coefficient k. */
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],
                       const char *path, fxs_message *message);
 
-/* Finds a colour of three properties under the names usual for point clouds. Returns the value of full brightness (1
-   for real types), or 0 if no such colour exists. */
+/* Finds a colour of three properties. Returns the value of full brightness; 0: no colour. */
 double fxs_ply_find_colour(const fxs_ply_header *header, const fxs_ply_element *element, int colour[3]);
-
-/* ---- Values ---- */
 
 double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding encoding);
 
 /* Reads the next value of a row. Returns 0, or FXS_ERR_FILE with the fault in `bytes`. */
 int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
 
-/* Call them before and after the values of a row. In text files, fxs_ply_begin_row skips blanks and newlines, and
-   fxs_ply_end_row skips blanks and the newline. */
+/* Call before and after the values of a row. In text files, both functions skip blanks and newlines. */
 void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 

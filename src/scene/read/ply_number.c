@@ -1,11 +1,11 @@
-/* Reads the numbers of a .ply, text and binary. */
+/* Reads numbers of a .ply, text and binary. */
 #include <math.h>
 #include <stdio.h>
 #include <strings.h>
 
 #include "ply_header.h"
 
-enum { MAX_NUMBER = 511 };   /* characters; the longest double printed with %f has 316 */
+enum { MAX_NUMBER = 511 };
 
 static int next_byte(fxs_byte_reader *bytes)
 {
@@ -33,8 +33,7 @@ double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding enco
     }
 }
 
-/* Returns value * 10^exponent. The result is rounded once if |exponent| <= 22, because those powers are exact. The
-   value is 0 or 1 to 1e19, so exponents beyond +-400 give 0 or infinity. */
+/* Returns value * 10^exponent, rounded once for |exponent| <= 22, because those powers are exact. */
 static double scale_by_10(double value, int exponent)
 {
     static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
@@ -50,7 +49,6 @@ static int is_digit(int c)
     return c >= '0' && c <= '9';
 }
 
-/* Reads [+-]digits, limited to below 10000. Returns the end of the text read, or null. */
 static const char *parse_exponent(const char *text, int *exponent)
 {
     int sign = *text == '-' ? -1 : 1, value = 0;
@@ -65,8 +63,8 @@ static const char *parse_exponent(const char *text, int *exponent)
     return text;
 }
 
-/* Reads a number. strtod cannot be used, because its decimal point depends on the locale. The result may differ by one
-   unit in the last place. Returns the end of the number, or null. */
+/* Parses a number like strtod, with a point in every locale. The result may be off by one unit in the last place.
+   Returns the end of the number, or null. */
 static const char *parse_number(const char *text, double *value)
 {
     double sign = *text == '-' ? -1 : 1;
@@ -104,8 +102,7 @@ static int is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\r';
 }
 
-/* Reads a number of a text row; leaves the newline unread. At the end of the file, accepts a number that may be cut
-   short. */
+/* Reads a text number without its newline. At the end of the file the number may be cut short. */
 static int read_ascii_number(fxs_byte_reader *bytes, double *value)
 {
     char text[MAX_NUMBER + 1];

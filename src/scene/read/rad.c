@@ -1,4 +1,4 @@
-/* Reads .rad of Spark: a JSON header and chunks of up to 65,536 Gaussians. A chunk has its own JSON header and a
+/* Reads .rad of Spark: a JSON header, then chunks of up to 65,536 Gaussians. A chunk has a JSON header and a
    compressed column for each attribute. The Gaussians may be nodes of a level-of-detail tree. Layout:
    rust/spark-lib/src/rad.rs of sparkjsdev/spark; rotations: splat_encode.rs. */
 #include "src/scene/formats_internal.h"
@@ -44,41 +44,41 @@ const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS] = {
 #include "src/gaussian/attributes.h"
 
 enum {
-    CHUNK_HEAD = 8,                /* bytes before the JSON of a file or chunk */
-    PAYLOAD_SIZE = 8,              /* bytes of the number between a chunk's JSON and its columns */
-    TALLEST = 254                  /* maximum height of a node above its leaves; taller nodes are clamped */
+    CHUNK_HEAD = 8,
+    PAYLOAD_SIZE = 8,
+    TALLEST = 254                  /* maximum height of a node; taller nodes are clamped */
 };
 
-#define ALWAYS_THERE 5                       /* the first properties, which every chunk has */
+#define ALWAYS_THERE 5
 #define RANGED (BIT(R8) | BIT(R8_DELTA) | BIT(LN_0R8))
 #define SIGNED (BIT(S8) | BIT(S8_DELTA))
 
-/* A property of a chunk. The numbers of one dimension are contiguous, except with oct88r8. */
+/* A column of a chunk. Values are stored dimension by dimension, except for oct88r8. */
 typedef struct column {
     int is_there, is_compressed, encoding;
-    uint64_t offset, stored;       /* offset and size in the payload, bytes */
-    double low, high;              /* values of the smallest and largest code */
+    uint64_t offset, stored;
+    double low, high;
     size_t rows;
-    uint8_t *bytes;                /* rows * numbers * width bytes, or null before loading */
+    uint8_t *bytes;
 } column;
 
 typedef struct chunk {
-    const char *name;              /* name of a separate file, or null */
-    uint64_t offset, size;         /* bytes, in the chunk's file */
+    const char *name;
+    uint64_t offset, size;
 } chunk;
 
 typedef struct rad_reader {
     const fxs_scene_source *source;
-    cJSON *root;                   /* owns the file names */
-    fxs_scene_source beside;       /* the chunk's file, if separate */
-    size_t count, chunk_size, chunk_count;   /* nodes; nodes per chunk; chunks */
-    size_t codes;                  /* rows of sh1_code to sh3_code, the SH palette */
+    cJSON *root;
+    fxs_scene_source beside;
+    size_t count, chunk_size, chunk_count;
+    size_t codes;
     int sh_degree, is_tree;
     chunk *chunks;
-    uint8_t *drawn;                /* for a tree: a bit for each node to draw */
-    size_t at;                     /* next node to read */
-    size_t loaded;                 /* chunk with loaded columns, or chunk_count */
-    uint64_t payload;              /* offset in the chunk's file */
+    uint8_t *drawn;                /* for a tree, a bit for each node to draw */
+    size_t at;
+    size_t loaded;
+    uint64_t payload;
     column columns[FXS_RAD_PROPERTIES];
 } rad_reader;
 
@@ -98,10 +98,6 @@ static size_t rows_of(const rad_reader *r, size_t i)
     return left < r->chunk_size ? left : r->chunk_size;
 }
 
-/* ---- The header -------------------------------------------------------------------------------------------------- */
-
-/* Reads the JSON at an offset in a file: a magic number, the length, the text. `end`: end of the available bytes.
-   *after: offset after the JSON, padded to a multiple of 8 from the beginning. */
 static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t end, const char *magic, cJSON **root,
                      uint64_t *after, fxs_message *message)
 {
@@ -123,7 +119,6 @@ static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t e
     return result;
 }
 
-/* Returns null, or the fault in words. */
 static const char *read_meta(rad_reader *r, const cJSON *root)
 {
     const char *type = fxs_json_string(root, "type");
@@ -151,7 +146,6 @@ static const char *read_meta(rad_reader *r, const cJSON *root)
     return NULL;
 }
 
-/* Lists the chunks. Chunks in the opened file follow its header. */
 static int list_chunks(rad_reader *r, uint64_t begin, fxs_message *message)
 {
     const cJSON *item;
@@ -184,12 +178,9 @@ static int load_header(rad_reader *r, fxs_message *message)
     const char *fault = read_meta(r, r->root);
     if (fault)
         return fxs_fail(message, "%s: %s", source->path, fault);
-    FXS_TRY(fxs_limit_gaussians(source, r->is_tree ? r->count / 2 : r->count, message));   /* a tree has at least half
-                                                                                              its nodes as leaves */
+    FXS_TRY(fxs_limit_gaussians(source, r->is_tree ? r->count / 2 : r->count, message));
     return list_chunks(r, begin, message);
 }
-
-/* ---- Columns ----------------------------------------------------------------------------------------------------- */
 
 static size_t column_bytes(const rad_reader *r, int property)
 {
@@ -229,7 +220,6 @@ static int encoding_of(const char *name)
     return i;
 }
 
-/* Reads the description of a column in the chunk's JSON. Returns null, or the fault. */
 static const char *read_column(column *c, const cJSON *item, int property, uint64_t payload)
 {
     const cJSON *low = member(item, "min"), *high = member(item, "max"), *compression = member(item, "compression");
@@ -256,7 +246,6 @@ static const char *read_column(column *c, const cJSON *item, int property, uint6
     return NULL;
 }
 
-/* Lists the known columns of a chunk. The SH palette is in the first chunk. */
 static const char *list_columns(rad_reader *r, const cJSON *root, size_t i, uint64_t payload)
 {
     const cJSON *item;
@@ -365,9 +354,6 @@ static int load_column(rad_reader *r, int property, fxs_message *message)
     return result;
 }
 
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
-
-/* Loads a number with its bytes stored apart: all first bytes, then all second bytes, and so on. */
 static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
 {
     uint32_t bits = 0;
@@ -376,7 +362,6 @@ static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
     return bits;
 }
 
-/* Returns component `d` of a row. Logarithmic scales stay logarithmic. */
 static double value(const column *c, int numbers, int d, size_t row)
 {
     const size_t i = (size_t)d * c->rows + row, stride = (size_t)numbers * c->rows;
@@ -414,7 +399,7 @@ static double value_of(const rad_reader *r, int property, int d, size_t row)
     return value(&r->columns[property], fxs_rad_properties[property].numbers, d, row);
 }
 
-/* Decodes a rotation: the axis from an unfolded octahedron, the angle from 0 to pi. */
+/* Decodes a rotation: an axis from an octahedral map, and an angle from 0 to pi. */
 static void decode_octahedron(const uint8_t code[3], float rotation[4])
 {
     double x = code[0] / 255.0 * 2 - 1, y = code[1] / 255.0 * 2 - 1;
@@ -444,7 +429,6 @@ static void decode_rotation(const rad_reader *r, size_t row, float rotation[4])
     rotation[0] = rest > 0 ? (float)sqrt(rest) : 0;
 }
 
-/* Reads one column per degree, or the palette. */
 static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message *message)
 {
     const int has_labels = r->columns[FXS_RAD_SH_LABEL].bytes != NULL;
@@ -461,9 +445,9 @@ static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message 
     return 0;
 }
 
-/* In a tree, codes above 1 stand for nodes that are more than opaque: D = min(4 code - 3, 5). Such a node covers 1 - (1
-   - e^(-z^2/2))^A, A = e^((D^2 - 1) / e). Here Gaussians are at most opaque, so the node is scaled by A^(1/3) instead.
-   Returns ln A. */
+/* Tree nodes with codes above 1 are more than opaque: D = min(4 code - 3, 5). Such a node covers 1 - (1 -
+   e^(-z^2/2))^A, A = e^((D^2 - 1) / e). The renderer's Gaussians are at most opaque, so the node is enlarged by
+   A^(1/3) instead. Returns ln A. */
 static double decode_opacity(const rad_reader *r, size_t row, float *opacity)
 {
     const double code = value_of(r, FXS_RAD_ALPHA, 0, row), d = fmin(4 * code - 3, 5);
@@ -487,10 +471,8 @@ static int decode(const rad_reader *r, size_t row, fxs_gaussian *g, fxs_message 
     return decode_sh(r, row, g->sh, message);
 }
 
-/* ---- The tree ---------------------------------------------------------------------------------------------------- */
-
-/* Level k draws the nodes of height k or less (height: steps to the lowest leaf) with a parent of greater height. Every
-   path from the root to a leaf has exactly one such node. */
+/* A node is drawn at level k if its height is at most k and its parent's height is greater. Height is the number
+   of steps to the lowest leaf. */
 static int is_low(const uint8_t *heights, size_t i, int level)
 {
     return heights[i] <= level;
@@ -501,7 +483,6 @@ static void draw(rad_reader *r, size_t i)
     r->drawn[i / 8] = (uint8_t)(r->drawn[i / 8] | 1 << i % 8);
 }
 
-/* Computes a node's height from the heights of its children, which come later in the file. */
 static int visit(rad_reader *r, uint8_t *heights, size_t base, size_t row, size_t *children, fxs_message *message)
 {
     const size_t own = base + row, count = (size_t)value_of(r, FXS_RAD_CHILD_COUNT, 0, row);
@@ -554,8 +535,6 @@ static int find_drawn(rad_reader *r, fxs_scene_file_info *info, fxs_message *mes
     return result;
 }
 
-/* ---- The format -------------------------------------------------------------------------------------------------- */
-
 static int rad_rewind(void *handle, fxs_message *message)
 {
     (void)message;
@@ -563,7 +542,6 @@ static int rad_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* Records the quantisation steps of 8-bit colours and SH, if all chunks have the same steps. */
 static void note_grids(const rad_reader *r, size_t i, fxs_scene_file_info *info)
 {
     const column *rgb = &r->columns[FXS_RAD_RGB];
@@ -598,7 +576,6 @@ static int rad_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     return fxs_limit_gaussians(source, info->count, message);
 }
 
-/* Loads the required columns of a chunk. The palette is loaded once and kept. */
 static int enter_chunk(rad_reader *r, size_t i, fxs_message *message)
 {
     const int last = FXS_RAD_SH1 + r->sh_degree;

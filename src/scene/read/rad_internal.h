@@ -1,4 +1,4 @@
-/* The columns of a .rad, shared by reader and writer. */
+/* Columns of a .rad file. */
 #ifndef FXS_RAD_INTERNAL_H
 #define FXS_RAD_INTERNAL_H
 
@@ -15,8 +15,8 @@ enum {
 
 typedef struct fxs_rad_property {
     const char *name;
-    int numbers;                   /* per Gaussian */
-    unsigned encodings;            /* bit mask of the allowed encodings */
+    int numbers;
+    unsigned encodings;
 } fxs_rad_property;
 
 typedef struct fxs_rad_encoding {

@@ -8,7 +8,6 @@
 
 #include "src/scene/formats_internal.h"
 
-/* Recognises a zip, or a JSON file of no other format. */
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
     return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
@@ -42,7 +41,7 @@ enum {
     SLACK = 1 << 16,
     MAX_LEVELS = 1000,
     MAX_FILES = 1 << 16,
-    PALETTE_ROW = 64        /* entries per row */
+    PALETTE_ROW = 64        /* palette entries per row of pixels */
 };
 
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
@@ -51,51 +50,50 @@ static const struct { const char *name; int first, count; } properties[] = {
     {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
 };
 
-/* Decoded values of the 256 codes of a channel. */
 typedef float table[256];
 
 typedef struct sog_scene {
-    const fxs_scene_source *source;   /* meta.json or the zip */
-    fxs_scene_source own;      /* open if the source is another file */
+    const fxs_scene_source *source;
+    fxs_scene_source own;
     size_t count;
     int sh_degree, antialiased;
-    size_t palette;            /* entries */
-    double mins[3], maxs[3];   /* bounds of the coded positions, sign(x) ln(1 + |x|) */
+    size_t palette;
+    double mins[3], maxs[3];   /* bounds of sign(x) ln(1 + |x|) of the positions */
     table scale[3], colour[4], sh;
-    fxs_text files[IMAGES];    /* encoded images, until they are decoded */
-    int widths[IMAGES], heights[IMAGES];   /* pixels */
-    uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, for any width */
+    fxs_text files[IMAGES];
+    int widths[IMAGES], heights[IMAGES];
+    uint8_t *pixels[IMAGES];   /* decoded images as RGBA; Gaussian i is pixel i */
 } sog_scene;
 
-/* Gaussians begin to end - 1 of a file. */
+/* A range of Gaussians in a file: begin to end - 1. */
 typedef struct range {
     size_t file, begin, end;
 } range;
 
-/* A file of streamed SOG. `file`: the first file with the same name. */
+/* A file of streamed SOG. `file`: index of the first file with this name. */
 typedef struct file_name {
     const char *name;
     size_t file;
-    uint64_t device, inode;   /* set after it was opened by its path; else 0 */
+    uint64_t device, inode;
 } file_name;
 
 #define TO_THE_LAST SIZE_MAX
 
 typedef struct sog_reader {
     const fxs_scene_source *source;
-    cJSON *files;         /* file names of streamed SOG */
-    cJSON *model;         /* model given for all scenes, or null */
-    int is_turned;        /* 1: the axes of .lcc2 */
+    cJSON *files;
+    cJSON *model;
+    int is_turned;
     fxs_transform transform;
-    file_name *names;     /* name of each file */
-    size_t file_count;    /* 1 if not streamed */
-    range *ranges;        /* ordered by file */
+    file_name *names;
+    size_t file_count;
+    range *ranges;
     size_t range_count, range_capacity;
-    size_t at, done;      /* current range; Gaussians read from it */
-    sog_scene **scenes;   /* loaded scene of each file, or null */
+    size_t at, done;
+    sog_scene **scenes;
     size_t *held;         /* files with loaded scenes, in the order of loading */
     size_t held_count;
-    sog_scene *scene;     /* scene being loaded or read, or null */
+    sog_scene *scene;
 } sog_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -108,11 +106,8 @@ static double lerp(double a, double b, double t)
     return a * (1 - t) + b * t;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------------------------- */
-
-/* Location of a scene's files: the zip, or if that is null, the folder of meta.json. */
 typedef struct container {
-    const fxs_scene_source *source;   /* meta.json or the zip */
+    const fxs_scene_source *source;
     fxs_zip *zip;
     fxs_message *message;
 } container;
@@ -134,9 +129,7 @@ static int load_file(const container *c, const char *name, fxs_text *text)
                   : load_beside(c->source, name, text, c->message);
 }
 
-/* ---- meta.json ------------------------------------------------------------------------------------------------- */
-
-/* Version 2: 256 values shared by all tables. Old writers left the first value null. */
+/* Reads a codebook of version 2: 256 values shared by all tables. Old writers left the first value null. */
 static int read_codebook(const cJSON *property, table *tables, int count)
 {
     const cJSON *codebook = member(property, "codebook"), *value;
@@ -155,7 +148,7 @@ static int read_codebook(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Version 1: the first and last value of each table; a single table has numbers instead of arrays. */
+/* Reads the first and last value of each table in version 1. A single table has numbers instead of arrays. */
 static int read_bounds(const cJSON *property, table *tables, int count)
 {
     const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
@@ -172,7 +165,6 @@ static int read_bounds(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Returns null, or the fault if the kind or version is wrong. */
 static const char *check_version(const cJSON *root)
 {
     const cJSON *version = member(root, "version");
@@ -186,7 +178,7 @@ static const char *check_version(const cJSON *root)
     return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
 }
 
-/* Applies the model of a scene or index. "default" or null changes nothing. */
+/* Applies the "model" of a scene. "default" or null changes nothing. */
 static void take_model(sog_scene *s, const char *model)
 {
     s->antialiased |= model && strcmp(model, "antialiased") == 0;
@@ -194,7 +186,6 @@ static void take_model(sog_scene *s, const char *model)
         s->scale[2][code] = FXS_FLAT_SCALE;
 }
 
-/* Returns null, or the fault in words. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
@@ -212,7 +203,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
     take_model(s, fxs_json_string(root, "model"));
-    for (int code = 0; code < 256; code++)   /* version 1 replaces this with its own range */
+    for (int code = 0; code < 256; code++)
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
         return "no valid values of \"sh0\"";
@@ -226,15 +217,12 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     return NULL;
 }
 
-/* ---- Images ---------------------------------------------------------------------------------------------------- */
-
 static int coefficients(int degree)
 {
     return degree * (degree + 2);
 }
 
-/* In version 1, the palette's width gives the SH degree. In version 2, it must agree with the given degree, and the
-   entries are counted. */
+/* Checks the palette's size. In version 1, the palette's width gives the SH degree. */
 static const char *check_palette(sog_scene *s, int width, size_t pixels)
 {
     int degree = s->sh_degree ? s->sh_degree : 1;
@@ -277,7 +265,6 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
-/* Loads an image. Two images must not share a file. `names`: names of the earlier images, or null. */
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
@@ -348,7 +335,7 @@ static int load_meta(sog_scene *s, const container *c)
     const char *fault = root ? read_meta(s, root) : NULL;
     if (fault)
         status = fxs_fail(c->message, "%s: %s", c->source->path, fault);
-    if (status == 0 && c->zip)   /* for a folder, sizes are known only after loading */
+    if (status == 0 && c->zip)
         status = fxs_limit_gaussians(c->source, s->count, c->message);
     if (status == 0)
         status = load_images(s, c, root);
@@ -356,9 +343,7 @@ static int load_meta(sog_scene *s, const container *c)
     return status;
 }
 
-/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
-
-/* Smallest three: alpha is the index of the omitted component of w, x, y, z, plus 252; the others lie in
+/* Smallest three: alpha is 252 plus the index of the omitted component of w, x, y, z. Other components lie in
    +-1/sqrt(2). */
 static void decode_rotation(const uint8_t *code, float rotation[4])
 {
@@ -382,7 +367,7 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
 {
     const uint8_t *code = s->pixels[LABELS] + 4 * index;
     size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
-    if (label >= s->palette)   /* SH 0, as in PlayCanvas's reader */
+    if (label >= s->palette)   /* a label beyond the palette has SH 0, as in PlayCanvas */
         return;
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -405,8 +390,6 @@ static void decode_gaussian(const sog_scene *s, size_t index, fxs_gaussian *g)
     if (s->sh_degree)
         decode_sh(s, index, g->sh);
 }
-
-/* ---- Ranges of files ------------------------------------------------------------------------------------------- */
 
 static int add_range(sog_reader *r, range added, fxs_message *message)
 {
@@ -431,8 +414,8 @@ static int level_of(const char *name)
     return *name ? level : -1;
 }
 
-/* Finds the item of a node for a level, or null. A leaf without that level uses the nearest one; at equal
-   distance, the finer. Returns 0, or -1 if the names of the levels are not numbers. */
+/* Finds a tree node's data for a level, or null. A leaf without that level uses the nearest level. Returns 0, or
+   -1 if level names are not numbers. */
 static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
@@ -489,7 +472,6 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (x->file > y->file) - (x->file < y->file);
 }
 
-/* Lists the names, so that a file named twice is read once. */
 static int list_names(sog_reader *r, fxs_message *message)
 {
     const cJSON *item;
@@ -517,8 +499,8 @@ static int list_names(sog_reader *r, fxs_message *message)
     return 0;
 }
 
-/* Adds the environment, which is drawn at every level. The index names its file; older PlayCanvas versions use
-   environment.sog without naming it. Returns 1 if it exists, as the last file; 0 if not; or an error and a message. */
+/* Adds the environment, which is drawn at every level. Older PlayCanvas versions use environment.sog without
+   naming it in the index. Returns 1 if it exists, else 0; or an error and a message. */
 static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
 {
     static const char name[] = "environment.sog";
@@ -532,7 +514,6 @@ static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
     return named && cJSON_AddItemToArray(r->files, named);
 }
 
-/* Reads lod-meta.json: one level of every leaf, ordered by file, and the environment. */
 static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
     const cJSON *version = member(root, "version");
@@ -559,8 +540,6 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     return has_environment ? add_range(r, (range){r->names[r->file_count - 1].file, 0, TO_THE_LAST}, message) : 0;
 }
 
-/* ---- .lcc2 ----------------------------------------------------------------------------------------------------- */
-
 static size_t file_of_node(const cJSON *node, const char *name)
 {
     size_t file = TO_THE_LAST;
@@ -568,8 +547,6 @@ static size_t file_of_node(const cJSON *node, const char *name)
     return file;
 }
 
-/* Adds the complete files of all nodes `depth` levels below this one. Several nodes may share a file. Children are an
-   array or named members. */
 static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky, fxs_message *message)
 {
     const cJSON *child, *children = member(node, "child");
@@ -585,7 +562,6 @@ static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky,
     return 0;
 }
 
-/* In older files, names begin with a slash and lack the ending. */
 static int add_lcc2_name(sog_reader *r, const char *name, int is_old, fxs_message *message)
 {
     name = name ? name : "";
@@ -612,10 +588,10 @@ static int add_lcc2_names(sog_reader *r, const cJSON *names, int is_old, fxs_mes
     return 0;
 }
 
-/* Level 0 is the deepest: a node's level plus its depth below the root is "totalLevels". */
+/* Reads a .lcc2 index. A node's level plus its depth below the root is "totalLevels". */
 static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
-    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* rotation from z up to y down */
     const cJSON *tree = member(root, "root");
     const int is_old = !member(root, "totalLevels"), level = r->source->options.level;
     const char *type = fxs_json_string(root, "splatType");
@@ -635,7 +611,7 @@ static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info
     FXS_TRY(list_names(r, message));
     if (r->range_count > 0)
         qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
-    size_t kept = 0;                   /* each file once */
+    size_t kept = 0;
     for (size_t i = 0; i < r->range_count; i++)
         if (!kept || r->ranges[kept - 1].file != r->ranges[i].file)
             r->ranges[kept++] = r->ranges[i];
@@ -647,8 +623,6 @@ static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info
     FXS_TRY(is_there);
     return is_there ? add_range(r, (range){r->names[sky].file, 0, TO_THE_LAST}, message) : 0;
 }
-
-/* ---- Cache of scenes -------------------------------------------------------------------------------------------- */
 
 static void drop_scene(sog_reader *r, size_t at)
 {
@@ -664,7 +638,6 @@ static void drop_scene(sog_reader *r, size_t at)
     fxs_let_go(r->source, s, sizeof *s);
 }
 
-/* fxs_import.drop: frees the last loaded scene that is not in use. The first ones stay. */
 static int drop_another(void *handle)
 {
     sog_reader *r = handle;
@@ -676,7 +649,6 @@ static int drop_another(void *handle)
     return 0;
 }
 
-/* Sets the source of a scene: the opened file, or for streamed SOG another file in its folder. */
 static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     s->source = r->files ? &s->own : r->source;
@@ -688,11 +660,11 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
-/* Refuses a file under two names: through links, one file could stand for many. */
+/* Refuses a file under two names, because through links a file could stand for many. */
 static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
     if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)
-        return 0;                  /* already checked, or without an inode */
+        return 0;
     for (size_t i = 0; i < r->file_count && s->own.inode; i++)
         if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
             return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
@@ -701,7 +673,6 @@ static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, 
     return 0;
 }
 
-/* Returns 1 for a zip, 0 for a meta.json, or an error and a message. */
 static int is_bundle(const fxs_scene_source *source, fxs_message *message)
 {
     char first;
@@ -746,7 +717,6 @@ static int add_scene(sog_reader *r, size_t file, fxs_message *message)
     return result;
 }
 
-/* Makes the scene of a range current. Its file may have changed since the last load. */
 static int open_range(sog_reader *r, range *of, fxs_message *message)
 {
     if (!r->scenes[of->file])
@@ -796,8 +766,6 @@ static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *me
     cJSON_Delete(root);
     return status;
 }
-
-/* ---- The format ------------------------------------------------------------------------------------------------ */
 
 static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {

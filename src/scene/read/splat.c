@@ -5,11 +5,11 @@
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28, RECORDS_CHECKED = 64 };
 
-/* Limits for plausible records. They also reject zeros and most text, which reads as floats of any size. */
+/* Limits of plausible records, which zeros and most text exceed. */
 static const float largest_position = 134217728.0f, smallest_scale = 2.06e-9f, largest_scale = 4.85e8f;
 
 typedef struct splat_reader {
-    uint64_t count, read;   /* records */
+    uint64_t count, read;
     fxs_byte_reader bytes;
 } splat_reader;
 
@@ -31,7 +31,7 @@ static int is_plausible(const uint8_t *record)
     return 1;
 }
 
-/* The format has no magic number: the file must consist of whole records, and the first ones must be plausible. */
+/* Recognises a .splat by plausible first records, because the format has no magic number. */
 static int is_splat(const fxs_head *head, fxs_message *message)
 {
     const fxs_scene_source *source = head->source;

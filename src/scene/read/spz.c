@@ -19,38 +19,37 @@
 #include <zstd.h>
 #endif
 
-#define COORDINATE_SYSTEM 0xadbe0003u        /* extension type */
+#define COORDINATE_SYSTEM 0xadbe0003u
 
 enum {
-    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* versions 1 to 3; version 4 */
+    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,
     MAX_FRACTIONAL_BITS = 24,
-    MAX_EXTENSIONS = 1 << 16                 /* bytes, in compressed versions */
+    MAX_EXTENSIONS = 1 << 16
 };
 
-#define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / range */
+#define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / COLOUR_RANGE */
 
-enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };   /* flags */
+enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };
 
-enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F; R, U, F: 1 for right, up,
-                                                front */
+enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F, with 1 for right, up, front */
 
 const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
 
 struct fxs_spz {
     const fxs_scene_source *source;
-    uint64_t offset, size;                          /* position of the .spz in the source, bytes */
-    fxs_message *message;                           /* message of the current call */
+    uint64_t offset, size;
+    fxs_message *message;
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
     enum fxs_axes axes;
     int is_gzip;
-    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1: from the file's axes to the requested ones */
-    uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes per Gaussian */
-    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* null before the first read */
-    uint64_t payload_size;                          /* bytes held */
-    uint32_t contents;                              /* version 4: offset of the table of contents */
-    uint64_t compressed[FXS_SPZ_ARRAYS];            /* compressed sizes from that table */
-    uint32_t next;                                  /* next Gaussian to read */
+    float flip[3], flip_rotation[3], flip_sh[15];
+    uint8_t stride[FXS_SPZ_ARRAYS];
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];
+    uint64_t payload_size;
+    uint32_t contents;
+    uint64_t compressed[FXS_SPZ_ARRAYS];
+    uint32_t next;
 };
 
 static int fail(const fxs_spz *spz, const char *fault)
@@ -64,8 +63,6 @@ static int read_at(const fxs_spz *spz, uint64_t offset, void *out, size_t size)
         return fail(spz, "the file ends early");
     return fxs_scene_source_read(spz->source, spz->offset + offset, out, size, spz->message);
 }
-
-/* ---- Header ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t array_bytes(const fxs_spz *spz, int array)
 {
@@ -113,7 +110,7 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
     return 0;
 }
 
-/* Values above 8 exchange y and z, but versions of the reference library disagree on how. */
+/* Sets the axes. Values above 8 exchange y and z, but versions of the reference library disagree on how. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
     const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
@@ -134,7 +131,6 @@ static int set_axes(fxs_spz *spz, uint32_t system)
     return 0;
 }
 
-/* An extension is a record of type, length, payload. */
 static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 {
     uint32_t system = RUB;
@@ -174,8 +170,6 @@ static int allocate_payload(fxs_spz *spz, size_t extra)
     return at ? 0 : FXS_ERR_MEMORY;
 }
 
-/* ---- Versions 1 to 3: one stream, gzip or plain ---------------------------------------------------------------- */
-
 static int check_payload(const fxs_spz *spz, uint64_t size)
 {
     uint64_t wanted = payload_bytes(spz);
@@ -197,7 +191,7 @@ static int load_plain(fxs_spz *spz)
 
 typedef struct gzip {
     fxs_spz *spz;
-    uint64_t next;             /* offset in the .spz */
+    uint64_t next;
     z_stream stream;
     uint8_t bytes[1 << 16];
 } gzip;
@@ -215,7 +209,7 @@ static int refill(gzip *g)
     return 0;
 }
 
-/* Inflates up to `size` bytes in pieces that zlib can count. *status: zlib's last status. */
+/* Inflates in pieces, because zlib counts bytes in 32 bits. *status: zlib's last status. */
 static int inflate_some(gzip *g, int *status, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
@@ -266,7 +260,7 @@ static int inflate_header(fxs_spz *spz, gzip *g)
 static int inflate_payload(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
-    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one more byte than allowed */
+    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;
     uint64_t wanted = payload_bytes(spz);
     FXS_TRY(inflate_start(spz, g, header));
     FXS_TRY(allocate_payload(spz, extra));
@@ -317,8 +311,6 @@ static int open_gzip(fxs_spz *spz)
 
 #endif
 
-/* ---- Version 4: a zstd stream for each array ------------------------------------------------------------------- */
-
 #ifdef FXS_WITH_ZSTD
 
 static uint64_t load_u64(const uint8_t *bytes)
@@ -326,7 +318,6 @@ static uint64_t load_u64(const uint8_t *bytes)
     return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
-/* Reads the table of contents: compressed and uncompressed size of each nonempty array. */
 static int parse_contents(fxs_spz *spz, const uint8_t *entry, uint64_t left)
 {
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
@@ -407,8 +398,6 @@ static int open_zstd(fxs_spz *spz)
 
 #endif
 
-/* ---- Opening --------------------------------------------------------------------------------------------------- */
-
 static int open_header(fxs_spz *spz)
 {
     uint8_t header[HEADER_SIZE];
@@ -474,8 +463,6 @@ void fxs_spz_close(fxs_spz *spz)
     fxs_release(spz->source->options.allocator, spz);
 }
 
-/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
-
 static float position(const fxs_spz *spz, const uint8_t *bytes)
 {
     if (spz->version == 1)
@@ -484,7 +471,7 @@ static float position(const fxs_spz *spz, const uint8_t *bytes)
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }
 
-/* x, y, z in 8 bits each. Uses doubles, because 1 minus the squares may be small. */
+/* Decodes a quaternion from x, y, z of 8 bits each. Uses doubles, because 1 minus the squares may be small. */
 static void decode_first_three(double q[4], const uint8_t *bytes)
 {
     double rest = 1;
@@ -495,8 +482,8 @@ static void decode_first_three(double q[4], const uint8_t *bytes)
     q[3] = sqrt(fmax(rest, 0));
 }
 
-/* Bits 31 and 30: index of the largest of x, y, z, w. The others have a sign and 9 bits each; the last one is
-   lowest. */
+/* Decodes the smallest three of x, y, z, w. Bits 31 and 30 are the index of the largest component. Other
+   components have a sign and 9 bits each. */
 static void decode_smallest_three(double q[4], uint32_t word)
 {
     uint32_t largest = word >> 30;
@@ -550,8 +537,6 @@ void fxs_spz_rewind(fxs_spz *spz)
 {
     spz->next = 0;
 }
-
-/* ---- A separate file ------------------------------------------------------------------------------------------- */
 
 typedef struct spz_reader {
     fxs_spz *spz;

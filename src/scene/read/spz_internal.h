@@ -1,4 +1,4 @@
-/* Reads an .spz from a file or from a bufferView of a glTF. */
+/* Reads .spz data from a file or from a bufferView of a glTF. */
 #ifndef FXS_SPZ_INTERNAL_H
 #define FXS_SPZ_INTERNAL_H
 
@@ -6,39 +6,36 @@
 
 #include "src/base/source_internal.h"
 
-#define FXS_SPZ_MAGIC 0x5053474eu   /* "NGSP" */
+#define FXS_SPZ_MAGIC 0x5053474eu
 enum { FXS_SPZ_MAX_COUNT = 1 << 30 };
 
-/* The arrays of a payload, in file order. */
+/* Arrays of an .spz, in file order. */
 enum {
     FXS_SPZ_POSITION, FXS_SPZ_ALPHA, FXS_SPZ_COLOUR, FXS_SPZ_SCALE, FXS_SPZ_ROTATION, FXS_SPZ_SH, FXS_SPZ_ARRAYS
 };
 
-/* Sets the bytes per Gaussian in each array. */
+/* Computes the bytes per Gaussian of each array in an .spz. */
 void fxs_spz_strides(uint8_t stride[FXS_SPZ_ARRAYS], uint32_t version, int sh_degree);
 
-/* SH of degrees 1 to 3: bits 0, 1, 2 are set if the function is odd in x, y, z. */
+/* For SH of degrees 1 to 3, bits 0, 1, 2 are set if the function is odd in x, y, z. */
 extern const uint8_t fxs_spz_odd_in[15];
 
 typedef struct fxs_spz fxs_spz;
 
-/* Reads and checks the header of an .spz at an offset of a source. The source must outlive the .spz. The Gaussians have
-   the axes of a .ply (right, down, front); with FXS_AXES_RDF, they are as stored. Returns 0, an .spz to close with
-   fxs_spz_close, and *info without its format; or an error and a message. */
+/* Opens an .spz; the source must outlive it. The Gaussians have the axes of a .ply (right, down, front). Returns 0
+   and *info without its format, or an error and a message. */
 int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, enum fxs_axes axes, fxs_spz **spz,
                  fxs_scene_file_info *info, fxs_message *message);
 
-/* Reads up to `capacity` of the remaining Gaussians. The first call decompresses and checks all data and keeps them
-   until fxs_spz_close or fxs_spz_drop. Returns the number of Gaussians, or an error and a message. */
+/* Reads up to `capacity` of the remaining Gaussians. The first call decompresses all data. Returns the number of
+   Gaussians, or an error and a message. */
 long fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
-/* Frees the decompressed data; the next read decompresses again. Returns 0 if nothing was freed. */
+/* Frees the decompressed data until the next read. Returns 0 if nothing was freed. */
 int fxs_spz_drop(fxs_spz *spz);
 
-/* Returns to the first Gaussian. */
 void fxs_spz_rewind(fxs_spz *spz);
 
-/* Null is allowed. */
 void fxs_spz_close(fxs_spz *spz);
 
 #endif

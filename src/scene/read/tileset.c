@@ -21,48 +21,48 @@
 
 enum {
     MAX_CONTENTS = 16384,
-    MAX_NESTING = 16,          /* depth of nested tilesets */
-    MOST_OPEN = 32             /* open contents; all others are reopened in each pass */
+    MAX_NESTING = 16,
+    MOST_OPEN = 32
 };
 
-static const double GLOBE = 1e6;   /* a tile this far from the origin lies on the globe */
+static const double GLOBE = 1e6;   /* distance from the origin beyond which tiles lie on the globe, metres */
 
 typedef struct matrix {
-    double m[3][4];            /* rows; the implied last row is 0 0 0 1 */
+    double m[3][4];
 } matrix;
 
 typedef struct content {
-    char *name;                /* path from the folder of the first tileset */
-    matrix up, tile;           /* up: from the content's axes to the tile's; tile: then to the tileset's, z up */
+    char *name;
+    matrix up, tile;
     int nesting, is_tileset;
-    size_t parent;             /* 1 + index of the tileset that names it; 0: the first tileset */
-    uint64_t device, inode;    /* identify a file opened by its path; else 0 */
+    size_t parent;             /* 1 + index of the tileset that names this content; 0: the first tileset */
+    uint64_t device, inode;
     uint64_t count;
     fxs_scene_source source;
-    void *reader;              /* while open; else null */
+    void *reader;
 } content;
 
 typedef struct tileset {
     const fxs_scene_source *source;
-    fxs_message *message;      /* message of the current call */
+    fxs_message *message;
     content *contents;
     size_t count, capacity;
-    uint64_t repeated;         /* bytes of repeated contents */
+    uint64_t repeated;
     int is_on_globe;
-    matrix globe;              /* frame of the first tile on the globe */
-    matrix frame;              /* from the tileset's axes to the Gaussians' axes */
-    size_t open;               /* number of open contents */
-    size_t at;                 /* content being read */
-    int is_entered;            /* 1: the content at `at` is open and rewound */
+    matrix globe;
+    matrix frame;
+    size_t open;
+    size_t at;
+    int is_entered;
 } tileset;
 
 typedef struct index_file {
     const char *path;
-    size_t folder;             /* length of the folder part of the name */
+    size_t folder;
     const char *name;
     int nesting;
     size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
-    matrix up;                 /* rotates contents' axes to tiles' axes */
+    matrix up;
 } index_file;
 
 static int fail(const tileset *t, const char *path, const char *fault)
@@ -74,8 +74,6 @@ static const cJSON *member(const cJSON *object, const char *name)
 {
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
-
-/* ---- Matrices -------------------------------------------------------------------------------------------------- */
 
 static const matrix identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
@@ -89,7 +87,6 @@ static matrix multiply(const matrix *a, const matrix *b)
     return out;
 }
 
-/* Returns 0, or -1 if the matrix has no inverse. */
 static int invert(matrix *out, const matrix *of)
 {
     const double (*m)[4] = (const double (*)[4])of->m;
@@ -112,8 +109,6 @@ static int invert(matrix *out, const matrix *of)
     return is_finite ? 0 : -1;
 }
 
-/* ---- Listing of contents --------------------------------------------------------------------------------------- */
-
 static int grow(tileset *t)
 {
     if (t->count == MAX_CONTENTS)
@@ -129,11 +124,10 @@ static int grow(tileset *t)
     return 0;
 }
 
-/* Returns 1, or an error and a message. */
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
-    uri = uri ? uri : fxs_json_string(item, "url");   /* the name used before version 1.0 */
+    uri = uri ? uri : fxs_json_string(item, "url");   /* name of "uri" before version 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
     FXS_TRY(grow(t));
@@ -153,7 +147,6 @@ static int add_content(tileset *t, const index_file *from, const cJSON *item, co
     return 1;
 }
 
-/* Adds the contents of one tile. Returns 1, or 0 if it has none, or an error and a message. */
 static int add_contents(tileset *t, const index_file *from, const cJSON *tile, const matrix *rows)
 {
     const cJSON *extensions = member(tile, "extensions"), *more = member(extensions, "3DTILES_multiple_contents");
@@ -170,7 +163,6 @@ static int add_contents(tileset *t, const index_file *from, const cJSON *tile, c
     return found;
 }
 
-/* Matrices in the file are column-major. */
 static int read_transform(const tileset *t, const index_file *from, const cJSON *tile, matrix *out)
 {
     double m[16];
@@ -184,7 +176,6 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* Returns 1 for REPLACE, 0 for ADD, the parent's value by default; or an error and a message. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -195,8 +186,8 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* Adds the contents to draw from a tile and its descendants. Returns 1, or 0 if none were added, or an error and a
-   message. cJSON limits the recursion depth. */
+/* Adds the contents to draw from a tile and its children. Returns 1, or 0 if none were added, or an error and a
+   message. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
     const cJSON *children = member(tile, "children"), *child;
@@ -225,7 +216,7 @@ static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const
     return here < 0 ? here : found | here;
 }
 
-/* Contents are y up, unless the asset states another axis. */
+/* Contents are y up, unless the tileset states another axis. */
 static int read_asset(const tileset *t, index_file *from, const cJSON *root)
 {
     static const matrix from_y = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
@@ -254,16 +245,14 @@ static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *sour
     return result < 0 ? result : 0;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------------------------- */
-
-/* Through links, a file can have several names. */
+/* Returns 1 if two contents are the same file, possibly through links. */
 static int is_same(const content *a, const content *b)
 {
     return a->inode ? a->inode == b->inode && a->device == b->device : fxs_compare_names(a->name, b->name) == 0;
 }
 
-/* A file may be the content of several tiles, but must not contain itself. Repeated bytes are limited, because a small
-   tileset could otherwise demand much work. */
+/* Refuses a tileset that contains itself. Limits the bytes of repeated contents, because a small tileset could
+   otherwise demand much work. */
 static int check_identity(tileset *t, size_t index, const fxs_scene_source *source)
 {
     content *c = &t->contents[index];
@@ -310,7 +299,6 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     return list_tiles(t, &from, source, &above);
 }
 
-/* Visits all contents, including those added during the loop. */
 static int list_all(tileset *t)
 {
     index_file from = {t->source->path, 0, NULL, 0, 0, identity};
@@ -318,7 +306,7 @@ static int list_all(tileset *t)
     for (size_t i = 0; i < t->count && result == 0; i++) {
         fxs_scene_source source;
         result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
-        if (result == 0) {             /* the name may have changed, but not its length */
+        if (result == 0) {
             strcpy(t->contents[i].name, source.path + strlen(source.path) - strlen(t->contents[i].name));
             result = check_identity(t, i, &source);
         }
@@ -328,8 +316,6 @@ static int list_all(tileset *t)
     }
     return result;
 }
-
-/* ---- Open contents --------------------------------------------------------------------------------------------- */
 
 static void close_content(tileset *t, content *c)
 {
@@ -342,7 +328,6 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* fxs_import.drop: frees decompressed data, then closes open contents, last ones first. Keeps data being read. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;
@@ -411,8 +396,6 @@ static int tileset_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-/* ---- The format ------------------------------------------------------------------------------------------------ */
-
 static int describe_content(tileset *t, fxs_scene_file_info *info)
 {
     fxs_scene_file_info own;
@@ -437,7 +420,7 @@ static int describe_content(tileset *t, fxs_scene_file_info *info)
 
 static int describe(tileset *t, fxs_scene_file_info *info)
 {
-    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};   /* z up to y down */
+    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};   /* rotation from z up to y down */
     matrix back = identity;
     if (t->is_on_globe && invert(&back, &t->globe))
         return fail(t, t->source->path, "the transform of a tile has no inverse");
@@ -509,7 +492,7 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 
 #endif
 
-/* Returns 1 for a tileset. Its tiles have a geometric error, unlike a glTF with the same first name. */
+/* Recognises a tileset by geometric errors, which a glTF lacks. */
 static int is_tileset(const fxs_head *head, fxs_message *message)
 {
     (void)message;

@@ -7,20 +7,17 @@
 
 #include "src/base/exponential.h"
 
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
-
 enum {
     BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP,
-    CELLS = 32,                    /* parts of the range; each part with values gets at least one entry */
+    CELLS = 32,
     BOOK_ROUNDS = 30
 };
 
 typedef struct bin {
-    double sum, count;             /* sum and number of the values */
-    double mean, weight;           /* weight of each value: exp(power * mean) */
+    double sum, count;
+    double mean, weight;
 } bin;
 
-/* Sorts the values into ascending bins. Returns the number of nonempty bins. */
 static int fill_bins(bin *bins, const float *values, size_t count, double power, double low, double high)
 {
     const double scale = high > low ? (BINS - 1) / (high - low) : 0;
@@ -50,8 +47,7 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
         book[at] = book[at - 1];
 }
 
-/* Finds the density of entries in each group: the cube root of the weights, optimal for many entries (Panter and Dite
-   1951). A cell with values gets at least one entry, whatever its weight. */
+/* Density of codebook entries: the cube root of the weights, optimal for many entries (Panter and Dite 1951). */
 static double find_densities(double densities[GROUPS], const bin *bins)
 {
     enum { CELL = GROUPS / CELLS };
@@ -89,8 +85,8 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
         book[at] = (float)high;
 }
 
-/* Moves each entry to the weighted mean of its nearest data. Data below an entry count with the entry's weight, because
-   reading returns the entry's value. */
+/* Moves each codebook entry to the weighted mean of its nearest values. Values below an entry count with the
+   entry's weight, because reading returns the entry. */
 static void improve_book(float book[FXS_BOOK], const bin *bins, double power)
 {
     struct { double sum, weight, own; } sums[FXS_BOOK];
@@ -147,22 +143,19 @@ uint8_t fxs_book_find(const float book[FXS_BOOK], float value)
     return (uint8_t)low;
 }
 
-/* ---- SH ---------------------------------------------------------------------------------------------------------- */
-
 enum {
     WIDTH = FXS_SH_PALETTE_STRIDE,
-    SAMPLE = 16384,                /* approximate number of vectors for learning coarse clusters */
+    SAMPLE = 16384,
     COARSE_ROUNDS = 8, FINE_ROUNDS = 5
 };
 
-/* Vectors by index, cluster means, and the nearest mean of each vector. */
 typedef struct cluster {
     const fxs_sh_palette_vector *vectors;
     const uint32_t *members;
     uint32_t count, entries;
     fxs_sh_palette_vector *means;
-    int32_t *half_squares;         /* |mean|^2 / 2 */
-    uint32_t *nearest;             /* nearest mean of each member */
+    int32_t *half_squares;
+    uint32_t *nearest;
 } cluster;
 
 static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
@@ -194,7 +187,6 @@ static int16_t mean_of(int64_t sum, int64_t count)
     return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
 }
 
-/* Moves entries to the means of their vectors; an entry without vectors stays. `sums`: WIDTH + 1 numbers per entry. */
 static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
 {
     memset(sums, 0, c->entries * sizeof *sums);
@@ -209,7 +201,7 @@ static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
             c->means[e][d] = mean_of(sums[e][d], sums[e][WIDTH]);
 }
 
-/* Starts from evenly spaced members; their order keeps neighbours together. */
+/* Learns a cluster's means from evenly spaced members, because neighbours are together. */
 static int learn(const cluster *c, int rounds)
 {
     int64_t (*sums)[WIDTH + 1] = malloc(c->entries * sizeof *sums);
@@ -226,8 +218,6 @@ static int learn(const cluster *c, int rounds)
     return 0;
 }
 
-/* ---- The palette ------------------------------------------------------------------------------------------------- */
-
 uint32_t fxs_sh_palette_entries(uint32_t count)
 {
     uint32_t entries = 1;
@@ -238,15 +228,13 @@ uint32_t fxs_sh_palette_entries(uint32_t count)
 
 typedef struct work {
     fxs_sh_palette_vector coarse[256];
-    uint32_t starts[257];          /* start of each coarse cluster in `members` */
+    uint32_t starts[257];
     int32_t half_squares[FXS_SH_PALETTE_MOST];
     uint32_t *members, *nearest;
     fxs_progress_fn *progress;
     void *argument;
 } work;
 
-/* Divides the vectors into 2^(n / 2) clusters for 2^n entries. Returns the number of clusters, or 0 if memory ran
-   out. */
 static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
 {
     const uint32_t step = count / SAMPLE + 1;
@@ -278,8 +266,7 @@ static void sort_members(work *w, uint32_t coarse, uint32_t count)
         w->members[next[w->nearest[i]]++] = i;
 }
 
-/* Gives each coarse cluster one entry, and shares out the rest in proportion to the members, up to one entry a
-   member. */
+/* Gives each coarse cluster an entry of the palette, and shares out the rest in proportion to its members. */
 static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
                      const fxs_sh_palette_vector *vectors, uint32_t count)
 {

@@ -1,5 +1,5 @@
-/* Writes PlayCanvas's compressed .ply, which compressed_ply.c reads. Positions are coded relative to the chunk's box,
-   so Gaussians are ordered first to make chunks of neighbours. */
+/* Writes PlayCanvas's compressed .ply. Positions are relative to the box of 256 Gaussians, so neighbours are
+   grouped first. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -9,8 +9,7 @@
 
 enum { CHUNK = 256, BOUNDS = 18, CHUNK_BYTES = 4 * BOUNDS, WORDS_BYTES = 16 };
 
-
-/* Bounds of a chunk: position, ln(sigma), and colour 0.5 + SH_0 dc. */
+/* Bounds of position, ln(sigma), and colour 0.5 + SH_0 dc of 256 Gaussians. */
 typedef struct chunk {
     float low[9], high[9];
 } chunk;
@@ -31,8 +30,6 @@ static int compressed_put(void *writer, const fxs_gaussian *gaussians, size_t n,
 {
     return fxs_held_put(&((compressed_writer *)writer)->held, gaussians, n, message);
 }
-
-/* ---- Codes ------------------------------------------------------------------------------------------------------- */
 
 static void values_of(const fxs_held_gaussian *g, float values[9])
 {
@@ -56,7 +53,7 @@ static void find_bounds(chunk *c, const fxs_held *h, uint32_t first, uint32_t en
     }
 }
 
-/* Returns the code of value k: value = low + (high - low) code / (2^bits - 1). */
+/* value = low + (high - low) code / (2^bits - 1) */
 static uint32_t code(const chunk *c, const float values[9], int k, int bits)
 {
     const double width = (double)c->high[k] - c->low[k];
@@ -83,15 +80,13 @@ static void encode_words(const chunk *c, const fxs_held_gaussian *g, uint8_t *to
     fxs_put_u32(to, colour);
 }
 
-/* value = 8 ((code + 0.5) / 256 - 0.5), one channel after the other */
+/* SH value = 8 ((code + 0.5) / 256 - 0.5), a channel after the other */
 static void encode_sh(const int16_t *sh, uint32_t coefficients, uint8_t *to)
 {
     for (uint32_t c = 0; c < 3; c++)
         for (uint32_t k = c; k < coefficients; k += 3)
             *to++ = (uint8_t)fxs_code_within((sh[k] / (8.0 * FXS_HELD_SH_ONE) + 0.5) * 256 - 0.5, 255);
 }
-
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
 
 static void write_header(const compressed_writer *w)
 {
@@ -122,7 +117,6 @@ static void write_chunk(fxs_output *output, const chunk *c, fxs_message *message
     fxs_output_write(output, bytes, sizeof bytes, message);
 }
 
-/* Writes all chunks, then all words, then all SH. Errors are kept in the output. */
 static void write_body(fxs_held *h, chunk *chunks, fxs_progress_fn *progress, void *argument, fxs_message *message)
 {
     uint8_t bytes[45];

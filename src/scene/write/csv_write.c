@@ -1,4 +1,4 @@
-/* Writes text: a line with the property names of Inria's .ply, without normals, then a line of values per Gaussian. */
+/* Writes text: a line with the property names of Inria's .ply without normals, then a line of values per Gaussian. */
 #include <string.h>
 
 #include "scene_write_internal.h"
@@ -10,7 +10,7 @@ typedef struct csv_writer {
     fxs_output output;
     int coefficients;              /* SH coefficients per channel above degree 0 */
     double origin[3];
-    int digits;                    /* digits of a position */
+    int digits;
 } csv_writer;
 
 static int csv_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)

@@ -1,5 +1,5 @@
-/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate): floats only, in one bufferView of rows, so
-   that Gaussians are written as they arrive. Positions are rotated by half a turn about z, because y is up in glTF. */
+/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate), all floats, a row per Gaussian.
+   Positions are rotated by half a turn about z, because y is up in glTF. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,18 +12,15 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/read/spz_internal.h"
 
-/* Byte offsets in a row: position, scale, rotation, opacity, then SH from degree 0. glTF allows rows up to 252
-   bytes. */
+/* Byte offsets in a row of a Gaussian. glTF allows rows up to 252 bytes. */
 enum { SCALE = 12, ROTATION = 24, OPACITY = 40, SH = 44, MAX_ROW = SH + 16 * 12 };
 
-enum { JSON_MOST = 8000 };         /* bytes; the longest text has 4000 */
+enum { JSON_MOST = 8000 };
 
 typedef struct glb_writer {
     fxs_output output;
-    uint32_t row;                  /* bytes per row */
+    uint32_t row;
 } glb_writer;
-
-/* ---- The header -------------------------------------------------------------------------------------------------- */
 
 static void add_attributes(FILE *json, int sh_degree)
 {
@@ -92,7 +89,6 @@ static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row
         fputc(' ', json);
 }
 
-/* Returns the JSON text, for free(), or null if memory ran out. */
 static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *length)
 {
     fxs_printed printed;
@@ -117,7 +113,7 @@ static void write_header(FILE *file, const char *json, size_t length, uint32_t b
     fwrite(chunk, 1, sizeof chunk, file);
 }
 
-/* Also checks the sizes, which have 32 bits in a .glb. */
+/* Opens a .glb and checks the sizes, which have 32 bits. */
 static int glb_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
 {
     glb_writer *w = writer;
@@ -135,9 +131,7 @@ static int glb_open(void *writer, const char *path, const fxs_scene_write_option
     return error;
 }
 
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
-
-/* (0, 0, 0, 1) q, normalised, as x, y, z, w */
+/* Rotates by half a turn about z: (0, 0, 0, 1) q, normalised, as x, y, z, w */
 static void turn_rotation(float to[4], const float q[4])
 {
     double norm = 0;
@@ -159,7 +153,7 @@ static void encode(const glb_writer *w, const fxs_gaussian *g, uint8_t *row)
     for (int i = 0; i < 3; i++)
         scale[i] = (float)fxs_exp(g->scale[i]);
     for (int k = 0; k < 15; k++) {
-        const int odd = fxs_spz_odd_in[k] & 3;   /* odd in x, odd in y: each flips the sign */
+        const int odd = fxs_spz_odd_in[k] & 3;   /* SH change sign if odd in x or in y, but not in both */
         for (int c = 0; c < 3; c++)
             sh[3 * k + c] = odd == 1 || odd == 2 ? -g->sh[3 * k + c] : g->sh[3 * k + c];
     }

@@ -1,4 +1,4 @@
-/* Builds levels of detail: each set merges two sets of the previous level with fxs_merge. */
+/* Builds levels of detail. Each set of Gaussians merges two sets of the previous level. */
 #include "held_levels_internal.h"
 
 #include <stdlib.h>
@@ -41,7 +41,6 @@ static int allocate(fxs_level *to, uint32_t before, uint32_t most, uint32_t sets
     return to->gaussians && to->sh && to->into && to->begins && to->errors;
 }
 
-/* Merges set `first` and the next one, if any, into a new set at the end of the level. */
 static void make_set(fxs_levels *l, uint32_t level, uint32_t first, work *w)
 {
     fxs_level *to = &l->levels[level];

@@ -1,4 +1,4 @@
-/* Holds Gaussians until all are known, and codes numbers; shared by several writers. */
+/* Holds Gaussians in memory until all are known, and encodes numbers. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -7,8 +7,6 @@
 #include "src/gaussian/attributes.h"
 #include "src/pack/order.h"
 #include "scene_write_internal.h"
-
-/* ---- Codes ------------------------------------------------------------------------------------------------------- */
 
 uint8_t *fxs_put_u32(uint8_t *to, uint32_t value)
 {
@@ -34,7 +32,7 @@ uint32_t fxs_code_half(double x)
     if (!(size > 0))
         return 0;
     frexp(size, &exponent);
-    exponent = exponent > -13 ? exponent : -13;         /* size < 2^exponent; below 2^-14 all steps are 2^-24 */
+    exponent = exponent > -13 ? exponent : -13;         /* size < 2^exponent; halves below 2^-14 have steps of 2^-24 */
     const uint32_t fraction = (uint32_t)floor(ldexp(size, 11 - exponent) + 0.5);
     return (x < 0 ? 0x8000u : 0) | ((uint32_t)(exponent + 13) * 1024 + fraction);
 }
@@ -56,8 +54,6 @@ uint32_t fxs_code_rotation(const float q[4], uint32_t most, uint32_t codes[3])
             *codes++ = fxs_code_within((sign * q[i] * 0.70710678118654752 + 0.5) * most, most);
     return largest;
 }
-
-/* ---- Held Gaussians ---------------------------------------------------------------------------------------------- */
 
 static void release(fxs_held *h)
 {

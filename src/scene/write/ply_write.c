@@ -1,4 +1,5 @@
-/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero. Far from 0, x, y and z are double. */
+/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero. Far from 0, x, y and z are
+   double. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -11,13 +12,13 @@ typedef struct ply_writer {
     fxs_output output;
     size_t coefficients;   /* SH coefficients per channel above degree 0 */
     double origin[3];
-    int is_far;            /* the origin is not 0 */
+    int is_far;
 } ply_writer;
 
 static void write_header(FILE *file, uint64_t count, const ply_writer *w, int antialiased)
 {
     const char *type = w->is_far ? "double" : "float";
-    /* Inria's viewer reads the count from the third line, so a comment must come after it. */
+    /* Inria's viewer reads the count from the third line, so a comment must come later. */
     fprintf(file, "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64 "\n%s", count,
             antialiased ? "comment antialiased 1\n" : "");
     fprintf(file, "property %s x\nproperty %s y\nproperty %s z\n", type, type, type);

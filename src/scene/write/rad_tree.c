@@ -1,7 +1,7 @@
-/* fxs_levels chooses, level by level, which Gaussians are merged. A node has the moments of its children, weighted by
-   opacity times area, and the opacity A that preserves the sum of opacity times area; A may exceed 1. As in Spark's
-   bhatt_lod.rs, inner nodes that are hardly larger than their descendants are left out. As in Spark's chunk_tree.rs,
-   the file stores large nodes first and then the rest by regions, so that one page holds nodes needed together. */
+/* Builds the level-of-detail tree of a .rad file. An inner node has the moments of its children, weighted by
+   opacity times area. Its opacity A preserves the sum of opacity times area and may exceed 1. Inner nodes hardly
+   larger than their descendants are left out (Spark's bhatt_lod.rs). Large nodes come first in the file, then the
+   rest by regions (chunk_tree.rs). */
 #include "rad_tree_internal.h"
 
 #include <math.h>
@@ -15,26 +15,25 @@
 #include "src/scene/read/rad_internal.h"
 
 enum {
-    ROOT_BATCH = 65536, BATCH = 32768,   /* nodes */
-    MANY = 64,                           /* an inner node with this many children always stays */
-    COLOURS = 48                         /* dc, then SH */
+    ROOT_BATCH = 65536, BATCH = 32768,
+    MANY = 64,                           /* an inner node with this many children always stays in the tree */
+    COLOURS = 48
 };
 
 #define NONE UINT32_MAX
-#define WORTH 1.75                 /* an inner node stays if it has 1.75 times the weight of the heaviest kept node
-                                      below it */
+#define WORTH 1.75                 /* minimum ratio of an inner node's weight to the heaviest node below */
 #define LEAST_OPACITY 1e-6
 #define MOST_OPACITY 1000.0
 
 typedef struct moments {
-    double weight;                 /* opacity times area */
-    double mean[3], covariance[6]; /* xx, yy, zz, xy, xz, yz */
+    double weight;
+    double mean[3], covariance[6];
 } moments;
 
 typedef struct sums {
     moments all;
     double colours[COLOURS];
-    uint32_t members, last;        /* number of members; node of the last one */
+    uint32_t members, last;
 } sums;
 
 typedef struct builder {
@@ -43,9 +42,9 @@ typedef struct builder {
     uint32_t nodes;
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
-    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D; Spark chooses nodes by it */
-    uint32_t *reps;                /* node of each Gaussian of the current level */
-    moments *moments;              /* moments of these nodes */
+    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times Spark's dilation D */
+    uint32_t *reps;
+    moments *moments;
     sums sums[FXS_LEVEL_SET];
 } builder;
 
@@ -54,9 +53,6 @@ double fxs_rad_dilation(double opacity)
     return opacity > 1 ? sqrt(1 + FXS_RAD_E * fxs_log(opacity)) : 1;
 }
 
-/* ---- Nodes ------------------------------------------------------------------------------------------------------- */
-
-/* Computes mean and covariance. Returns the area that weights use. */
 static double measure(moments *m, const fxs_held_gaussian *held)
 {
     fxs_gaussian g;
@@ -87,7 +83,7 @@ static int are_finite(const moments *m)
     return finite;
 }
 
-/* Adds an inner node. If its moments are too large for floats, it copies its last member. */
+/* Adds an inner node to the tree. If its moments exceed floats, the node copies its last member. */
 static uint32_t add_node(builder *b, const sums *s)
 {
     fxs_held *h = b->held;
@@ -115,8 +111,6 @@ static uint32_t add_node(builder *b, const sums *s)
     note_node(b, node, s->all.weight);
     return node;
 }
-
-/* ---- Levels ------------------------------------------------------------------------------------------------------ */
 
 static int make_room(builder *b)
 {
@@ -168,7 +162,7 @@ static void add_mean(const builder *b, sums *s, uint32_t member)
         s->colours[3 + k] += share * sh[k];
 }
 
-/* Adds a member's covariance and the covariance of its position about the mean. */
+/* Adds a member's covariance, including that of its position about the mean. */
 static void add_covariance(const builder *b, sums *s, uint32_t member)
 {
     const moments *m = &b->moments[member];
@@ -179,7 +173,6 @@ static void add_covariance(const builder *b, sums *s, uint32_t member)
         s->all.covariance[k] += share * (m->covariance[k] + products[k]);
 }
 
-/* Makes the nodes for Gaussians `first` to `last` - 1 of a level from `begin` to `end` - 1 of the previous level. */
 static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t end, uint32_t first, uint32_t last)
 {
     memset(b->sums, 0, (last - first) * sizeof *b->sums);
@@ -193,13 +186,13 @@ static void make_set(builder *b, const uint32_t *into, uint32_t begin, uint32_t 
         add_mean(b, &b->sums[into[i] - first], i);
     for (uint32_t i = begin; i < end; i++)
         add_covariance(b, &b->sums[into[i] - first], i);
-    for (uint32_t j = 0; j < last - first; j++)      /* a single member keeps its node */
+    for (uint32_t j = 0; j < last - first; j++)
         if (b->sums[j].members > 1)
             b->sums[j].last = add_node(b, &b->sums[j]);
     for (uint32_t i = begin; i < end; i++)
         if (b->sums[into[i] - first].members > 1)
             b->parents[b->reps[i]] = b->sums[into[i] - first].last;
-    for (uint32_t j = 0; j < last - first; j++) {    /* overwrites entries of this set or earlier ones only */
+    for (uint32_t j = 0; j < last - first; j++) {
         b->reps[first + j] = b->sums[j].last;
         b->moments[first + j] = b->sums[j].all;
     }
@@ -218,20 +211,18 @@ static void make_nodes(builder *b)
     }
 }
 
-/* ---- Which nodes stay -------------------------------------------------------------------------------------------- */
-
-/* A node that is left out is its own parent. */
+/* Returns 1 for a node that is left out of the tree, which is its own parent. */
 static int is_left_out(const builder *b, uint32_t node)
 {
     return b->parents[node] == node;
 }
 
-/* Children have smaller numbers than their parents. The children of a node that is left out go to its parent. */
+/* Leaves out nodes hardly larger than their descendants. Children have smaller numbers than parents. */
 static int thin_out(builder *b)
 {
     const uint32_t leaves = b->held->count;
-    float *heaviest = malloc(b->nodes * sizeof *heaviest);     /* heaviest kept node at or below each node */
-    uint32_t *kept = calloc(b->nodes, sizeof *kept);           /* kept nodes that would become children of the parent */
+    float *heaviest = malloc(b->nodes * sizeof *heaviest);
+    uint32_t *kept = calloc(b->nodes, sizeof *kept);
     uint32_t *above = malloc(b->nodes * sizeof *above);
     int made = heaviest && kept && above;
     for (uint32_t i = 0; i < b->nodes && made; i++)
@@ -248,7 +239,7 @@ static int thin_out(builder *b)
         }
         above[i] = stays ? i : NONE;
     }
-    for (uint32_t i = b->nodes; i-- > 0 && made;) {            /* parents are finished before their children */
+    for (uint32_t i = b->nodes; i-- > 0 && made;) {
         const uint32_t parent = b->parents[i];
         if (above[i] == NONE)
             above[i] = above[parent];
@@ -276,13 +267,10 @@ static void list_children(builder *b)
             b->children[b->firsts[b->parents[i] + 1]++] = i;
 }
 
-/* ---- The order of the file --------------------------------------------------------------------------------------- */
-
-/* Nodes with children still to be placed; each batch is a region. */
 typedef struct queue {
     uint32_t *nodes;
     size_t count, room, at;
-    size_t *ends;                  /* end of each batch */
+    size_t *ends;
     size_t batches, batch_room;
 } queue;
 
@@ -296,7 +284,6 @@ static int is_larger(const builder *b, uint32_t x, uint32_t y)
     return b->sizes[x] != b->sizes[y] ? b->sizes[x] > b->sizes[y] : x < y;
 }
 
-/* Max-heap of nodes by size. */
 static void sift_down(const builder *b, uint32_t *heap, size_t count, size_t at)
 {
     const uint32_t moved = heap[at];
@@ -340,7 +327,6 @@ static int add_batch(queue *q, const uint32_t *nodes, size_t count)
     return 1;
 }
 
-/* Places the children of the largest nodes until a batch is full. Returns the number of nodes left in the heap. */
 static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, size_t count, uint32_t *places,
                              uint32_t end)
 {
@@ -368,7 +354,7 @@ static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, 
     return count;
 }
 
-/* Returns the octant of a node in the box of all nodes. In a long box, returns its half along the longest side. */
+/* Returns a node's octant in the box of all nodes. In a long box, returns its half along the longest side. */
 static int region_of(const builder *b, uint32_t node, const float low[3], const float high[3])
 {
     const float *at = b->held->gaussians[node].position;
@@ -438,8 +424,6 @@ static int order_nodes(const builder *b, fxs_rad_tree *t)
     free(region);
     return made;
 }
-
-/* ---- The tree ---------------------------------------------------------------------------------------------------- */
 
 int fxs_rad_tree_make(fxs_rad_tree *t, fxs_held *held, int (*progress)(void *argument, double done), void *argument)
 {

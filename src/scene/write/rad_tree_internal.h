@@ -1,24 +1,24 @@
-/* The tree of a .rad file: each inner node stands for the Gaussians below it. */
+/* Level-of-detail tree of a .rad file. An inner node replaces the Gaussians below. */
 #ifndef FXS_RAD_TREE_INTERNAL_H
 #define FXS_RAD_TREE_INTERNAL_H
 
 #include "scene_write_internal.h"
 
-/* Nodes in file order, root first. */
+/* Tree nodes in file order, root first. */
 typedef struct fxs_rad_tree {
     uint32_t count;
     uint32_t *order;               /* index of each node in the arrays of `held` */
-    uint32_t *child_starts;        /* position of the first child; siblings follow it; 0: no children */
+    uint32_t *child_starts;        /* position of a node's first child; siblings follow; 0: no children */
     uint16_t *child_counts;
 } fxs_rad_tree;
 
-/* Makes the tree of the ordered Gaussians in `held`, one or more. Appends the inner nodes to the arrays of `held` and
-   leaves its count unchanged. The opacity of an inner node may exceed 1. Returns 1, or 0 if memory ran out or
-   `progress` returned 0. Free the tree with fxs_rad_tree_free in either case. */
+/* Makes the tree of the ordered Gaussians in `held`. Appends the inner nodes to the arrays of `held` and leaves
+   its count unchanged. An inner node's opacity may exceed 1. Returns 1, or 0 if memory ran out or `progress`
+   returned 0. Free with fxs_rad_tree_free in either case. */
 int fxs_rad_tree_make(fxs_rad_tree *tree, fxs_held *held, int (*progress)(void *argument, double done), void *argument);
 void fxs_rad_tree_free(fxs_rad_tree *tree);
 
-/* Spark's D for opacity A: sqrt(1 + e ln A) for A > 1, else 1. */
+/* Returns Spark's D for opacity A: sqrt(1 + e ln A) for A > 1, else 1. */
 double fxs_rad_dilation(double opacity);
 
 #endif

@@ -1,5 +1,6 @@
-/* Writes .rad of Spark: the nodes of a tree in chunks of 65,536. A chunk has a JSON header and a deflated column for
-   each attribute. Layout: rust/spark-lib/src/rad.rs of sparkjsdev/spark. Encodings: the finest that Spark keeps. */
+/* Writes .rad of Spark: the nodes of a level-of-detail tree in chunks of 65,536. A chunk has a JSON header and a
+   deflated column for each attribute. Layout: rust/spark-lib/src/rad.rs of sparkjsdev/spark. Encodings are the
+   finest that Spark keeps. */
 #include "scene_write_internal.h"
 
 #ifdef FXS_WITH_ZLIB
@@ -21,11 +22,10 @@
 
 enum {
     CHUNK = 65536,
-    SAMPLES = 65536,               /* Gaussians sampled to choose ranges */
-    PRECISION = 9                  /* digits of a float */
+    SAMPLES = 65536,
+    PRECISION = 9
 };
 
-/* Columns of a chunk, up to the scene's SH degree. */
 static const struct { int property, encoding; } columns[] = {
     {FXS_RAD_CENTER, FXS_RAD_F32_LEBYTES}, {FXS_RAD_ALPHA, FXS_RAD_F16}, {FXS_RAD_RGB, FXS_RAD_F16},
     {FXS_RAD_SCALES, FXS_RAD_LN_F16}, {FXS_RAD_ORIENTATION, FXS_RAD_F32}, {FXS_RAD_CHILD_COUNT, FXS_RAD_U16},
@@ -44,8 +44,8 @@ typedef struct rad_writer {
     int sh_degree;
     fxs_rad_tree tree;
     float rgb[2], scale[2], sh[3];     /* ranges of Spark's 8-bit codes: rgb, ln(sigma), +-SH of each degree */
-    bytes file;                        /* all chunks */
-    size_t *ends;                      /* end of each chunk in `file` */
+    bytes file;
+    size_t *ends;
     fxs_progress_fn *progress;
     void *argument;
 } rad_writer;
@@ -106,15 +106,12 @@ static int pad(rad_writer *w, bytes *b)
     return add(w, b, zeros, (8 - b->size % 8) % 8);
 }
 
-/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
-
-/* The code of an opacity A: A up to 1; for A > 1, a code from 1 to 2. */
+/* Codes an opacity. Opacities above 1 get codes from 1 to 2. */
 static double code_of_opacity(double opacity)
 {
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
 }
 
-/* Returns component `d` of a property of a node, by its position in the file. */
 static double value_of(const rad_writer *w, int property, uint32_t place, int d)
 {
     const uint32_t i = w->tree.order[place];
@@ -128,7 +125,7 @@ static double value_of(const rad_writer *w, int property, uint32_t place, int d)
         return fxs_colour_of_dc((double)g->dc[d]);
     case FXS_RAD_SCALES:
         return (double)g->scale[d];
-    case FXS_RAD_ORIENTATION:              /* x y z for w >= 0 */
+    case FXS_RAD_ORIENTATION:
         return (double)(g->rotation[0] < 0 ? -g->rotation[1 + d] : g->rotation[1 + d]);
     case FXS_RAD_CHILD_COUNT:
         return w->tree.child_counts[place];
@@ -148,7 +145,6 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Finds the quantiles `share` and 1 - `share` of a property in a sample. */
 static int find_range(rad_writer *w, int property, double share, float range[2])
 {
     const uint32_t all = w->tree.count, step = all / SAMPLES + 1;
@@ -167,7 +163,7 @@ static int find_range(rad_writer *w, int property, double share, float range[2])
     return 1;
 }
 
-/* Exceeds the usual ranges only if 1 % of the values lie beyond them (SH: 5 %). */
+/* Chooses the ranges of 8-bit codes. The usual ranges are exceeded only if 1 % of the values lie beyond (SH: 5 %). */
 static int find_ranges(rad_writer *w)
 {
     float range[2];
@@ -186,8 +182,6 @@ static int find_ranges(rad_writer *w)
     }
     return 1;
 }
-
-/* ---- Columns ----------------------------------------------------------------------------------------------------- */
 
 static uint8_t *put_little(uint8_t *to, uint32_t value, int width)
 {
@@ -221,7 +215,7 @@ static uint32_t code_of(const rad_writer *w, int property, int encoding, double 
     }
 }
 
-/* Stores a column one dimension after the other; encoding f32_lebytes stores the lowest bytes of all numbers first. */
+/* Stores a column dimension by dimension. f32_lebytes stores the lowest bytes of all numbers first. */
 static uint8_t *fill_column(const rad_writer *w, int column, uint32_t first, uint32_t count, uint8_t *to)
 {
     const int property = columns[column].property, encoding = columns[column].encoding;
@@ -235,7 +229,6 @@ static uint8_t *fill_column(const rad_writer *w, int column, uint32_t first, uin
     return to;
 }
 
-/* Deflates into `out`, without a header. */
 static int deflate_into(rad_writer *w, bytes *out, const uint8_t *data, size_t size)
 {
     z_stream stream;
@@ -253,8 +246,6 @@ static int deflate_into(rad_writer *w, bytes *out, const uint8_t *data, size_t s
     deflateEnd(&stream);
     return made;
 }
-
-/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 static void print_float(FILE *json, const char *before, float value)
 {
@@ -287,7 +278,6 @@ static void print_column(FILE *json, const rad_writer *w, int column, size_t off
     fputs("}", json);
 }
 
-/* Ends the text and appends a magic number, the length and the text. */
 static int add_text(rad_writer *w, bytes *b, const char *magic, fxs_printed *printed)
 {
     uint8_t length[4];
@@ -296,8 +286,6 @@ static int add_text(rad_writer *w, bytes *b, const char *magic, fxs_printed *pri
     fxs_put_u32(length, (uint32_t)printed->size);
     return add(w, b, magic, 4) && add(w, b, length, 4) && add(w, b, printed->text, printed->size) && pad(w, b);
 }
-
-/* ---- Chunks ------------------------------------------------------------------------------------------------------ */
 
 static int column_count(const rad_writer *w)
 {

@@ -1,11 +1,9 @@
-/* Shared by the writers of formats. */
+/* Functions shared by the writers of scene formats. Held Gaussians stay in memory until all are known. */
 #ifndef FXS_SCENE_WRITE_INTERNAL_H
 #define FXS_SCENE_WRITE_INTERNAL_H
 
 #include "src/base/output_internal.h"
 #include "src/scene/formats_internal.h"
-
-/* ---- Gaussians held in memory until all are known ---- */
 
 #define FXS_HELD_SH_ONE 4096       /* SH coefficients are multiples of 1/4096, within +-8 */
 
@@ -16,15 +14,15 @@ typedef struct fxs_held_gaussian {
 } fxs_held_gaussian;
 
 typedef struct fxs_held {
-    fxs_output output;             /* the file being written */
+    fxs_output output;
     fxs_held_gaussian *gaussians;
-    int16_t *sh;                   /* `coefficients` values per Gaussian, in the order of fxs_gaussian */
-    uint32_t *order;               /* indices of the Gaussians in the order of fxs_order, or null */
+    int16_t *sh;                   /* SH coefficients in the order of fxs_gaussian */
+    uint32_t *order;               /* indices of the Gaussians in spatial order, or null */
     uint32_t count, next;
-    uint32_t coefficients;         /* SH coefficients of all channels */
+    uint32_t coefficients;
 } fxs_held;
 
-/* Convert a Gaussian to the held form and back; `sh` has room for `coefficients` values. */
+/* Convert a Gaussian to the held form and back. */
 void fxs_held_set(fxs_held_gaussian *held, int16_t *sh, const fxs_gaussian *gaussian, uint32_t coefficients);
 void fxs_held_get(const fxs_held_gaussian *held, const int16_t *sh, fxs_gaussian *gaussian, uint32_t coefficients);
 
@@ -33,14 +31,12 @@ int fxs_held_open(fxs_held *held, const char *path, const fxs_scene_write_option
 
 int fxs_held_put(fxs_held *held, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
-/* Orders the Gaussians in chunks of 256 neighbours. Returns 1, or 0 with an error in the output. */
+/* Sorts the Gaussians into groups of 256 neighbours. Returns 1, or 0 with an error in the output. */
 int fxs_held_order(fxs_held *held);
 
 int fxs_held_close(fxs_held *held, fxs_message *message);
 
-/* ---- Codes ---- */
-
-/* Write little-endian numbers. Return the end. */
+/* Write little-endian numbers and return the end of the buffer. */
 uint8_t *fxs_put_u32(uint8_t *to, uint32_t value);
 uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n);
 
@@ -50,8 +46,8 @@ uint32_t fxs_code_half(double x);
 /* Rounds to the nearest integer in 0 to `most`; NaN: 0. */
 uint32_t fxs_code_within(double x, uint32_t most);
 
-/* Codes the three smallest components of a rotation w, x, y, z, with signs that make the largest positive: 0 to `most`
-   stand for -1/sqrt(2) to 1/sqrt(2). Returns the index of the largest. */
+/* Codes the three smallest components of a rotation w, x, y, z. Codes 0 to `most` are -1/sqrt(2) to 1/sqrt(2).
+   Signs make the largest component positive. Returns the index of the largest component. */
 uint32_t fxs_code_rotation(const float rotation[4], uint32_t most, uint32_t codes[3]);
 
 #endif

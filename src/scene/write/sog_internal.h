@@ -1,4 +1,4 @@
-/* The files of a .sog, written to a zip or to folders. */
+/* Makes the files of a .sog, for a zip or for folders. */
 #ifndef FXS_SOG_INTERNAL_H
 #define FXS_SOG_INTERNAL_H
 
@@ -7,13 +7,11 @@
 
 enum { FXS_SOG_SIDE = 16383, FXS_SOG_FILES = 8 };
 
-/* Names of the images and of the JSON file. */
 extern const char *const fxs_sog_names[FXS_SOG_FILES];
 
-/* Maximum number of Gaussians: the pixels of the largest image. */
 #define FXS_SOG_MOST ((uint32_t)FXS_SOG_SIDE / 4 * 4 * FXS_SOG_SIDE)
 
-/* Gaussians in file order. Neighbours together improve WebP and the palette. */
+/* Gaussians in the order of the file. Neighbours together improve WebP and the palette. */
 typedef struct fxs_sog_source {
     const fxs_held_gaussian **gaussians;
     const int16_t **sh;
@@ -23,8 +21,8 @@ typedef struct fxs_sog_source {
 
 typedef struct fxs_sog fxs_sog;
 
-/* Makes the files in memory. *error: 0, ENOMEM, or ECANCELED if `progress` stopped it. Free the result with
-   fxs_sog_free; it may be null after an error. */
+/* Makes the files in memory, to be freed by fxs_sog_free. *error: 0, ENOMEM, or ECANCELED. The result may be null
+   after an error. */
 fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error);
 uint32_t fxs_sog_files(const fxs_sog *sog, fxs_zip_entry files[FXS_SOG_FILES]);
 void fxs_sog_free(fxs_sog *sog);

@@ -18,13 +18,13 @@
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES, JSON = IMAGES };
 
 enum {
-    PALETTE_ROW = 64,                    /* entries */
+    PALETTE_ROW = 64,
     SH_RATIO = FXS_HELD_SH_ONE / FXS_SH_PALETTE_ONE,
-    EFFORT = 4                           /* 0 to 9 in libwebp */
+    EFFORT = 4
 };
 
-/* Weight of ln(sigma): sigma^1.25. With equal weights, the few largest Gaussians of a scene, which are the most
-   visible, share one entry; with weights by area, the sky takes too many entries. */
+/* Weights ln(sigma) by sigma^1.25. With equal weights, the few largest Gaussians share an entry. With weights by
+   area, the sky takes too many entries. */
 #define SCALE_POWER 1.25
 
 const char *const fxs_sog_names[FXS_SOG_FILES] = {
@@ -40,14 +40,14 @@ typedef struct image {
 
 struct fxs_sog {
     const fxs_sog_source *from;
-    double low[3], high[3];              /* bounds of the coded positions */
+    double low[3], high[3];
     float scales[FXS_BOOK], colours[FXS_BOOK], sh[FXS_BOOK];
-    uint32_t entries, *labels;           /* palette: number of entries; entry of each Gaussian */
+    uint32_t entries, *labels;
     fxs_sh_palette_vector *palette;
     image images[IMAGES];
     char *json;
     size_t json_bytes;
-    int error;                           /* errno, or 0 */
+    int error;
     fxs_progress_fn *progress;
     void *argument;
 };
@@ -58,7 +58,6 @@ static int no_memory(fxs_sog *w)
     return 0;
 }
 
-/* Reports progress. Returns 0 to stop. */
 static int advance(fxs_sog *w, double done)
 {
     if (w->progress && w->progress(w->argument, done))
@@ -66,9 +65,7 @@ static int advance(fxs_sog *w, double done)
     return !w->error;
 }
 
-/* ---- Codebooks --------------------------------------------------------------------------------------------------- */
-
-/* sign(x) ln(1 + |x|) */
+/* coded position: sign(x) ln(1 + |x|) */
 static double coded_position(float x)
 {
     return copysign(fxs_log(1 + fabs(x)), x);
@@ -143,8 +140,6 @@ static int find_palette(fxs_sog *w)
     return find_sh_book(w);
 }
 
-/* ---- Images ------------------------------------------------------------------------------------------------------ */
-
 static int make_image(fxs_sog *w, int which, uint32_t width, uint32_t height)
 {
     image *m = &w->images[which];
@@ -156,7 +151,6 @@ static int make_image(fxs_sog *w, int which, uint32_t width, uint32_t height)
     return m->pixels ? 1 : no_memory(w);
 }
 
-/* Image size: nearly square, whole blocks of 4x4. */
 static int make_images(fxs_sog *w)
 {
     uint32_t side = 4;
@@ -171,7 +165,6 @@ static int make_images(fxs_sog *w)
                                      (w->entries + PALETTE_ROW - 1) / PALETTE_ROW);
 }
 
-/* Gaussian i is pixel i. */
 static void encode(fxs_sog *w, const fxs_held_gaussian *g, size_t i)
 {
     uint8_t *at[CENTROIDS];
@@ -195,7 +188,7 @@ static void encode(fxs_sog *w, const fxs_held_gaussian *g, size_t i)
         at[LABELS][k] = (uint8_t)(w->labels[i] >> 8 * k);
 }
 
-/* A row has 64 entries. An entry is one pixel per coefficient; r, g, b are the channels. */
+/* A row of the palette has 64 entries. An entry is a pixel per coefficient, with a channel in each of r, g, b. */
 static void encode_palette(fxs_sog *w)
 {
     const uint32_t coefficients = w->from->coefficients / 3;
@@ -207,7 +200,7 @@ static void encode_palette(fxs_sog *w)
         }
 }
 
-/* Preserves colours where alpha is 0. Frees the pixels. */
+/* Compresses an image and frees its pixels. Colours are kept where alpha is 0. */
 static int compress(fxs_sog *w, image *m)
 {
     WebPConfig config;
@@ -243,8 +236,6 @@ static int fill_images(fxs_sog *w)
             return 0;
     return 1;
 }
-
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
 
 static void print_book(FILE *json, const float book[FXS_BOOK], const char *files)
 {

@@ -1,4 +1,4 @@
-/* Writes .sog version 2: the files of sog_make.c in a zip. */
+/* Writes .sog version 2: a zip of images and JSON. */
 #include "sog_internal.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
@@ -28,7 +28,6 @@ static int sog_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return fxs_held_put(&((sog_writer *)writer)->held, gaussians, n, message);
 }
 
-/* Making the files is 90 % of the work. */
 static int progress_of_files(void *writer, double done)
 {
     const sog_writer *w = writer;

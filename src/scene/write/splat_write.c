@@ -1,4 +1,4 @@
-/* Writes .splat: records of 32 bytes, which splat.c reads. Clamps scales to 4.85e8 and positions to 2^27. */
+/* Writes .splat: records of 32 bytes. Clamps scales to 4.85e8 and positions to 2^27. */
 #include <math.h>
 
 #include "scene_write_internal.h"
@@ -7,7 +7,7 @@
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28 };
 
-/* Readers may refuse larger values. exp(20) is slightly larger than this scale. */
+/* Largest values that all readers accept. exp(20) is slightly larger than this scale. */
 static const double largest_scale = 4.85e8, largest_position = 134217728;
 
 typedef struct splat_writer {

@@ -1,5 +1,5 @@
-/* Writes .spz versions 3 (gzip) and 4 (zstd). Like the reference writer, keeps 5 of 8 bits for SH of degree 1, 4 bits
-   for higher degrees, and 12 or a few more fractional bits for positions. A fine file keeps all bits. */
+/* Writes .spz versions 3 (gzip) and 4 (zstd). Like the reference writer, keeps 5 of 8 bits for SH of degree 1 and
+   4 bits for higher degrees. Positions have 12 or a few more fractional bits. A fine file keeps all bits. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@
 
 enum { USUAL_BITS = 12, MOST_BITS = 24, SPARE_BITS = 8, MAX_BITS = MOST_BITS + SPARE_BITS };
 enum { ZSTD_LEVEL = 9, PIECE = 1 << 20 };
-enum { POSITION_MAX = (1 << 23) - 1 };   /* code */
+enum { POSITION_MAX = (1 << 23) - 1 };
 
 typedef struct placement {
     float position[3], scale[3];
@@ -30,13 +30,13 @@ typedef struct spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased, fine;
     uint32_t count, next;
-    uint32_t fitting[MAX_BITS + 2];   /* counts by the most fractional bits that fit, plus 1; [0]: none fits */
+    uint32_t fitting[MAX_BITS + 2];   /* [b + 1]: positions that fit b fractional bits, but no more */
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
-    placement *placements;            /* null after the fractional bits are chosen */
+    placement *placements;
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];
-    size_t size, done;   /* bytes of the payload; bytes compressed */
+    size_t size, done;
     fxs_progress_fn *progress;
     void *argument;
 } spz_writer;
@@ -100,9 +100,6 @@ static int spz_open(void *writer, const char *path, const fxs_scene_write_option
     return error;
 }
 
-/* ---- Codes ----------------------------------------------------------------------------------------------------- */
-
-/* Rounds to the nearest integer in low to high; NaN: low. */
 static int32_t code(double x, int32_t low, int32_t high)
 {
     x = floor(x + 0.5);
@@ -115,7 +112,7 @@ static void put_u32(uint8_t *to, uint32_t value)
         to[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* Codes x, y, z, w without the largest component, with signs that make it positive. */
+/* Codes a quaternion x, y, z, w without the largest component, with signs that make the largest positive. */
 static uint32_t code_rotation(const double q[4])
 {
     double norm = 0;
@@ -139,7 +136,7 @@ static uint8_t code_byte(double x)
     return (uint8_t)code(x, 0, 255);
 }
 
-/* Returns 1 if a code lies outside a byte by a step or more. */
+/* Returns 1 if a code lies outside 0 to 255 by a step or more. */
 static int is_beyond(double x)
 {
     return !(x >= -1 && x <= 256);
@@ -150,7 +147,6 @@ static double scale_code(const fxs_gaussian *g, int axis)
     return (g->scale[axis] + 10.0) * 16;
 }
 
-/* Returns the most fractional bits for a position, or -1 if none fits. */
 static int bits_for(const float position[3])
 {
     const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
@@ -160,8 +156,8 @@ static int bits_for(const float position[3])
     return bits;
 }
 
-/* Codes all attributes that do not depend on the fractional bits. Negates y and z: right, down, front becomes right,
-   up, back. */
+/* Codes the attributes other than positions and scales. Negates y and z: right, down, front becomes right, up,
+   back. */
 static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];
@@ -180,7 +176,7 @@ static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
     at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + fxs_exp(-(double)g->opacity)));
     put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
     for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
-        int odd = fxs_spz_odd_in[i / 3] & 6;   /* odd in y, odd in z: each flips the sign */
+        int odd = fxs_spz_odd_in[i / 3] & 6;   /* SH change sign if odd in y or in z, but not in both */
         double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
         sh |= is_beyond(x);
         const int step = w->fine ? 1 : i < 9 ? 8 : 16;
@@ -199,9 +195,9 @@ static int spz_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-/* Chooses the fractional bits of positions, which have 24 bits with sign. `most`: the largest number that fits all
-   positions; if that is less than 12 (2048 units), the largest up to 12 that fits 99 % of them. A fine file uses
-   `most`, up to 24. Others use `most` - 8, but at least 12, if `most` is 12 or more. */
+/* Chooses the fractional bits of positions, which have 24 bits with sign. `most` is the largest number that fits
+   all positions, or, up to 12, 99 % of the positions. A fine file uses `most`, up to 24. Others use `most` - 8,
+   but at least 12, if `most` is 12 or more. */
 static void choose_bits(spz_writer *w)
 {
     uint32_t beyond = 0;
@@ -223,7 +219,7 @@ static void place(spz_writer *w, size_t index)
     memcpy(g.scale, w->placements[index].scale, sizeof g.scale);
     w->clamped.position += (uint32_t)fxs_bring_in(&g, w->clamped.reach);
     held = g;
-    fxs_hold_scales(&held);            /* a clamped axis too thin to be seen is not a loss */
+    fxs_hold_scales(&held);            /* a clamped axis too thin to be seen is no loss */
     for (int i = 0; i < 3; i++) {
         const double x = ldexp(i ? -g.position[i] : g.position[i], w->fractional_bits);
         const uint32_t bits = (uint32_t)code(x, -POSITION_MAX, POSITION_MAX);
@@ -245,8 +241,6 @@ static void place_all(spz_writer *w)
     w->placements = NULL;
 }
 
-/* ---- The file -------------------------------------------------------------------------------------------------- */
-
 #if defined(FXS_WITH_ZLIB) || defined(FXS_WITH_ZSTD)
 static void make_header(const spz_writer *w, uint8_t header[16])
 {
@@ -259,7 +253,6 @@ static void make_header(const spz_writer *w, uint8_t header[16])
     header[15] = 0;
 }
 
-/* Counts compressed bytes and reports progress. Returns nonzero to stop. */
 static int advance(spz_writer *w, size_t bytes)
 {
     w->done += bytes;
@@ -274,8 +267,6 @@ static size_t piece_of(size_t left)
 }
 #endif
 
-/* write_gzip and write_zstd keep errors in the output. */
-
 #ifdef FXS_WITH_ZLIB
 static int deflate_bytes(spz_writer *w, z_stream *stream, const uint8_t *bytes, size_t size, int flush,
                          fxs_message *message)
@@ -286,7 +277,7 @@ static int deflate_bytes(spz_writer *w, z_stream *stream, const uint8_t *bytes, 
     do {
         stream->next_out = out;
         stream->avail_out = sizeof out;
-        deflate(stream, flush);   /* cannot fail: the output has room */
+        deflate(stream, flush);
         FXS_TRY(fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message));
     } while (stream->avail_out == 0);
     return 0;
@@ -341,7 +332,6 @@ static void put_u64(uint8_t *to, uint64_t value)
     put_u32(to + 4, (uint32_t)(value >> 32));
 }
 
-/* Compresses all arrays into `out`. Writes their sizes to the table in `head`. */
 static void write_arrays(spz_writer *w, ZSTD_CStream *stream, uint8_t *head, size_t head_size, ZSTD_outBuffer *out,
                          fxs_message *message)
 {
@@ -355,7 +345,7 @@ static void write_arrays(spz_writer *w, ZSTD_CStream *stream, uint8_t *head, siz
         fxs_output_write(&w->output, out->dst, out->pos, message);
 }
 
-/* The table of contents comes first and the output may be a pipe, so everything is compressed before writing. */
+/* Compresses all data before writing, because the table of contents comes first and the output may be a pipe. */
 static void write_zstd(spz_writer *w, fxs_message *message)
 {
     uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0};

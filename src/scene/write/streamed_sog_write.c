@@ -1,6 +1,5 @@
-/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and next to it
-   folders, each with the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same
-   leaves. */
+/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and folders with
+   the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same leaves. */
 #include "sog_internal.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
@@ -18,16 +17,14 @@
 #include "src/pack/coarsen.h"
 
 enum {
-    LEAF_SETS = 64,                /* sets of level 0 in a leaf: 16,384 Gaussians */
-    MOST_LEVELS = 7,               /* in the last level, a leaf has one set */
-    FILE_GAUSSIANS = 1 << 18,      /* limit for a file; a single leaf may exceed it */
-    PRECISION = 7                  /* digits of numbers in the index */
+    LEAF_SETS = 64,
+    MOST_LEVELS = 7,               /* in the last level, a leaf is a single set of Gaussians */
+    FILE_GAUSSIANS = 1 << 18,
+    PRECISION = 7
 };
 
-#define PLANE 1.8137993642342178   /* pi / sqrt(3): the integral of G^2 over a plane, divided by the area of a
-                                      fxs_coarse */
+#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of a squared Gaussian over a plane, per area */
 
-/* A file: leaves `first` to `last` - 1 of a level. */
 typedef struct part {
     uint32_t level, number, first, last;
 } part;
@@ -39,7 +36,7 @@ typedef struct streamed_writer {
     fxs_levels levels;
     uint32_t leaves, part_count, parts_made;
     part *parts;
-    float (*bounds)[2][3];         /* box of each leaf (minimum, maximum), with ellipsoids of one sigma */
+    float (*bounds)[2][3];
     fxs_progress_fn *progress;
     void *argument;
 } streamed_writer;
@@ -78,9 +75,7 @@ static int advance(void *writer, double done)
     return !w->held.output.error;
 }
 
-/* ---- Leaves ------------------------------------------------------------------------------------------------------ */
-
-/* Returns the first Gaussian of a leaf in a level; beyond the last leaf, the end. */
+/* Returns the first Gaussian of a leaf in a level, or the end beyond the last leaf. */
 static uint32_t leaf_begin(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     const uint64_t set = (uint64_t)leaf * LEAF_SETS >> level;
@@ -131,8 +126,6 @@ static int find_bounds(streamed_writer *w)
     }
     return 1;
 }
-
-/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static int list_parts(streamed_writer *w)
 {
@@ -185,7 +178,6 @@ static int write_files(streamed_writer *w, const part *p, const fxs_zip_entry *f
     return result;
 }
 
-/* Progress from the share of a part that is done. */
 static int progress_of_part(void *writer, double done)
 {
     const streamed_writer *w = writer;
@@ -227,8 +219,6 @@ static void remove_parts(const streamed_writer *w)
         }
 }
 
-/* ---- The index --------------------------------------------------------------------------------------------------- */
-
 static void print_corner(FILE *json, const char *before, const float corner[3])
 {
     fputs(before, json);
@@ -239,7 +229,7 @@ static void print_corner(FILE *json, const char *before, const float corner[3])
     fputs("]", json);
 }
 
-/* Returns the energy of a leaf in the units of the errors: the sum over its Gaussians, each taken alone. */
+/* Returns a leaf's energy in the units of merging errors: the sum over its Gaussians, each alone. */
 static double energy_of(const streamed_writer *w, uint32_t leaf)
 {
     double sum = 0;
@@ -293,7 +283,6 @@ static void print_leaf(FILE *json, const streamed_writer *w, uint32_t leaf)
     print_errors(json, w, leaf);
 }
 
-/* Prints the leaves `first` to `last` - 1 as a binary tree. */
 static void print_node(FILE *json, const streamed_writer *w, uint32_t first, uint32_t last)
 {
     float bounds[2][3];
@@ -355,13 +344,11 @@ static void write_index(streamed_writer *w, fxs_message *message)
     free(printed.text);
 }
 
-/* ---- The format -------------------------------------------------------------------------------------------------- */
-
 static int make_files(streamed_writer *w, fxs_message *message)
 {
     int result = 0;
     if (!fxs_held_order(&w->held) || !make_levels(w) || !find_bounds(w) || !list_parts(w))
-        return 0;                  /* the error is in the output */
+        return 0;
     for (uint32_t i = 0; i < w->part_count && result == 0; i++)
         result = make_part(w, &w->parts[i], message);
     if (result == 0)
