@@ -176,7 +176,7 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
 }
 
 /* Fills in *q except the colour, for the region at (x, y). Returns true if the splat can touch a pixel of the
- * region. |u| is least at an end of a row, or is 0. `across` has a margin for rounding. */
+   region. |u| is least at an end of a row, or is 0. `across` has a margin for rounding. */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -266,7 +266,7 @@ struct region_blender {
     }
 
     /* Appends splats that can touch the region to the queue, testing one splat per lane. Returns the queue's new
-     * length. */
+       length. */
     __device__ uint32_t queue_splats(const Pixel *p, uint32_t entry, bool listed, uint32_t queued) const
     {
         queued_splat q;
@@ -444,7 +444,7 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
 }
 
 /* Processing order of tiles: long lists first. Lane i of a warp describes the tiles with floor(log2(list length)) =
- * 31 - i. Each of these tiles has `each` turns, a power of 2 or 0. */
+   31 - i. Each of these tiles has `each` turns, a power of 2 or 0. */
 struct turns {
     uint32_t start, end, each, all, tiles;
 };
@@ -634,7 +634,7 @@ size_t sorted_bytes(uint32_t warps)
 }
 
 /* Returns the regions per tile with floor(log2(list length)) = 31 - lane: 4, or 8 if half a warp's average load is
- * exceeded. */
+   exceeded. */
 __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);

@@ -85,7 +85,7 @@ uint64_t larger_of(uint64_t a, uint64_t b)
 }
 
 /* Returns the number of slots for this many frames. With a pooled scene frames run one after the other, as each may
- * evict chunks that the previous frame reads. */
+   evict chunks that the previous frame reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
@@ -132,7 +132,7 @@ uint64_t drawn_at(const frame *of)
 }
 
 /* Lays out a slot's memory for a frame. *sizes receives the bytes of objects, splats and tiles. With null blocks,
- * only *sizes is valid. */
+   only *sizes is valid. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
@@ -228,7 +228,7 @@ uint64_t likely_larges(const frame *f)
 }
 
 /* Computes the memory that the frames need in each slot. Returns the total device memory: allocated, missing, and
- * for wanted scenes. */
+   for wanted scenes. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
 {
     const slot none = {};
@@ -276,8 +276,8 @@ uint64_t memory_most(const fxs_cuda *cuda)
 }
 
 /* Copies the wanted scenes and allocates memory for the frames. Above the limit, first frees the slots' memory. If
- * memory is still short, scenes get pools, in three quarters of the memory left beside the frames. The measured
- * limit then becomes the budget's. */
+   memory is still short, scenes get pools, in three quarters of the memory left beside the frames. The measured
+   limit then becomes the budget's. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
@@ -340,7 +340,7 @@ bool is_in_host_memory(const void *pointer)
 }
 
 /* Finds the output planes in pinned host memory. These are rendered on the device and copied, as kernels write rows
- * in small pieces. Kernels write images with a negative stride directly. */
+   in small pieces. Kernels write images with a negative stride directly. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];
@@ -823,7 +823,7 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
 }
 
 /* Shared memory per thread block: 227 KiB on H100 and H200, 163 on A100, 99 on others. With 99, blend_tiles takes
- * the long lists, as blend_dense does not fit. */
+   the long lists, as blend_dense does not fit. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
     int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
@@ -1121,7 +1121,7 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
     /* Another stream than the default one, so that other renderers are not blocked. The stream waits for the copies
-     * to the device. */
+       to the device. */
     error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
     error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);

@@ -66,7 +66,7 @@ struct cut_buffers {
 };
 
 /* Fills in the parents of all nodes. Sets wrong_tree if a node is damaged or two nodes share a child. Otherwise
- * every chunk except the root has a parent, as each node has two children. */
+   every chunk except the root has a parent, as each node has two children. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -203,7 +203,7 @@ __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
 }
 
 /* Returns true if the sum exceeds the budget or the limit of visited nodes. `fewer` nodes of the sum may be opened
- * last and reduce the drawn chunks. */
+   last and reduce the drawn chunks. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
@@ -211,7 +211,7 @@ __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 }
 
 /* Finds the first key that may exceed the budget, and the first that does. These keys differ, as some nodes reduce
- * the drawn chunks. */
+   the drawn chunks. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -259,7 +259,7 @@ __device__ void find_keys(const cut_buffers *c)
 }
 
 /* Clamps each node's key and room to those of its ancestors, and counts nodes by key. Ancestors that another thread
- * has clamped already leave the minimum unchanged. */
+   has clamped already leave the minimum unchanged. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -349,7 +349,7 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
 }
 
 /* Computes the width of the fade in units of the key. of_last: number of opened nodes with the last key. last: index
- * of the last key. all: all nodes are opened. */
+   of the last key. all: all nodes are opened. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;
@@ -436,7 +436,7 @@ __device__ inline void add_drawn(const cut_buffers *c, uint32_t chunk, uint32_t 
 }
 
 /* Returns the share of optical depth that a node inherits: the product of its ancestors' faded_q8. An ancestor with
- * 256 ends the walk, as its ancestors have 256 too. */
+   256 ends the walk, as its ancestors have 256 too. */
 __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, const node_sight *sights, uint32_t own)
 {
     uint8_t faded[DEPTH_MOST + 1];

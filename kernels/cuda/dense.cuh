@@ -183,7 +183,7 @@ __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
 }
 
 /* Returns the transmittance T after a splat, T (1 - alpha), rounded to nearest with ties downwards. Two dependent
- * operations only, as they form a pixel's critical path. */
+   operations only, as they form a pixel's critical path. */
 __device__ inline int left_q15(int transmittance_q15, int rest_q15)
 {
     return (transmittance_q15 * rest_q15 + 16383) >> 15;
@@ -232,7 +232,7 @@ struct mark_walk {
 };
 
 /* Blends the marked splats at pixel n of the tile, by a quad: one alpha per lane, then the four weights in sequence.
- * Inactive quads have no pixel. */
+   Inactive quads have no pixel. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
@@ -305,7 +305,7 @@ __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, con
 }
 
 /* Calls visit(step, splat index) for the marks of pixel n in words `first` to first + words - 1. Returns the number
- * of steps. */
+   of steps. */
 template <class Visit>
 __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
@@ -382,7 +382,7 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
 }
 
 /* Blends the keys in shared->keys. Returns true if a pixel is still open. Not inlined, to leave registers to the
- * callers' loops. */
+   callers' loops. */
 __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
 {
     const tile_splats *t = &tile;
@@ -448,7 +448,7 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
 }
 
 /* Appends keys of splats that can touch an open pixel to shared->keys, as far as they fit. Returns the total number
- * of keys, which may exceed the capacity. */
+   of keys, which may exceed the capacity. */
 __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
     const tile_splats *t = &tile;
@@ -463,7 +463,7 @@ __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile,
 }
 
 /* Moves the keys of splats that can touch an open pixel to the start of the list. Returns their number. Requires
- * collected = 0. */
+   collected = 0. */
 __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
@@ -521,7 +521,7 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
 }
 
 /* Moves the keys of a list into bins of depth, or the keys' indices if Moved has 32 bits. Returns the number of
- * moved keys. */
+   moved keys. */
 template <class List, class Moved>
 __device__ uint32_t split_list(Moved *room, uint32_t *ends, dense_shared *shared, const List &list, key_range r,
                                const dense_group *g)

@@ -104,7 +104,7 @@ __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, con
 }
 
 /* Starts to copy a chunk to shared memory. Part 1 is the spherical harmonics, part 0 the rest. From compute
- * capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
+   capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
 __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
                                    const unsigned char *rows, uint32_t bytes)
 {
@@ -378,7 +378,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
 }
 
 /* Writes the list entries of one large_splat record, by one warp. LARGE_ROWS lanes find the spans of tile rows; then
- * all lanes share the tiles. */
+   all lanes share the tiles. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);

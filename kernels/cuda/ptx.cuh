@@ -38,7 +38,7 @@ __device__ inline float approximate_root(float x)
 }
 
 /* Returns alpha T + 1/2 in Q30; 0 if level > limit or T < Closed. alpha is the 16-bit element of alpha_q15 at byte
- * offset level & 0xfffe, in shared memory. Inline PTX makes the load independent of T. */
+   offset level & 0xfffe, in shared memory. Inline PTX makes the load independent of T. */
 template <int Closed>
 __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
 {

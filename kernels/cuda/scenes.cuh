@@ -171,7 +171,7 @@ cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t strea
 }
 
 /* Copies a scene's packed Gaussians to pinned host memory. Pinning the caller's memory instead could take long for a
- * mapped file. */
+   mapped file. */
 int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -241,7 +241,7 @@ int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t
 }
 
 /* Copies all wanted scenes, with at most `rows_most` bytes of packed Gaussians each. After an error, drops the
- * wanted scenes. */
+   wanted scenes. */
 int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {

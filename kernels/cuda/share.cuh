@@ -22,8 +22,8 @@ __device__ inline uint32_t segments_of(uint32_t magnitude)
 }
 
 /* Returns the parts per tile, a power of two, of tiles with floor(log2(list length)) = 31 - lane. Tiles are split
- * while a part has more than half of a block's average load, or a quarter if the split adds few entries. `more`
- * estimates the scratch entries of another split. If scratch memory is short, the largest parts are split first. */
+   while a part has more than half of a block's average load, or a quarter if the split adds few entries. `more`
+   estimates the scratch entries of another split. If scratch memory is short, the largest parts are split first. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];

@@ -123,7 +123,7 @@ __device__ inline int bin_shift(uint64_t low, uint64_t high)
 }
 
 /* Returns the number of keys in the bins before this thread's bins. *own receives the number in the thread's own
- * bins. */
+   bins. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
@@ -161,7 +161,7 @@ __device__ void clear_bins(uint32_t *bins, const G *g)
 }
 
 /* Finds the longest prefix of bins with at most K::room keys. shared->bin receives the first bin after the prefix,
- * shared->count the number of keys in the prefix. */
+   shared->count the number of keys in the prefix. */
 template <class K, class G>
 __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
@@ -179,7 +179,7 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 }
 
 /* Moves the smallest keys from r->low on, at most K::room, to shared->keys, and advances r->low. Returns the number
- * of moved keys. At least one key must be left. */
+   of moved keys. At least one key must be left. */
 template <class K, class G, class VisitAll>
 __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G *g, VisitAll visit_all)
 {
@@ -218,7 +218,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
 }
 
 /* Bins of different widths, for clustered depths: the key range has 32 segments with bins in proportion to their
- * keys. */
+   keys. */
 template <class K, class G>
 struct segmented {
     const uint32_t *segments;              /* per segment: first bin << 16 | number of bins */
@@ -249,7 +249,7 @@ struct segmented {
 };
 
 /* Writes values to `sorted` bin by bin, by counting sort. visit_all(visit) calls visit(key, value) for each key.
- * Afterwards `bins` holds the ends of the bins. */
+   Afterwards `bins` holds the ends of the bins. */
 template <class Moved, class K, class G, class VisitAll>
 __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
@@ -294,7 +294,7 @@ __device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
 }
 
 /* Writes the indices of shared->keys in ascending order of depth. Within a bin, a key's rank is the number of
- * smaller keys. */
+   smaller keys. */
 template <class K, class G>
 __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
@@ -337,7 +337,7 @@ __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *sh
 }
 
 /* Calls take(count) for batches of keys in ascending order of depth, until take returns false. A batch is in
- * shared->keys, unsorted. take must return the same value in all threads. ends: bin ends of the list; null: no bins. */
+   shared->keys, unsorted. take must return the same value in all threads. ends: bin ends of the list; null: no bins. */
 template <class K, class G, class Take>
 __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
                           const G *g, Take take)

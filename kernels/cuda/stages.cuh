@@ -57,7 +57,7 @@ struct frame_needs {
 };
 
 /* Depth range of a list that several thread blocks share. The minimum is stored as ~minimum, so zeroed memory and
- * atomicMax serve for both ends. */
+   atomicMax serve for both ends. */
 struct shared_range {
     uint32_t not_least, most;
 };

@@ -69,7 +69,7 @@ struct row_walk {
 };
 
 /* Returns a bit mask of the tile's columns that a splat can touch. u is linear, so its extremes lie in the first or
- * last row. The margin of 5 exceeds the rounding error of the level. */
+   last row. The margin of 5 exceeds the rounding error of the level. */
 __device__ inline uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
 {
     const int32_t first_row = max((int32_t)s->first_row - t->y, 0);

@@ -43,7 +43,7 @@ __device__ inline T warp_sum(T x)
 }
 
 /* Increments counters[i] for each active lane and returns the old value. Lanes with equal i share one atomic
- * operation. */
+   operation. */
 __device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool active)
 {
     const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
@@ -68,7 +68,7 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
 }
 
 /* Balances work: each lane has `own` items, and the warp visits all items, 32 per step. All lanes call visit(owner
- * lane, index of the item, active). */
+   lane, index of the item, active). */
 template <class Visit>
 __device__ inline void share_out(uint32_t own, Visit visit)
 {
@@ -98,7 +98,7 @@ __device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
 }
 
 /* Lets the next kernel start early, then waits until the previous kernel has finished. Does nothing before compute
- * capability 9.0. */
+   capability 9.0. */
 __device__ inline void wait_for_last_kernel()
 {
 #if __CUDA_ARCH__ >= 900

@@ -1,4 +1,4 @@
-/* The CUDA back end (kernels/cuda). */
+/* Connects the CUDA renderer (kernels/cuda) to the interface of back ends. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@
 
 #ifdef FXS_WITH_CUDA
 
-#define EYES 2u                    /* slots: both eyes are rendered concurrently */
+#define EYES 2u                    /* two slots render both eyes of a stereo frame concurrently */
 
 typedef struct cuda_backend {
     fxs_cuda *cuda;
@@ -40,8 +40,8 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-/* Divides the device time of the frame in proportion to the stages' times, because the stages of two eyes overlap.
-   shade is part of project, resolve part of blend. */
+/* Divides the device time of a frame in proportion to the stages' times. The stages of two eyes overlap, so their
+   sum would be too large. */
 static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
     static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};

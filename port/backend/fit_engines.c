@@ -1,4 +1,4 @@
-/* Chooses the engine of a fit: the stages for this processor's instruction sets, or CUDA. */
+/* Chooses the engine of a fit: CUDA, or the kernels for this processor's instruction sets. */
 #include <fixsplat/backends.h>
 #include <fixsplat/message.h>
 

@@ -1,4 +1,4 @@
-/* Commands of an ILI9341: a sequence to wake it, then three per strip. */
+/* Drives a display panel with the controller ILI9341. */
 #include "ili9341.h"
 
 enum {
@@ -6,7 +6,7 @@ enum {
     MEMORY_ACCESS = 0x36, PIXEL_FORMAT = 0x3a, FRAME_RATE = 0xb1, POWER_1 = 0xc0, POWER_2 = 0xc1, VCOM_1 = 0xc5,
     VCOM_2 = 0xc7
 };
-enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };        /* MEMORY_ACCESS */
+enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };        /* bits of MEMORY_ACCESS */
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
 #define WAKE_MILLISECONDS 120      /* after RESET and after SLEEP_OUT */
 
@@ -50,7 +50,7 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
     return 0;
 }
 
-/* Sends the first and last column or page of the next write. */
+/* Sends the first and last column or row of the next pixels. */
 static void send_range(const fxs_ili9341 *panel, uint8_t command, int32_t first, int32_t last)
 {
     const uint8_t range[4] = {(uint8_t)(first >> 8), (uint8_t)first, (uint8_t)(last >> 8), (uint8_t)last};

@@ -7,7 +7,7 @@
 #define SIN_18_Q30 331804471
 #define QUARTER (FXS_TURNTABLE_STEPS / 4)
 
-/* sin(2 pi i / 64) */
+/* Returns sin(2 pi i / 64). */
 static int32_t sine_q30(uint32_t i)
 {
     static const int32_t quarter_q30[QUARTER + 1] = {
@@ -18,14 +18,14 @@ static int32_t sine_q30(uint32_t i)
     return i % FXS_TURNTABLE_STEPS < 2 * QUARTER ? sine : -sine;
 }
 
-/* x r for r in -1 to 1, rounded down. In two parts, because x has up to 61 bits. */
+/* Returns x r for r from -1 to 1, rounded down. x has up to 61 bits, so the product takes two steps. */
 static int64_t times_q30(int64_t x, int32_t r_q30)
 {
     return (x >> 30) * r_q30 + ((x & 0x3fffffff) * r_q30 >> 30);
 }
 
-/* Looks from 18 degrees above, with a vertical field of view of 50 degrees. At every step the picture shows most of the
-   box, and the whole ellipsoid in the box. */
+/* Looks at the scene from 18 degrees above, with a vertical field of view of 50 degrees. The distance shows the
+   ellipsoid in the scene's box at every step. */
 static void frame_box(fxs_turntable *t, const int64_t half_q32[3], int32_t width, int32_t height)
 {
     fxs_camera *c = &t->camera;
@@ -57,7 +57,7 @@ int fxs_turntable_open(fxs_turntable *t, const void *data, size_t bytes, int32_t
     for (int i = 0; i < 3; i++) {
         const int64_t low = (int64_t)fxs_little_64((uint64_t)header->inner_low_q32[i]);
         const int64_t high = (int64_t)fxs_little_64((uint64_t)header->inner_high_q32[i]);
-        const int64_t most = (int64_t)1 << 56;     /* 2^24 units; leaves space for the camera's distance */
+        const int64_t most = (int64_t)1 << 56;     /* limit of 2^24 units leaves room for the camera's distance */
         if (low > high || low < -most || high > most)
             return FXS_ERR_SCENE;
         half_q32[i] = (high - low) / 2;

@@ -1,4 +1,4 @@
-/* Opens a core context of OpenGL 3.3 in OSMesa, Mesa's software renderer without a window. libOSMesa is loaded at run
+/* Opens a context of OpenGL 3.3 in OSMesa, Mesa's software renderer without a window. libOSMesa is loaded at run
  * time. */
 #include <fixsplat/osmesa.h>
 
@@ -13,10 +13,10 @@ typedef struct fxs_osmesa {
     void *library;
     OSMesaContext context;
     function *(*get_address)(const char *name);
-    unsigned char pixel[4];        /* the context's own framebuffer */
+    unsigned char pixel[4];        /* framebuffer of the context */
 } fxs_osmesa;
 
-/* dlsym returns a data pointer; POSIX allows to use it as a function pointer. */
+/* dlsym returns a data pointer; POSIX allows its use as a function pointer. */
 static function *symbol(const fxs_osmesa *o, const char *name)
 {
     function *found = 0;

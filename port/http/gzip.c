@@ -55,7 +55,7 @@ static struct MHD_Response *compress_file(int descriptor, size_t size)
 }
 #endif
 
-/* Returns the list entry of a file, created if missing, or null if memory ran out. */
+/* Returns the list entry of a file, created if missing; null if memory ran out. */
 static fxs_http_gzipped *place_of(fxs_http_gzipped **list, const char *name)
 {
     fxs_http_gzipped *place = *list;
@@ -80,7 +80,7 @@ struct MHD_Response *fxs_http_gzip(fxs_http_gzipped **list, const char *name, co
     if (!*is_new)
         return place ? place->response : NULL;
     if (place->response)
-        MHD_destroy_response(place->response);   /* libmicrohttpd keeps it while it is being sent */
+        MHD_destroy_response(place->response);   /* libmicrohttpd keeps a response while it is being sent */
     place->response = compress_file(descriptor, size);
     strcpy(place->tag, tag);
     return place->response;

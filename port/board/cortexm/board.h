@@ -7,10 +7,11 @@
 
 #define BOARD_UNUSED 0x5a5a5a5au               /* marks unused words of the stack */
 
-/* Time in nanoseconds; an fxs_clock_fn. */
+/* Returns the time in nanoseconds, as an fxs_clock_fn. */
 uint64_t board_clock(void *unused);
 
-/* Size of the stack in bytes; marks the stack below the caller as unused; largest use since then, in bytes. */
+/* Return the size of the stack and the largest use since board_stack_mark, in bytes. board_stack_mark marks the
+   stack below the caller as unused. */
 uint32_t board_stack_bytes(void);
 void board_stack_mark(void);
 uint32_t board_stack_used(void);

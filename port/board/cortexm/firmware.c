@@ -1,6 +1,6 @@
-/* Renders a turning scene from flash in strips. Prints time, memory and the hash of each picture; the hash is the same
- * on every machine. With display=1 on the command line, strips also go to a panel with a file as its bus
- * (recorder.c). */
+/* Renders a turning scene from flash in strips of a few rows. Prints time, memory and a hash of each picture, which
+ * is the same on every machine. display=1 on the command line also sends the strips to a display panel, which
+ * records to a file (recorder.c). */
 #include "board.h"
 #include "console.h"
 #include "recorder.h"
@@ -15,7 +15,7 @@
 #define ROWS_MOST 32
 
 typedef struct shown {
-    uint64_t hash;                 /* FNV-1a of the pixels up to now */
+    uint64_t hash;                 /* FNV-1a hash of the pixels so far */
     fxs_ili9341 panel;             /* width 0: no panel */
 } shown;
 

@@ -1,5 +1,5 @@
-/* Shows a turning scene on the screen of the Versatile Express. Each strip is copied to the hidden picture, as it would
- * be sent to a display. A complete picture then replaces the visible one. */
+/* Shows a turning scene on the screen of the Versatile Express board. Strips are copied to a hidden picture, which
+ * replaces the visible one when complete. */
 #include <string.h>
 
 #include <fixsplat/strip.h>
@@ -24,7 +24,7 @@ void board_fault(void)
     console_exit(3);
 }
 
-/* argument: the screen to copy to. */
+/* argument: the picture to copy to. */
 static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     memcpy((uint16_t *)argument + first * WIDTH, strip->pixels, (size_t)rows * WIDTH * sizeof(uint16_t));
