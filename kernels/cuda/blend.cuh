@@ -1,12 +1,16 @@
-/* Blends the splats (projected Gaussians) of each tile of 16x16 pixels, and writes the pixels.
- * A list of fewer than 2^LONG_MAGNITUDE splats is first sorted by depth. In blend_sorted, 4 warps then blend regions
- * of 8x8 pixels, or 8 warps regions of 8x4. A warp tests 32 splats against its region, queues splats that can touch
- * a pixel, and blends them one by one. Longer lists go to blend_dense (dense.cuh) or to blend_tiles, which sorts and
- * blends batch after batch.
- * A pixel's level, u^2 + v^2 + an offset in splat coordinates, indexes the alpha table. Here levels are integers in
- * float registers: with c = coordinate_q13 2^-7, fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2
- * (coordinate_q13^2 2^-15 + 1/2 + row_level)) below 2^24. Limits are at most 2^23 + 45395. Coordinates beyond +-4
- * need no clamp, as their level exceeds every limit. */
+/* Blends the splats (projected Gaussians) of each tile of 16x16 pixels.
+ *
+ * A short list of splats is first sorted by depth. Then each warp blends a region of 8x8 or 8x4 pixels: it tests 32
+ * splats per step, queues the splats that touch the region, and blends them one by one. Long lists go to blend_dense
+ * (dense.cuh), or to blend_tiles, which sorts and blends one batch after another.
+ *
+ * A pixel's level, u^2 + v^2 + offset in a splat's coordinates u and v, is the index of the alpha table. Levels are
+ * integers in float registers. With c = coordinate_q13 2^-7,
+ *
+ *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
+ *
+ * below 2^24. Limits of the level are at most 2^23 + 45395. Coordinates beyond +-4 need no clamp, as their level
+ * exceeds every limit. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
@@ -24,19 +28,19 @@ typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
 const int REGION = 8;
 template <int Each>
-constexpr uint32_t LANES = REGION / Each;  /* lanes per row of a region; each lane has 1 or 2 pixels */
+constexpr uint32_t LANES = REGION / Each;
 template <int Each>
 constexpr int ROWS = WARP / LANES<Each>;
 const uint32_t STEPS = 4;                  /* splats that are blended between two tests for an early out */
-const uint32_t QUEUE = WARP + STEPS;       /* capacity of a queue in splats */
+const uint32_t QUEUE = WARP + STEPS;
 const int LEVEL_ONE = 0x4b000000;
 
 struct queued_row {
     uint32_t u_q24;
-    float level;                           /* 2^23 + 2 row_level + 1 */
+    float level;
 };
 
-/* A queued splat. 80 bytes avoid bank conflicts between 16-byte loads. */
+/* A splat in a warp's queue. 80 bytes avoid bank conflicts. */
 struct alignas(16) queued_splat {
     queued_row rows[ROWS<2>];
     uint32_t ux_q24;
@@ -48,7 +52,7 @@ struct queued_trace {
     uint32_t key, index;                   /* depth key; index among all drawn Gaussians */
 };
 
-/* A pixel's colour sums, Q13, are at most 2^15, so two sums fit in a word. */
+/* A pixel while splats are blended. Each colour sum (Q13) is at most 2^15, so two sums fit in a word. */
 struct pixel {
     int transmittance;
     uint32_t red_green, blue;
@@ -58,7 +62,7 @@ struct traced_pixel : pixel {
     uint32_t limit;                        /* depth key of the occluder, which hides farther splats */
     bool hidden;
     int weight;
-    uint32_t largest, median;              /* index of the splat with the largest weight; median depth key */
+    uint32_t largest, median;              /* largest: index of the splat with the largest weight */
     uint64_t depths;
 };
 
@@ -89,7 +93,7 @@ struct trace_queues<traced_pixel, Warps> {
 template <class Pixel>
 struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
     tile_keys keys;
-    uint32_t entries[tile_keys::room];     /* splat indices in ascending order of depth */
+    uint32_t entries[tile_keys::room];
     union {
         queued_splat queues[GROUP_THREADS / WARP][QUEUE];
         uint32_t bins[bins_of<tile_keys, GROUP_THREADS>];
@@ -110,7 +114,8 @@ size_t blend_bytes(uint32_t groups)
     return sizeof(blend_shared<Pixel>) - sizeof(group_shared<Pixel>) + groups * sizeof(group_shared<Pixel>);
 }
 
-/* Returns coordinate_q13 2^-7. The unit of the float 1.5 2^16 is 2^-7, so adding to its bits converts an integer. */
+/* Returns coordinate_q13 2^-7. The float 1.5 2^16 has a unit of 2^-7, so adding an integer to its bits converts the
+   integer. */
 __device__ inline float coordinate_q6(uint32_t coordinate_q24)
 {
     return __int_as_float(((int32_t)coordinate_q24 >> 11) + 0x47c00000) - 98304.0f;
@@ -135,7 +140,8 @@ __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q2
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
-/* Adds fxs_mul_q15(weight, colour) to each sum. Q14 colours put the result into the product's upper half. */
+/* Adds fxs_mul_q15(weight, colour) to each colour sum. Q14 instead of Q13 puts the result into the product's upper
+   half. */
 __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32_t green_q14, uint32_t blue_q14)
 {
     const uint32_t red = (uint32_t)weight * red_q14 + 32768, green = (uint32_t)weight * green_q14 + 32768;
@@ -143,7 +149,6 @@ __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32
     p->blue += ((uint32_t)weight * blue_q14 + 32768) >> 16;
 }
 
-/* Blends a splat into a pixel if the splat's level is at most `limit`. Returns the splat's weight. */
 __device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                   const queued_splat *s, int limit)
 {
@@ -176,7 +181,7 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
 }
 
 /* Fills in *q except the colour, for the region at (x, y). Returns true if the splat can touch a pixel of the
-   region. |u| is least at an end of a row, or is 0. `across` has a margin for rounding. */
+   region. |u| is least at an end of a row, or is 0. */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -265,8 +270,7 @@ struct region_blender {
     {
     }
 
-    /* Appends splats that can touch the region to the queue, testing one splat per lane. Returns the queue's new
-       length. */
+    /* Appends splats that touch the region to the queue, testing one splat per lane. Returns the queue's new length. */
     __device__ uint32_t queue_splats(const Pixel *p, uint32_t entry, bool listed, uint32_t queued) const
     {
         queued_splat q;
@@ -294,7 +298,6 @@ struct region_blender {
             blend_queued(&p[i], alpha_q15, row, column + i * LANES<Each>, place.splat, place.trace, depth_bits);
     }
 
-    /* Moves the queue's elements from index `first` on to its start. Returns their number, less than STEPS. */
     __device__ uint32_t keep_rest(uint32_t first, uint32_t queued) const
     {
         const uint32_t words = sizeof(queued_splat) / sizeof(uint4), lane = lane_index(), rest = queued - first;
@@ -309,7 +312,6 @@ struct region_blender {
         return rest;
     }
 
-    /* Blends `count` list entries, with a test for an early out before every STEPS splats. */
     __device__ void blend(Pixel (&p)[Each], const uint32_t *entries, uint32_t count) const
     {
         const queue_place start = {queue, own_rows, traces};
@@ -346,7 +348,7 @@ struct target {
     int plain;
 };
 
-/* Clamps the final sum; one clamp at the end is enough, since sums only increase. */
+/* Clamps a colour sum. One clamp at the end is enough, since sums only increase. */
 __device__ inline int sum_of_colour(const pixel *p, int c)
 {
     return fxs_min((int)((c < 2 ? p->red_green >> 16 * c : p->blue) & 0xffff), 32767);
@@ -361,7 +363,7 @@ __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, i
     *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
 }
 
-/* Writes a pixel's colour in any format. Not inlined, to save registers in the callers' loops. */
+/* Not inlined, to save registers in the callers' loops. */
 __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
@@ -401,7 +403,6 @@ __device__ inline void store_pixel(const target *t, const frame_buffers *, const
         *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);
 }
 
-/* Returns the object's id and the Gaussian's number in its scene. */
 __device__ inline uint2 id_of(const frame_buffers *f, uint32_t index)
 {
     if (index == FXS_NOTHING)
@@ -456,7 +457,7 @@ __device__ inline turns turns_of(const frame_buffers *f, uint32_t each)
 }
 
 struct turn_of_tile {
-    uint32_t tile, place;                  /* index of the tile in processing order */
+    uint32_t tile, place;
     uint32_t number, turns;
 };
 
@@ -469,7 +470,6 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
             __shfl_sync(ALL_LANES, order->tiles, lane) + before, i & (each - 1), each};
 }
 
-/* Puts a list into bins of depth. Returns the new list; null if scratch memory is short. */
 template <class Pixel>
 __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own,
                                                    const frame_buffers *f, const uint64_t *list, uint32_t count,
@@ -493,7 +493,6 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
     return sorted;
 }
 
-/* Sorts and blends a tile's list. Each of the group's 4 warps has its own region at (x, y). */
 template <class Pixel>
 __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
                            const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
@@ -570,7 +569,6 @@ struct list_sorter {
     uint32_t bins[bins_of<group_keys<1u << Magnitude, Bits>, T>];
     uint32_t turn;
 
-    /* Takes lists from a shared counter and sorts them in place. */
     __device__ void run(const frame_buffers *f, uint32_t tiles, turns order, uint32_t *counter, group<T> g)
     {
         uint32_t next = g.thread == 0 ? atomicAdd(counter, 1u) : 0;
@@ -623,7 +621,7 @@ struct warp_shared : trace_queues<Pixel, 1> {
 template <class Pixel>
 struct sorted_shared {
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
-    turns order[WARP];                     /* shared memory instead of registers */
+    turns order[WARP];
     warp_shared<Pixel> warps[1];
 };
 
@@ -633,8 +631,8 @@ size_t sorted_bytes(uint32_t warps)
     return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
 }
 
-/* Returns the regions per tile with floor(log2(list length)) = 31 - lane: 4, or 8 if half a warp's average load is
-   exceeded. */
+/* Returns the regions per tile with floor(log2(list length)) = 31 - lane: 8 if a list exceeds half a warp's average
+   load, else 4. */
 __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);

@@ -1,8 +1,9 @@
 /* The CUDA back end (cuda.h): allocates device memory and launches the kernels of a frame. Several frames may be in
- * flight. Each frame runs in a slot: two streams, events and device buffers.
+ * flight, each in a slot with streams, events and device buffers.
+ *
  * Kernel order: choose the level of detail of scenes with a tree, project, start_lists, fill_lists, sort_lists,
- * blend. The slot's second stream blends long lists while the first sorts the others. fxs_cuda_finish renders a
- * frame again with larger buffers if its tile lists overflowed. */
+ * blend. A second stream blends long tile lists while the first sorts the others. fxs_cuda_finish renders a frame
+ * again with larger buffers if its tile lists overflowed. */
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
@@ -14,17 +15,17 @@
 namespace {
 
 const uint32_t SLOTS = 16;
-const uint64_t ENTRIES_MAX = 0xffffffffu;  /* limit of the 32-bit counts in tile_list */
+const uint64_t ENTRIES_MAX = 0xffffffffu;
 
 struct slot {
-    cudaStream_t stream, side;     /* side: high-priority stream for long lists */
-    cudaStream_t on;               /* `stream`, or the caller's stream for a single frame */
+    cudaStream_t stream, side;     /* side: high-priority stream for long tile lists */
+    cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* fxs_object_view[], crop boxes, views for the level of detail, list of drawn
                                       chunks */
     block splats, tiles, larges, entries;
     block cut;
-    block pixels;                  /* pixels that are copied to targets in pinned host memory at the end of the frame */
+    block pixels;                  /* pixels that are copied to pinned host memory at the end of the frame */
 };
 
 struct slot_sizes {
@@ -37,14 +38,14 @@ struct frame {
     fxs_view view;                 /* world to camera; plain frame: object to camera */
     fxs_scene scene;               /* plain frame: the only scene, with device pointers */
     fxs_targets targets;
-    bool hosted[PLANES];           /* rendered to slot.pixels, then copied to pinned host memory */
+    bool hosted[PLANES];           /* true: rendered to slot.pixels, then copied to pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
-    uint32_t cut_room;             /* capacity in chunks for the level of detail; 0: all leaves are drawn */
-    uint32_t cut_chunks, whole_chunks;     /* chunks and nodes of all objects; chunks of objects without a tree */
-    bool cut_here;                 /* the host chooses the level of detail, as a scene's tree is invalid */
-    uint64_t staged;               /* offset of the frame's objects in fxs_cuda.staged */
+    uint32_t cut_room;             /* capacity in chunks of the level of detail; 0: all leaves are drawn */
+    uint32_t cut_chunks, whole_chunks;
+    bool cut_here;                 /* true: the host chooses the level of detail, as a tree is invalid */
+    uint64_t staged;
     bool plain;                    /* one object, not scaled, cropped or tinted, with all chunks drawn and no pool */
-    bool pooled;                   /* a scene is only partly on the device (pool.cuh) */
+    bool pooled;
 };
 
 }
@@ -58,8 +59,8 @@ struct fxs_cuda {                  /* in pinned host memory, so that kernels can
     uint32_t warps, traced_warps;
     budget memory;
     scene_table scenes;
-    host_block staged;             /* objects of the frames in flight */
-    host_block cut;                /* scratch memory of the level of detail on the host */
+    host_block staged;
+    host_block cut;
     block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready, began;
@@ -73,7 +74,7 @@ struct fxs_cuda {                  /* in pinned host memory, so that kernels can
     frame_buffers buffers[FXS_CUDA_BATCH];
     frame_needs needs[FXS_CUDA_BATCH];
     uint32_t frame_count;
-    uint32_t frame_number;         /* number of the last frame started */
+    uint32_t frame_number;
     fxs_cuda_frame device_frames[FXS_CUDA_BATCH];
 };
 
@@ -84,8 +85,8 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Returns the number of slots for this many frames. With a pooled scene frames run one after the other, as each may
-   evict chunks that the previous frame reads. */
+/* Returns the number of slots for this many frames: 1 with a pooled scene, as each frame may evict chunks that the
+   previous frame reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
@@ -106,7 +107,6 @@ void planes_of(fxs_targets *t, plane planes[PLANES])
     memcpy(planes, all, sizeof all);
 }
 
-/* Assigns addresses in `memory` to the frame's hosted planes. Returns their size in bytes. */
 uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -131,8 +131,7 @@ uint64_t drawn_at(const frame *of)
     return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
 }
 
-/* Lays out a slot's memory for a frame. *sizes receives the bytes of objects, splats and tiles. With null blocks,
-   only *sizes is valid. */
+/* Lays out a slot's memory for a frame. With null blocks, only *sizes is valid. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
@@ -163,7 +162,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     return f;
 }
 
-/* Lays out slot.cut for a frame. *bytes receives the total size, *cleared the size of the part that must be zeroed. */
+/* Lays out slot.cut for a frame. *cleared receives the size of the part that must be zeroed. */
 cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options, uint64_t *cleared, uint64_t *bytes)
 {
     const uint64_t blocks = of->cut_chunks / LIST_CHUNKS + 1;
@@ -207,7 +206,6 @@ void free_slot(fxs_cuda *cuda, slot *s)
         reserve(&cuda->memory, b, 0, nullptr);
 }
 
-/* Frees the memory of all slots. No frame may be in flight. */
 void free_slots(fxs_cuda *cuda)
 {
     for (uint32_t i = 0; i < cuda->slot_count; i++)
@@ -227,8 +225,7 @@ uint64_t likely_larges(const frame *f)
     return (f->view.cutoff == FXS_CUTOFF_SQUARE ? most : 0) + f->gaussians / 16 + 4096;
 }
 
-/* Computes the memory that the frames need in each slot. Returns the total device memory: allocated, missing, and
-   for wanted scenes. */
+/* Returns the total device memory: allocated, missing, and for scenes to be copied. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
 {
     const slot none = {};
@@ -275,9 +272,8 @@ uint64_t memory_most(const fxs_cuda *cuda)
     return most;
 }
 
-/* Copies the wanted scenes and allocates memory for the frames. Above the limit, first frees the slots' memory. If
-   memory is still short, scenes get pools, in three quarters of the memory left beside the frames. The measured
-   limit then becomes the budget's. */
+/* Copies scenes and allocates memory for the frames. If memory is short, first frees the slots' memory. If memory is
+   still short, scenes get pools in three quarters of the rest. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
@@ -301,7 +297,7 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
     }
     error = fetch_scenes(scenes, memory, rows_most, error, cuda->slots[0].stream, why);
     if (!error && scenes->pools)
-        size_slots(cuda, count, sizes);    /* with pools, all frames share one slot */
+        size_slots(cuda, count, sizes);
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
@@ -339,8 +335,8 @@ bool is_in_host_memory(const void *pointer)
     return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
 }
 
-/* Finds the output planes in pinned host memory. These are rendered on the device and copied, as kernels write rows
-   in small pieces. Kernels write images with a negative stride directly. */
+/* Finds the output planes in pinned host memory. These planes are rendered on the device and then copied, as kernels
+   write rows in small pieces. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];
@@ -379,7 +375,6 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     return error;
 }
 
-/* Checks a frame like fxs_render, and copies it without its objects. */
 int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options, fxs_message *why)
 {
     *f = {};
@@ -394,7 +389,6 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
-/* Copies all frames, registers their scenes and reserves the staging memory for their objects. */
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
     int error = 0;
@@ -430,7 +424,6 @@ fxs_object_view *staged_objects(const fxs_cuda *cuda, const frame *f)
     return (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
 }
 
-/* Writes the objects of frame i to the staging memory. */
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
@@ -461,7 +454,6 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-/* Finds the drawn chunks on the host. */
 int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
 {
     fxs_cut cut = {};
@@ -576,7 +568,6 @@ void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cuda
     launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
-/* Launches the blending of sorted lists, then of long lists if `groups` is not 0. */
 template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
                  const frame_buffers &f, const target &t)
@@ -645,7 +636,7 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     f.needs = &cuda->needs[i];
     f.number = ++cuda->frame_number;
     if (fxs_targets_traced(&of->targets))                    /* traced pixels read depths to the end, so scratch
-                                                                entries must not overwrite them */
+                                                                entries must not overwrite depths */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     if (cuda->entries_most) {
         f.capacity = cuda->entries_most;
@@ -656,7 +647,6 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     return f;
 }
 
-/* Uploads the objects of frame i if a kernel reads them. */
 void copy_objects(fxs_cuda *cuda, uint32_t i)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -679,7 +669,6 @@ void project_frame(const fxs_cuda *cuda, const frame *of, const slot *s, frame_b
         project<true>(cuda, of, *f, s->on);
 }
 
-/* Launches all kernels after the projection. */
 int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -724,7 +713,6 @@ int wait(fxs_cuda *cuda, fxs_message *why)
     return 0;
 }
 
-/* Ends all frames. After an error, first waits for the streams. Returns `error`. */
 int end_frames(fxs_cuda *cuda, int error)
 {
     for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && error; i++)
@@ -805,14 +793,13 @@ int allow_shared(Kernel *kernel, size_t bytes, size_t shared_most, fxs_message *
     return check(why, cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes));
 }
 
-/* Returns how many parts of `bytes` bytes fit into a thread block's shared memory beside `fixed` bytes: 1 to `most`. */
+/* Returns how many parts of `bytes` bytes fit into shared memory beside `fixed` bytes: 1 to `most`. */
 uint32_t parts_of(size_t shared_most, size_t fixed, size_t bytes, uint32_t most)
 {
     const size_t parts = shared_most < fixed + bytes ? 1 : (shared_most - fixed) / bytes;
     return parts < most ? (uint32_t)parts : most;
 }
 
-/* Sizes the blend kernels by the available shared memory. */
 template <class Pixel>
 int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_message *why)
 {
@@ -823,7 +810,7 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
 }
 
 /* Shared memory per thread block: 227 KiB on H100 and H200, 163 on A100, 99 on others. With 99, blend_tiles takes
-   the long lists, as blend_dense does not fit. */
+   the long lists. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
     int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
@@ -892,7 +879,6 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
         }
 }
 
-/* Assigns addresses in `memory` to all targets. Returns their size in bytes. */
 uint64_t place_targets(fxs_cuda_frame *frames, uint32_t count, void *memory)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -1120,8 +1106,7 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         cuda->device_frames[i].targets = frames[i].targets;
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
-    /* Another stream than the default one, so that other renderers are not blocked. The stream waits for the copies
-       to the device. */
+    /* The default stream would block other renderers. The slot's stream waits for the copies to the device. */
     error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
     error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);

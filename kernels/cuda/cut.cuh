@@ -1,5 +1,6 @@
 /* Chooses the level of detail on the device, with the same result as src/core/cut.c. The leaves of a scene's binary
- * tree are chunks of 256 Gaussians; a node is a chunk that stands for its two children.
+ * tree are chunks of 256 Gaussians; a node stands for its two children.
+ *
  * A node's key is the gain of opening the node, which replaces it by its children. Nodes are opened in descending
  * order of key until the budget of drawn chunks ends. A child's key is at most its parent's, so the opened nodes are
  * a prefix of that order. The kernels compute all keys in parallel. Prefix sums over a histogram give the key at
@@ -29,10 +30,9 @@ struct alignas(8) node_sight {
 struct alignas(16) key_count {
     uint32_t nodes, children;
     uint32_t no_more;              /* nodes that are not drawn once opened */
-    uint32_t fewer;                /* nodes of no_more without a visible child */
+    uint32_t fewer;
 };
 
-/* Sums over the nodes in the order of opening. */
 struct cut_sums {
     uint32_t nodes, children, no_more;
 };
@@ -43,19 +43,19 @@ struct cut_status {
     uint32_t blocks_done[2];
     uint32_t stops;                /* 1: the budget may end before all nodes are opened */
     uint32_t stop_first, stop_last;        /* range of indices in `keys` at which the budget may end */
-    cut_sums before, all;          /* sums before stop_first; sums of all nodes */
-    uint32_t candidates;           /* number of nodes with keys from stop_first to stop_last */
-    uint64_t stop;                 /* order_of the first node that is not opened; UINT64_MAX: none */
+    cut_sums before, all;
+    uint32_t candidates;
+    uint64_t stop;                 /* sort key of the first node that is not opened; UINT64_MAX: all are opened */
     fxs_fading fading;
     uint32_t drawn;
 };
 
 struct cut_buffers {
-    cut_status *status;            /* the first four arrays are zeroed */
+    cut_status *status;
     uint32_t *block_counts;
     uint32_t *marks;               /* one bit per chunk; 1: the chunk is drawn */
     key_count *keys;               /* histogram in descending order of key */
-    uint16_t *shares_q8;           /* drawn share of each chunk's optical depth */
+    uint16_t *shares_q8;
     node_sight *sights;
     uint64_t *candidates;
     fxs_drawn *drawn;
@@ -65,8 +65,7 @@ struct cut_buffers {
     uint32_t room, detail_q8;
 };
 
-/* Fills in the parents of all nodes. Sets wrong_tree if a node is damaged or two nodes share a child. Otherwise
-   every chunk except the root has a parent, as each node has two children. */
+/* Fills in the parents of all nodes. Sets wrong_tree if a node is damaged or two nodes share a child. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -87,7 +86,6 @@ __global__ void find_parents(const __grid_constant__ fxs_scene scene)
             head_of(&scene)->wrong_tree = 1;
 }
 
-/* Sets wrong_tree if a chunk lies deeper than DEPTH_MOST in the tree. */
 __global__ void measure_depths(const __grid_constant__ fxs_scene scene)
 {
     uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x, depth = 0;
@@ -110,7 +108,7 @@ __device__ inline node_sight stored(const fxs_sight *sight, bool seen, uint32_t 
     return {sight->key_q8, (int16_t)room_q8, (uint16_t)seen_children};
 }
 
-/* Loads a node_sight by one 8-byte access, as another thread may be writing it. */
+/* Loads by one 8-byte access, as another thread may be writing the element. */
 __device__ inline node_sight load(const node_sight *from)
 {
     const unsigned long long bits = *(const volatile unsigned long long *)from;
@@ -202,8 +200,7 @@ __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
     return (int64_t)c->whole_chunks + c->status->roots + s.children - s.no_more;
 }
 
-/* Returns true if the sum exceeds the budget or the limit of visited nodes. `fewer` nodes of the sum may be opened
-   last and reduce the drawn chunks. */
+/* Returns true if the sum exceeds the budget or the limit of visited nodes. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
@@ -258,8 +255,8 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* Clamps each node's key and room to those of its ancestors, and counts nodes by key. Ancestors that another thread
-   has clamped already leave the minimum unchanged. */
+/* Clamps each node's key and room to those of its ancestors, and counts nodes by key. Clamping an ancestor twice is
+   harmless. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -306,7 +303,7 @@ __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant
         find_keys(&c);
 }
 
-/* Sorts by bitonic sort in one thread block. Rounds begin with mirrored pairs, so missing elements act as +infinity. */
+/* Bitonic sort in one thread block. Rounds begin with mirrored pairs, so missing elements act as +infinity. */
 __device__ void sort_candidates(uint64_t *values, uint32_t count)
 {
     for (uint32_t size = 2; size < 2 * count; size *= 2)
@@ -349,7 +346,7 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
 }
 
 /* Computes the width of the fade in units of the key. of_last: number of opened nodes with the last key. last: index
-   of the last key. all: all nodes are opened. */
+   of the last key. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;

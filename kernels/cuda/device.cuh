@@ -60,7 +60,7 @@ int check(fxs_message *why, cudaError_t error, cudaError_t second = cudaSuccess)
     error = error ? error : second;
     if (!error)
         return 0;
-    cudaGetLastError();            /* clears the CUDA error for later calls */
+    cudaGetLastError();
     return failed(why, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
 }
 
@@ -127,7 +127,7 @@ int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
     return 0;
 }
 
-/* Takes `count` elements of type T from *memory and advances *memory by a multiple of 64 bytes. */
+/* Takes `count` elements of type T from *memory, padded to a multiple of 64 bytes. */
 template <class T>
 T *cut(unsigned char **memory, uint64_t count)
 {

@@ -1,7 +1,6 @@
-/* Fills the list of splats (projected Gaussians) of each tile of 16x16 pixels, in no order. A thread block projects
- * and shades one chunk of 256 packed Gaussians.
- * A frame with one plain object passes view and scene as kernel parameters. Otherwise (Many) objects are in device
- * memory. */
+/* Fills the list of splats (projected Gaussians) of each tile of 16x16 pixels, unsorted. A thread block projects and
+ * shades one chunk of 256 packed Gaussians. A frame with one plain object passes view and scene as kernel
+ * parameters. Otherwise (Many) objects are in device memory. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -18,7 +17,6 @@ const int LARGE_ROWS = 8;
 const int BOX_COLUMNS = 6, BOX_ROWS = 7, BOX_TILES = BOX_COLUMNS * BOX_ROWS;
 const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
 
-/* Computes a chunk's view, with sigmas grown by grow_q8. Returns 0 if the chunk is invisible or cropped. */
 __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
                                       uint32_t grow_q8)
 {
@@ -90,7 +88,6 @@ struct block_splats {
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
 
-/* Starts an asynchronous copy to shared memory. `bytes` is a multiple of 16. */
 __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, const void *from, uint32_t bytes)
 {
 #if __CUDA_ARCH__ >= 900
@@ -103,7 +100,7 @@ __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, con
 #endif
 }
 
-/* Starts to copy a chunk to shared memory. Part 1 is the spherical harmonics, part 0 the rest. From compute
+/* Starts to copy a chunk to shared memory: part 1 is the spherical harmonics, part 0 the rest. From compute
    capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
 __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
                                    const unsigned char *rows, uint32_t bytes)
@@ -129,12 +126,11 @@ __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, 
     __pipeline_commit();
 }
 
-/* Waits until a part of the chunk is in shared memory. All threads call. */
 __device__ inline void await_part(block_splats *b, uint32_t part)
 {
 #if __CUDA_ARCH__ >= 900
     if (part == 0)
-        __syncthreads();                   /* shows the initialised barriers to all threads */
+        __syncthreads();                   /* makes the initialised barriers visible to all threads */
     while (!cuda::ptx::mbarrier_try_wait_parity(&b->arrived[part], 0)) {
     }
 #else
@@ -163,7 +159,6 @@ __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
     return all;
 }
 
-/* Returns the splat that owns tile row number `item` of the thread block. */
 __device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
 {
     uint32_t splat = 0;
@@ -235,7 +230,6 @@ __device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, ui
             f->larges[place] = {*bounds, index, first};
 }
 
-/* Bins one splat per thread, and counts list entries. */
 __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
                             const ellipse *e, bool visible)
 {
@@ -377,8 +371,8 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
         });
 }
 
-/* Writes the list entries of one large_splat record, by one warp. LARGE_ROWS lanes find the spans of tile rows; then
-   all lanes share the tiles. */
+/* Writes the list entries of one large_splat record, by one warp. Some lanes find the spans of tile rows; then all
+   lanes share the tiles. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);

@@ -1,7 +1,6 @@
 /* Streams scenes that do not fit into device memory. All chunks (256 packed Gaussians each) stay in pinned host
  * memory, which the device can read. A pool on the device has places for some chunks. A visible chunk outside the
- * pool evicts a chunk that the current frame does not draw. If no place is found, kernels read the chunk from host
- * memory. */
+ * pool evicts a chunk that the current frame does not draw. */
 #ifndef FXS_CUDA_POOL_CUH
 #define FXS_CUDA_POOL_CUH
 
@@ -26,7 +25,6 @@ uint64_t padded(uint64_t bytes)
     return (bytes + 63) / 64 * 64;
 }
 
-/* Returns the size in bytes of the array of tree parents. The root's parent is FXS_NOTHING. */
 __host__ __device__ inline uint64_t parents_bytes(const fxs_scene *scene)
 {
     return scene->nodes ? ((2 * (uint64_t)scene->chunk_count - 1) * sizeof(uint32_t) + 63) / 64 * 64 : 0;
@@ -76,7 +74,7 @@ __device__ inline uint32_t take_place(const fxs_scene *scene, uint32_t *places, 
     return FXS_NOTHING;
 }
 
-/* Copies each visible chunk into its scene's pool if a place is found, by one thread block per chunk. */
+/* Copies visible chunks into their scenes' pools, one chunk per thread block. */
 __global__ void __launch_bounds__(FETCH_THREADS) fetch_chunks(const __grid_constant__ frame_buffers f)
 {
     __shared__ uint32_t place;

@@ -38,7 +38,7 @@ __device__ inline float approximate_root(float x)
 }
 
 /* Returns alpha T + 1/2 in Q30; 0 if level > limit or T < Closed. alpha is the 16-bit element of alpha_q15 at byte
-   offset level & 0xfffe, in shared memory. Inline PTX makes the load independent of T. */
+   offset level & 0xfffe. Inline PTX makes the load independent of T. */
 template <int Closed>
 __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
 {
@@ -73,7 +73,6 @@ __device__ inline void wait_at(uint32_t barrier, uint32_t threads)
     asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "r"(threads) : "memory");
 }
 
-/* Synchronises the threads, and returns true if `x` is true in any of them. */
 __device__ inline bool any_at(uint32_t barrier, uint32_t threads, bool x)
 {
     uint32_t result;

@@ -1,5 +1,5 @@
-/* Keeps packed scenes on the device, in a table with one copy per scene. A scene that exceeds the remaining device
- * memory gets a pool for part of its chunks (pool.cuh). */
+/* Keeps packed scenes on the device. A scene that exceeds the remaining device memory gets a pool for part of its
+ * chunks (pool.cuh). */
 #ifndef FXS_CUDA_SCENES_CUH
 #define FXS_CUDA_SCENES_CUH
 
@@ -12,9 +12,9 @@ namespace {
 struct scene_copy {
     const fxs_scene *key;
     fxs_scene here, there;         /* here: as given by the caller; there: with device pointers */
-    block data;                    /* null: the scene is wanted but not copied yet */
+    block data;                    /* null: the scene is not copied yet */
     bool wrong_tree;               /* true: the tree is invalid, so the host chooses the level of detail */
-    bool pooled;                   /* true: only part of the Gaussians is on the device */
+    bool pooled;
     void *rows;                    /* all packed Gaussians of a pooled scene, in pinned host memory */
 };
 
@@ -22,7 +22,8 @@ struct scene_copy {
 struct scene_table {
     host_block memory;
     uint32_t count;
-    uint64_t bytes_wanted, least_wanted;   /* bytes of the wanted scenes: with and without their packed Gaussians */
+    uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes to be copied: with and without their packed
+                                              Gaussians */
     uint32_t pools;
 };
 
@@ -74,7 +75,6 @@ copy_layout lay_out_whole(const fxs_scene *scene)
     return l;
 }
 
-/* Lays out a scene with a pool of `places` chunks. */
 copy_layout lay_out_pooled(const fxs_scene *scene, uint64_t places)
 {
     copy_layout l;
@@ -141,7 +141,7 @@ int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
     return error;
 }
 
-/* Computes the parents of the chunks in a scene's tree, and checks that the nodes form a tree. */
+/* Computes the parents of a scene's nodes, and checks that the nodes form a tree. */
 int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
 {
     const uint32_t blocks = fxs_scene_chunks(&copy->there) / CUT_THREADS + 1;
@@ -170,8 +170,7 @@ cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t strea
     return first_of(cleared, cudaMemcpyAsync(data + l.chunks, start, bytes, cudaMemcpyHostToDevice, stream));
 }
 
-/* Copies a scene's packed Gaussians to pinned host memory. Pinning the caller's memory instead could take long for a
-   mapped file. */
+/* Copies a scene's packed Gaussians to pinned host memory. Pinning a mapped file itself could take long. */
 int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -188,7 +187,6 @@ int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
     return found;
 }
 
-/* Copies a scene without its packed Gaussians to `data`, and creates an empty pool. */
 int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -240,8 +238,8 @@ int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* Copies all wanted scenes, with at most `rows_most` bytes of packed Gaussians each. After an error, drops the
-   wanted scenes. */
+/* Copies all new scenes, with at most `rows_most` bytes of packed Gaussians each. After an error, drops the new
+   scenes. */
 int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {

@@ -15,15 +15,14 @@ const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the fe
 typedef group<DENSE_THREADS> dense_group;
 typedef group<SHARE_THREADS> share_group;
 
-/* Returns the number of segments of a list with floor(log2(length)) = magnitude. */
 __device__ inline uint32_t segments_of(uint32_t magnitude)
 {
     return magnitude < SEGMENT_MAGNITUDE ? 1 : 2u << (magnitude - SEGMENT_MAGNITUDE);
 }
 
 /* Returns the parts per tile, a power of two, of tiles with floor(log2(list length)) = 31 - lane. Tiles are split
-   while a part has more than half of a block's average load, or a quarter if the split adds few entries. `more`
-   estimates the scratch entries of another split. If scratch memory is short, the largest parts are split first. */
+   while a part has more than half of a thread block's average load, or a quarter if the split adds few entries. If
+   scratch memory is short, the largest parts are split first. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];
@@ -60,7 +59,6 @@ __device__ inline uint32_t segment_start(uint32_t count, uint32_t n, uint32_t al
     return (uint32_t)((uint64_t)count * n / all);
 }
 
-/* The list entries that one part of a tile needs, over all segments. */
 struct part_list {
     uint64_t *keys;
     uint32_t count, part;
@@ -129,7 +127,6 @@ struct part_list {
     }
 };
 
-/* Returns the key range of a list that several thread blocks share. */
 __device__ inline key_range range_of_shared(const frame_buffers *f, const turn_of_tile &turn)
 {
     const shared_range *range = &f->status->shared[turn.place];

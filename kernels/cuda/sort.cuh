@@ -9,14 +9,13 @@ namespace {
 
 const uint32_t GROUP_WARPS_MOST = 32;
 
-/* Shared memory of a group that sorts up to Room keys, with 2^Bits bins. */
 template <uint32_t Room, int Bits = 11>
 struct group_keys {
     static constexpr uint32_t room = Room, bins = 1u << Bits;
     static constexpr int bits = Bits;
     uint64_t keys[Room];
     uint16_t places[Room];                 /* indices into keys, in the order of the bins */
-    uint2 bounds[GROUP_WARPS_MOST];        /* smallest and largest depth per warp */
+    uint2 bounds[GROUP_WARPS_MOST];
     uint32_t sums[GROUP_WARPS_MOST];
     uint32_t segments[WARP];
     uint32_t count, bin;
@@ -62,7 +61,6 @@ struct group<WARP> {
     }
 };
 
-/* Calls visit(key) for every key of a list, with several loads in flight. */
 template <class G, class Visit>
 __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Visit visit)
 {
@@ -79,7 +77,6 @@ __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Vis
     }
 }
 
-/* Inclusive range of keys. */
 struct key_range {
     uint64_t low, high;
 };
@@ -248,8 +245,8 @@ struct segmented {
     }
 };
 
-/* Writes values to `sorted` bin by bin, by counting sort. visit_all(visit) calls visit(key, value) for each key.
-   Afterwards `bins` holds the ends of the bins. */
+/* Writes values to `sorted` bin by bin, by counting sort. visit_all(visit) calls visit(key, value). Afterwards
+   `bins` holds the ends of the bins. */
 template <class Moved, class K, class G, class VisitAll>
 __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
@@ -267,7 +264,7 @@ __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range
     g->sync();
 }
 
-/* Returns how many bin ends are at most `most`. Called by one warp. */
+/* Returns the number of bin ends up to `most`. Called by one warp. */
 template <class K>
 __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
@@ -337,7 +334,7 @@ __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *sh
 }
 
 /* Calls take(count) for batches of keys in ascending order of depth, until take returns false. A batch is in
-   shared->keys, unsorted. take must return the same value in all threads. ends: bin ends of the list; null: no bins. */
+   shared->keys, unsorted. ends: bin ends of the list; null: no bins. */
 template <class K, class G, class Take>
 __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
                           const G *g, Take take)

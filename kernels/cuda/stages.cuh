@@ -1,5 +1,5 @@
-/* Compiles the C sources of src/core for the device, so that all integers are the same as on the processor. Also
- * defines the device buffers of a frame. */
+/* Compiles the C sources of src/core for the device, so that all integers equal those of the processor. Defines the
+ * device buffers of a frame. */
 #ifndef FXS_CUDA_STAGES_CUH
 #define FXS_CUDA_STAGES_CUH
 
@@ -42,12 +42,12 @@ __device__ const uint16_t offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 struct large_splat {
     fxs_bounds bounds;
     uint32_t index;
-    int32_t first;                 /* first of this record's LARGE_ROWS tile rows */
+    int32_t first;
 };
 
 const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* MANY_GAUSSIANS: mean per tile from which list_step is
                                                               LISTS_APART */
-const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;    /* most parts of a tile; most tiles that are split into parts */
+const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 
 /* Memory that a frame needs. A frame that exceeds its buffers is not blended. */
 struct frame_needs {
@@ -62,16 +62,16 @@ struct shared_range {
     uint32_t not_least, most;
 };
 
-/* A segment of a shared list, with the entries that each part of the tile needs. */
+/* A segment of a tile list, with the entries that each part of the tile needs. */
 struct list_segment {
-    uint16_t *places;              /* indices in the segment, part after part; null: out of memory */
-    uint16_t ends[PARTS_MOST];     /* end of each part in `places` */
+    uint16_t *places;              /* indices of entries, part after part; null: out of memory */
+    uint16_t ends[PARTS_MOST];
 };
 
 struct frame_status : frame_needs {
     uint32_t chunks;
     uint32_t classes[32];          /* number of tiles by floor(log2(list length)) */
-    uint32_t class_entries[32];    /* list entries of these tiles */
+    uint32_t class_entries[32];
     uint32_t next_sort[2], next_turn, next_long, next_dense;
     uint64_t split_taken[2];       /* scratch entries taken from split_entries, and from the free end of `entries` */
     shared_range shared[SHARED_MOST];
@@ -85,32 +85,32 @@ struct tile_list {
 struct frame_buffers {
     frame_status *status;
     frame_needs *needs;            /* in host memory; written by sort_lists */
-    const fxs_object_view *objects;   /* with device pointers */
+    const fxs_object_view *objects;
     uint32_t object_count;
     uint32_t number;
     const fxs_drawn *drawn;        /* null: all chunks are drawn */
     const uint32_t *drawn_count;   /* null: the length of `drawn` was found on the host */
-    uint32_t *chunk_objects;       /* object of each visible chunk */
-    fxs_chunk_view *chunk_views;   /* view of each visible chunk; `chunk` is its index among the drawn chunks */
+    uint32_t *chunk_objects;
+    fxs_chunk_view *chunk_views;   /* `chunk` is the index among the drawn chunks */
     fxs_splat *splats;             /* indexed by drawn chunk and Gaussian; valid for visible splats */
     uint64_t *boxes;               /* tiles of each splat, packed by box_of */
     uint32_t *depths;
     union {
-        large_splat *larges;       /* until fill_lists has read the records */
-        list_segment *segments;    /* after fill_lists */
+        large_splat *larges;
+        list_segment *segments;    /* used after fill_lists, in place of larges */
     };
-    tile_list *lists;              /* tile i has lists[i list_step]. Atomics on one memory sector are serialised, so
-                                      with many Gaussians per tile each list has a sector of its own */
+    tile_list *lists;              /* list of tile i is lists[i list_step]. With many Gaussians per tile, each list
+                                      has its own memory sector, as atomics on one sector are serialised */
     uint32_t list_step;            /* 1 or LISTS_APART */
     uint32_t *classes;             /* tiles by floor(log2(list length)), one row per class */
     uint64_t *entries;             /* lists of depth << 32 | FXS_ENTRY_CUT_OFF | splat index; sort_lists leaves only
                                       the low halves, sorted by depth */
-    uint64_t *split_entries;       /* scratch memory, which reuses boxes and, if possible, depths */
+    uint64_t *split_entries;
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
 };
 
-/* Loads a splat as two 16-byte words. nvcc would use eight 4-byte words, the alignment of a splat. */
+/* Loads a splat as two 16-byte words; nvcc would load eight 4-byte words. */
 __device__ inline fxs_splat load_splat(const fxs_splat *from)
 {
     const uint4 halves[2] = {((const uint4 *)from)[0], ((const uint4 *)from)[1]};
@@ -133,7 +133,6 @@ __host__ __device__ inline tile_list *list_of(const frame_buffers *f, uint32_t t
     return f->lists + f->list_step * tile;
 }
 
-/* Returns the index of a tile's list in 32-bit words. */
 __device__ inline uint32_t number_of(const frame_buffers *f, uint32_t tile)
 {
     return sizeof(tile_list) / sizeof(uint32_t) * f->list_step * tile;
@@ -160,7 +159,6 @@ __device__ inline bool fits(const frame_buffers *f)
     return f->status->entries <= f->capacity && f->status->larges <= f->large_capacity;
 }
 
-/* Returns the number of free entries at the end of `entries`, which serve as scratch memory. */
 __device__ inline uint64_t spare_entries(const frame_buffers *f)
 {
     return f->capacity - f->status->entries;

@@ -1,5 +1,5 @@
-/* Finds the pixels of a 16x16 tile that a splat (a projected Gaussian) can touch. A pixel's level is u^2 + v^2 + an
- * offset in splat coordinates u and v; larger levels are fainter. Margins cover rounding errors. */
+/* Finds the pixels of a 16x16 tile that a splat (a projected Gaussian) can touch. A pixel's level is u^2 + v^2 +
+ * offset in the splat's coordinates u and v; larger levels are fainter. Margins cover rounding errors. */
 #ifndef FXS_CUDA_TILE_WALK_CUH
 #define FXS_CUDA_TILE_WALK_CUH
 
