@@ -18,7 +18,7 @@ const uint32_t SLOTS = 16;
 const uint64_t ENTRIES_MAX = 0xffffffffu;
 
 struct slot {
-    cudaStream_t stream, side;     /* side: high-priority stream for long tile lists */
+    cudaStream_t stream, side;
     cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* fxs_object_view[], crop boxes, views for the level of detail, list of drawn
@@ -40,7 +40,7 @@ struct frame {
     fxs_targets targets;
     bool hosted[PLANES];           /* true: rendered to slot.pixels, then copied to pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
-    uint32_t cut_room;             /* capacity in chunks of the level of detail; 0: all leaves are drawn */
+    uint32_t cut_room;             /* most chunks that are drawn; 0: no limit, all leaves are drawn */
     uint32_t cut_chunks, whole_chunks;
     bool cut_here;                 /* true: the host chooses the level of detail, as a tree is invalid */
     uint64_t staged;
@@ -162,7 +162,6 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     return f;
 }
 
-/* Lays out slot.cut for a frame. *cleared receives the size of the part that must be zeroed. */
 cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options, uint64_t *cleared, uint64_t *bytes)
 {
     const uint64_t blocks = of->cut_chunks / LIST_CHUNKS + 1;
@@ -259,7 +258,6 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
     return needed;
 }
 
-/* Returns the limit of device memory: max_memory, and the free memory if scenes are to be copied. */
 uint64_t memory_most(const fxs_cuda *cuda)
 {
     const budget *memory = &cuda->memory;
@@ -749,7 +747,7 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     error = error ? error : wait(cuda, why);
     if (!error && !frame_fitted(cuda, i))
         error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
-    if (error) {                   /* the next frame may be smaller */
+    if (error) {
         cuda->capacity = capacity;
         cuda->large_capacity = large_capacity;
     }

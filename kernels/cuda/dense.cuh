@@ -1,9 +1,10 @@
 /* Blends tiles with long lists of mostly small splats (projected Gaussians). A thread block has a tile of 16x16
  * pixels, or one part of a tile that several blocks share.
+ *
  * The block puts the list into bins of depth. Bin after bin, it collects splats that can touch an open pixel, one
  * that is not opaque yet. A full collection is sorted by depth. Each thread marks the pixels of one splat in a bit
- * matrix; then each pixel blends its marked splats. Four lanes, a quad, blend one pixel. With at most FEW open
- * pixels, a warp computes the alphas of a pixel, one lane the weights, and the warp sums the colours. */
+ * matrix; then four lanes, a quad, blend the marked splats of one pixel. With at most FEW open pixels, a warp
+ * computes the alphas of a pixel, one lane the weights, and the warp sums the colours. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -22,7 +23,7 @@ const uint32_t STEPS_MOST = 15360;
 struct dense_shared {
     dense_keys keys;
     uint32_t entries[dense_keys::room];
-    uint32_t ends[dense_keys::bins];       /* ends of the list's bins of depth */
+    uint32_t ends[dense_keys::bins];
     uint4 shapes[dense_keys::room];
     uint4 shades[dense_keys::room];
     union {
@@ -58,7 +59,6 @@ struct dense_splat {
     {
     }
 
-    /* Returns alpha in Q15 at a pixel of the tile; 0 beyond the limit of the level. */
     __device__ int alpha_at(const uint16_t *alpha_q15, uint32_t x, uint32_t y) const
     {
         const queued_row row = {u_q24 + y * uy_q24, row_level(v_q24 + y * vy_q24, (int)(offset_red & 0xffff))};
@@ -120,7 +120,6 @@ struct dense_list {
     }
 };
 
-/* Returns the first and last pixel row with an open pixel. */
 __device__ span open_rows(const uint32_t open[ROW_PAIRS])
 {
     const uint32_t pair = open[lane_index() % ROW_PAIRS], row = 2 * (lane_index() % ROW_PAIRS);
@@ -152,7 +151,6 @@ __device__ inline uint32_t transpose(uint32_t x)
     return x;
 }
 
-/* Marks the pixels that each thread's splat can touch, then transposes the marks. */
 __device__ void mark_pixels(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i, bool listed)
 {
     const span rows = open_rows(shared->open);
@@ -189,10 +187,10 @@ __device__ inline int left_q15(int transmittance_q15, int rest_q15)
     return (transmittance_q15 * rest_q15 + 16383) >> 15;
 }
 
-/* Iterates over a pixel's marked splats, four per step, all from one 32-bit word. */
+/* Iterates over a pixel's marked splats, four per step. */
 struct mark_walk {
     const dense_shared *shared;
-    uint32_t n, words, word, marks, next_word, next_marks;   /* words: one bit for each non-empty word still to fetch */
+    uint32_t n, words, word, marks, next_word, next_marks;
 
     __device__ mark_walk(const dense_shared *of, uint32_t pixel, uint32_t lane)
         : shared(of), n(pixel), words(0), next_word(0), next_marks(0)
@@ -231,8 +229,7 @@ struct mark_walk {
     }
 };
 
-/* Blends the marked splats at pixel n of the tile, by a quad: one alpha per lane, then the four weights in sequence.
-   Inactive quads have no pixel. */
+/* Blends the marked splats at pixel n of the tile: one alpha per lane of a quad, then the four weights in sequence. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
@@ -342,7 +339,7 @@ __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, 
     return i;
 }
 
-/* Blends at most FEW open pixels. A pass takes as many words of marks as `steps` has room for. */
+/* Blends at most FEW open pixels, in passes that fit into `steps`. */
 __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP, all = pixels.all, words = min(STEPS_MOST / (all * WARP), WARP);
@@ -412,7 +409,6 @@ __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats t
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(key, index, touches) for all keys. touches: the key's splat can touch an open pixel. */
 template <class Keep>
 __device__ void visit_open(const dense_shared *shared, const tile_splats *t, const dense_list &list,
                            const dense_group *g, Keep keep)
@@ -447,8 +443,8 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
     return count;
 }
 
-/* Appends keys of splats that can touch an open pixel to shared->keys, as far as they fit. Returns the total number
-   of keys, which may exceed the capacity. */
+/* Appends keys of splats that can touch an open pixel to shared->keys. Returns the total number of keys, which may
+   exceed the capacity. */
 __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
     const tile_splats *t = &tile;
@@ -462,8 +458,7 @@ __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile,
     return collected(shared, g);
 }
 
-/* Moves the keys of splats that can touch an open pixel to the start of the list. Returns their number. Requires
-   collected = 0. */
+/* Moves the keys of splats that can touch an open pixel to the start of the list. Returns their number. */
 __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
@@ -520,8 +515,6 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
     return shared->room;
 }
 
-/* Moves the keys of a list into bins of depth, or the keys' indices if Moved has 32 bits. Returns the number of
-   moved keys. */
 template <class List, class Moved>
 __device__ uint32_t split_list(Moved *room, uint32_t *ends, dense_shared *shared, const List &list, key_range r,
                                const dense_group *g)

@@ -18,7 +18,7 @@ typedef struct compute_backend {
     fxs_compute *compute;
     fxs_compute_scene *scenes;
     uint32_t scene_count, scene_room;
-    const fxs_compute_scene **copies;          /* uploaded scene of each object of a request */
+    const fxs_compute_scene **copies;
     uint32_t copy_room;
     void *memory;
     size_t memory_bytes;
@@ -112,7 +112,7 @@ static int grow_scenes(compute_backend *b, fxs_message *why)
     return 0;
 }
 
-/* Sets *place to the index of an uploaded scene. Uploads a new or changed scene first. */
+/* Finds a scene on the device. Uploads a new or changed scene first. */
 static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *place, fxs_message *why)
 {
     for (*place = 0; *place < b->scene_count; ++*place)
@@ -132,7 +132,7 @@ static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *plac
     return 0;
 }
 
-/* Finds the uploaded scenes of all objects. Takes addresses in a second loop, because an upload may move the array. */
+/* Takes addresses in a second loop, because an upload may move the array. */
 static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     uint32_t place = 0;

@@ -1,4 +1,4 @@
-/* Back end of the processor. Runs every stage by the fastest kernels that the processor supports. */
+/* Back end that runs every stage on the processor. */
 #include <stdio.h>
 #include <stdlib.h>
 

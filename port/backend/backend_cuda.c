@@ -1,4 +1,4 @@
-/* Connects the CUDA renderer (kernels/cuda) to the interface of back ends. */
+/* Back end of the CUDA renderer (kernels/cuda). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@
 
 typedef struct cuda_backend {
     fxs_cuda *cuda;
-    uint64_t nanoseconds;          /* device time of the last frame */
+    uint64_t nanoseconds;
 } cuda_backend;
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
@@ -40,8 +40,7 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-/* Divides the device time of a frame in proportion to the stages' times. The stages of two eyes overlap, so their
-   sum would be too large. */
+/* Divides the device time of a frame in proportion to the stages' times, because the stages of two eyes overlap. */
 static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
     static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};

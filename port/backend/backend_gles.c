@@ -1,6 +1,6 @@
-/* OpenGL back ends. The processor runs the stages up to the tile lists; OpenGL replaces blend and resolve. Pixels
- * are drawn from tile lists or by framebuffer fetch, with identical results. The back ends gles and osmesa time both
- * ways in their first frames and then use the faster. */
+/* OpenGL back ends. The processor makes the tile lists; OpenGL draws the pixels, from tile lists or by framebuffer
+ * fetch. Both ways give identical pixels. The back ends gles and osmesa time both ways in their first frames and
+ * then use the faster. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,7 +29,6 @@ typedef int fxs_gl_load_fn;
 #define OSMESA 0, 0, 0, 0
 #endif
 
-/* FASTER: the faster of LISTS and FETCH */
 enum way { LISTS, FETCH, FASTER };
 
 typedef struct kind {
@@ -45,7 +44,7 @@ static const kind faster = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev
 static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
-/* Frames that FASTER draws to choose: one to warm up and one to measure, for each way. */
+/* Frames that FASTER draws first: one to warm up and one to measure, for each way. */
 enum { MEASURED = 4 };
 
 typedef struct gl_backend {
@@ -54,8 +53,8 @@ typedef struct gl_backend {
     struct fxs_gles *gles;
     fxs_processor processor;
     int processor_open;
-    unsigned frames;               /* frames drawn by FASTER, up to MEASURED */
-    uint64_t times[2];             /* nanoseconds of a frame by LISTS and by FETCH */
+    unsigned frames;
+    uint64_t times[2];
     char lost[512];                /* why framebuffer fetch is unavailable; empty: available */
 } gl_backend;
 
@@ -202,7 +201,7 @@ static int is_of_device(int error)
     return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
 }
 
-/* If framebuffer fetch fails in a FASTER back end, draws this frame and all later frames by lists. */
+/* If framebuffer fetch fails, draws this frame and all later frames by lists. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     gl_backend *b = self;
@@ -228,7 +227,6 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
 
 enum { TRIAL = 4096, TRIAL_WIDTH = 640, TRIAL_HEIGHT = 360 };
 
-/* Makes pseudo-random Gaussians in a box, as a scene for the measurement. */
 static long read_trial(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
 {
     (void)argument;
@@ -257,7 +255,6 @@ static int pack_trial(fxs_packed_scene *packed, fxs_message *why)
     return error;
 }
 
-/* Draws MEASURED frames of a trial scene, so that way_of knows the faster way. */
 static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *why)
 {
     static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
@@ -279,7 +276,7 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     return error;
 }
 
-/* Appends the way that FASTER chooses to the device name `name`, or nothing if the trial fails. */
+/* Appends the faster way to the device name `name`, or nothing if the trial fails. */
 static void say_way(const kind *k, char *name, size_t size)
 {
     static const fxs_backend_options options = {0};
@@ -323,7 +320,7 @@ static int pick(void *self, const fxs_request *request, int32_t x, int32_t y, fx
 
 static void forget(void *self, const fxs_scene *scene)
 {
-    (void)self, (void)scene;       /* scenes are not uploaded */
+    (void)self, (void)scene;
 }
 
 static const char *version(const void *self, enum fxs_stage stage)

@@ -1,6 +1,6 @@
 /* Foveated rendering: sharp around the gaze, coarser away from the gaze. Renders up to three rings at full, half and
- * quarter resolution, each as a window of the picture. The coarser rings are enlarged bilinearly, and finer rings
- * are blended over coarser ones, in integers. */
+ * quarter resolution, each as a window of the picture. Coarser rings are enlarged bilinearly, and finer rings are
+ * blended over them in integers. */
 #include <fixsplat/foveate.h>
 
 #include <stdlib.h>
@@ -11,22 +11,21 @@
 
 enum { TILE = 16, ROWS = 16 /* ROWS: picture rows of a job */, OPAQUE = 256 };
 
-/* Least principal point, so that the one of a window stays above INT32_MIN. */
+/* Least principal point. A smaller one could fall below INT32_MIN in a window. */
 #define FAR_Q12 (INT32_MIN + (FXS_MAX_SIZE << 12))
 
 #define LANES UINT64_C(0x0001000100010001)
 
-/* A rectangle of the picture in pixels; index 0 is x, 1 is y. */
 typedef struct rectangle {
     int32_t first[2], end[2];
 } rectangle;
 
-/* The rendered picture of a ring for one eye, and its position in the whole picture. */
+/* The picture of a ring for one eye, and its position in the whole picture. */
 typedef struct layer {
-    const uint8_t *pixels;         /* RGBA, rows without padding */
+    const uint8_t *pixels;
     int32_t width, height, rate;
     int32_t x, y, end_x, end_y;    /* in pixels of the whole picture */
-    int32_t slope_q15;             /* OPAQUE / width of the fading band, Q15 */
+    int32_t slope_q15;
     int32_t fade[4];               /* width of the fade at the left, top, right and lower edge, in pixels */
     rectangle inside;              /* opaque part, which hides coarser layers */
 } layer;
@@ -63,13 +62,11 @@ static int32_t rounded_up(int32_t x, int32_t step)
     return (x + step - 1) / step * step;
 }
 
-/* Returns the length of a picture's side in pixels of a ring. */
 static int32_t side_at(int32_t side, int32_t rate)
 {
     return (side + rate - 1) / rate;
 }
 
-/* Returns the length of a ring's window along a side, in pixels of the ring. */
 static int32_t window_length(int32_t side, int32_t rate, int32_t radius)
 {
     return least(rounded_up(2 * radius / rate, TILE), side_at(side, rate));
@@ -120,8 +117,8 @@ static size_t pixels_of(const fxs_ring *r)
     return (size_t)r->width * (size_t)r->height;
 }
 
-/* Returns the camera of a ring. The centre of the ring's pixel (X, Y) is the centre of the rate x rate pixels of the
-   picture that start at rate * (X, Y). */
+/* Returns the camera of a ring. Pixel (X, Y) of the ring is centred on the rate x rate pixels of the picture that
+   start at rate * (X, Y). */
 static fxs_camera camera_of(const fxs_camera *camera, const fxs_ring *r, int eye)
 {
     const int32_t rate = r->rate, half = rate / 2, x = r->x[eye] / rate, y = r->y[eye] / rate;
@@ -225,7 +222,6 @@ static inline void store(uint8_t *pixel, uint64_t lanes)
     memcpy(pixel, &rgba, 4);
 }
 
-/* Divides 16-bit lanes by 2^shift, rounding down. */
 static inline uint64_t over(uint64_t lanes, int shift)
 {
     return lanes >> shift & LANES * 255;
@@ -274,7 +270,7 @@ static inline int32_t ramp(const layer *l, int32_t inside, int edge)
     return inside < l->fade[edge] ? ((2 * inside + 1) * l->slope_q15) >> 16 : OPAQUE;
 }
 
-/* Draws pixels first to end - 1 of a layer's row. fading: blends over the picture instead of replacing it. */
+/* Draws part of a layer's row. fading: blends over the picture instead of replacing it. */
 static inline void draw_pixels(const layer *l, const blended_row *row, int32_t rate, int fading, int32_t opacity,
                                int32_t first, int32_t end, uint8_t *to)
 {

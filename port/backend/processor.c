@@ -41,7 +41,6 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
     return 0;
 }
 
-/* Provides `bytes` bytes of working memory, or max_memory if `bytes` is more. */
 static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, fxs_message *why)
 {
     bytes = bytes ? bytes : 64;    /* 0: an argument is invalid, which fxs_render reports */

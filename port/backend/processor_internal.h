@@ -1,4 +1,4 @@
-/* Context, threads and working memory of every back end that uses the processor. */
+/* Context, threads and working memory of back ends that use the processor. */
 #ifndef FXS_PROCESSOR_INTERNAL_H
 #define FXS_PROCESSOR_INTERNAL_H
 
@@ -9,17 +9,16 @@
 typedef struct fxs_processor {
     fxs_context context;
     fxs_pool *pool;                /* null: one thread */
-    void *memory, *allocation;     /* memory: aligned, memory_bytes bytes */
+    void *memory, *allocation;
     size_t memory_bytes;
     size_t max_memory;             /* 0: no limit */
 } fxs_processor;
 
-/* Starts the threads and chooses the fastest kernels. Takes draw, draw_argument and draw_unlisted from `drawing`.
-   After an error, nothing needs to be closed. */
+/* Starts the threads and chooses the fastest kernels. Takes the draw functions from `drawing`. After an error,
+   nothing needs to be closed. */
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
                        fxs_message *why);
 
-/* Implement render and pick of fxs_backend. */
 int fxs_processor_render(fxs_processor *p, const fxs_request *request, fxs_stats *stats, fxs_message *why);
 int fxs_processor_pick(fxs_processor *p, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
                        fxs_message *why);

@@ -9,8 +9,8 @@
 
 struct fxs_renderer {
     const fxs_backend *backend;
-    void *self;                    /* the back end's own data */
-    fxs_backend_options picking;   /* options of the processor's back end for picking */
+    void *self;
+    fxs_backend_options picking;
     void *picker;                  /* null until the first pick */
 };
 

@@ -6,7 +6,7 @@ enum {
     MEMORY_ACCESS = 0x36, PIXEL_FORMAT = 0x3a, FRAME_RATE = 0xb1, POWER_1 = 0xc0, POWER_2 = 0xc1, VCOM_1 = 0xc5,
     VCOM_2 = 0xc7
 };
-enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };        /* bits of MEMORY_ACCESS */
+enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
 #define WAKE_MILLISECONDS 120      /* after RESET and after SLEEP_OUT */
 
@@ -32,7 +32,7 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
         {POWER_2, 1, {0x10}},
         {VCOM_1, 2, {0x3e, 0x28}},         /* 4.25 V and -1.5 V */
         {VCOM_2, 1, {0x86}},
-        {FRAME_RATE, 2, {0x00, 0x18}},     /* 79 Hz */
+        {FRAME_RATE, 2, {0x00, 0x18}},     /* frame rate 79 Hz */
         {PIXEL_FORMAT, 1, {0x55}},         /* 16 bits per pixel */
     };
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
@@ -50,7 +50,6 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
     return 0;
 }
 
-/* Sends the first and last column or row of the next pixels. */
 static void send_range(const fxs_ili9341 *panel, uint8_t command, int32_t first, int32_t last)
 {
     const uint8_t range[4] = {(uint8_t)(first >> 8), (uint8_t)first, (uint8_t)(last >> 8), (uint8_t)last};

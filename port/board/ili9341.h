@@ -17,7 +17,7 @@ extern "C" {
 
 /* Functions that the board provides. Bytes are sent in the order of the calls, highest bit first. */
 typedef struct fxs_ili9341_bus {
-    void (*command)(void *argument, uint8_t command);                   /* sends one byte with D/C low */
+    void (*command)(void *argument, uint8_t command);
     /* Sends bytes with D/C high. Up to 4 bytes must be sent before the return. More bytes are pixels of the strip;
        if the panel has a second buffer, DMA may send them after the return. The next call of `command` or `data`
        then waits for the end. */
@@ -29,7 +29,7 @@ typedef struct fxs_ili9341_bus {
 typedef struct fxs_ili9341 {
     fxs_ili9341_bus bus;
     void *other;                   /* second buffer of the strip's size; null: none */
-    int32_t width, height;         /* of the picture; set by fxs_ili9341_init */
+    int32_t width, height;
 } fxs_ili9341;
 
 /* Resets the controller, wakes the panel and turns it on, in 240 ms. Pictures start at the upper left corner:

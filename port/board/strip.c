@@ -1,5 +1,4 @@
-/* Renders a picture in strips of a few rows. Blends tile by tile into the strip's pixels, and calls rows_done for
- * each full strip. */
+/* Blends tile by tile into a strip of a few picture rows, and calls rows_done for each full strip. */
 #include <fixsplat/strip.h>
 
 #include <fixsplat/stage.h>

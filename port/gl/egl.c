@@ -1,5 +1,5 @@
 /* Opens a context of OpenGL ES 3 through EGL without a window. Tries all EGL devices, then Mesa's surfaceless
- * platform, then the default display. The libraries are loaded at run time. */
+ * platform, then the default display. */
 #include <fixsplat/egl.h>
 
 #include <EGL/egl.h>
@@ -43,8 +43,7 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
-/* Releases the context first. Otherwise EGL ignores the call, although another of Mesa's libraries may have replaced
-   the context. */
+/* Releases the context first, because EGL ignores a call for the context that it believes to be current. */
 int fxs_egl_use(void *egl)
 {
     const fxs_egl *e = egl;

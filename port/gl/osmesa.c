@@ -1,5 +1,4 @@
-/* Opens a context of OpenGL 3.3 in OSMesa, Mesa's software renderer without a window. libOSMesa is loaded at run
- * time. */
+/* Opens a context of OpenGL 3.3 in OSMesa, Mesa's software renderer without a window. */
 #include <fixsplat/osmesa.h>
 
 #include <GL/osmesa.h>
@@ -13,10 +12,9 @@ typedef struct fxs_osmesa {
     void *library;
     OSMesaContext context;
     function *(*get_address)(const char *name);
-    unsigned char pixel[4];        /* framebuffer of the context */
+    unsigned char pixel[4];
 } fxs_osmesa;
 
-/* dlsym returns a data pointer; POSIX allows its use as a function pointer. */
 static function *symbol(const fxs_osmesa *o, const char *name)
 {
     function *found = 0;

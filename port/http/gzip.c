@@ -15,7 +15,6 @@ struct fxs_http_gzipped {
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Returns the number of bytes in `out`, or 0 if memory ran out. */
 static size_t compress_all(unsigned char *out, size_t room, const unsigned char *in, size_t size)
 {
     z_stream stream;
@@ -33,7 +32,7 @@ static size_t compress_all(unsigned char *out, size_t room, const unsigned char 
 
 static struct MHD_Response *compress_file(int descriptor, size_t size)
 {
-    const size_t room = compressBound((uLong)size) + 32;   /* plus the gzip header */
+    const size_t room = compressBound((uLong)size) + 32;
     unsigned char *in = malloc(size), *out = malloc(room);
     size_t bytes = 0;
     struct MHD_Response *response = NULL;

@@ -1,5 +1,4 @@
-/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew and sends the file from
- * the descriptor, or compressed from a cache. */
+/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew. */
 #include "server.h"
 
 #include "gzip.h"
@@ -26,15 +25,13 @@ struct fxs_http_server {
     const fxs_http_site *site;
     struct MHD_Daemon *daemon;
     fxs_http_address bound;
-    char *certificate, *key;                /* texts of the .pem files; null: no TLS */
-    const char *host;                       /* additional name that requests may use; null: none */
+    char *certificate, *key;
+    const char *host;
     char own_name[256];
     fxs_http_waiting waiting;
     fxs_http_gzipped *gzipped;
-    char said[256];                         /* last log message of libmicrohttpd */
+    char said[256];
 };
-
-/* ---- File names -------------------------------------------------------------------------------------------------- */
 
 /* Returns 1 if all parts of a name consist of letters, digits, . _ and -, without a dot at the start. Such a name
    cannot leave the folder. */
@@ -69,7 +66,6 @@ static int open_file(const fxs_http_file *file)
          : file->path ? fxs_descriptor_open(file->path) : fxs_descriptor_again(file->descriptor);
 }
 
-/* Opens a regular file by its name in the URL. Returns a descriptor for the caller to close, or -1. */
 static int open_named(const fxs_http_site *site, const char *name, fxs_file_facts *facts)
 {
     int descriptor = -2;
@@ -124,8 +120,6 @@ static size_t unescape(void *self, struct MHD_Connection *connection, char *text
     return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
 }
 
-/* ---- Responses --------------------------------------------------------------------------------------------------- */
-
 static enum MHD_Result complete(struct MHD_Response *response)
 {
     static const char *const headers[][2] = {
@@ -139,7 +133,6 @@ static enum MHD_Result complete(struct MHD_Response *response)
     return done;
 }
 
-/* Sends and frees a response. */
 static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
 {
     enum MHD_Result done = complete(response);
@@ -164,7 +157,6 @@ static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned st
     return send_answer(connection, status, response);
 }
 
-/* Reads a decimal number. Returns the text after the number; null: no digits. */
 static const char *take_digits(const char *text, uint64_t *value)
 {
     char *end;
@@ -174,7 +166,7 @@ static const char *take_digits(const char *text, uint64_t *value)
 }
 
 /* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the range; 0 for the
-   whole file or an unknown header; -1 if the file has no such bytes. */
+   whole file; -1 if the file has no such bytes. */
 static int take_range(const char *range, uint64_t size, uint64_t *first, uint64_t *length)
 {
     uint64_t from = 0, last = UINT64_MAX;
@@ -204,7 +196,6 @@ static const char *header_of(struct MHD_Connection *connection, const char *name
     return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
 }
 
-/* Returns 1 if the client accepts gzip. A weight that begins with 0 counts as refusal. */
 static int takes_gzip(struct MHD_Connection *connection)
 {
     const char *taken = header_of(connection, "Accept-Encoding"), *gzip = taken ? strstr(taken, "gzip") : 0;
@@ -279,8 +270,8 @@ static int is_name(const char *host, size_t length, const char *name, const char
            !strncasecmp(host + first, behind, length - first);
 }
 
-/* Checks the Host header against DNS rebinding. Accepts numeric addresses, localhost, options.host and, unless the
-   server is local, this machine's names. */
+/* Prevents DNS rebinding. Accepts numeric addresses, localhost, options.host and, unless the server is local, this
+   machine's names. */
 static int is_own_host(const fxs_http_server *server, const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;
@@ -306,7 +297,7 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
         return MHD_YES;
     }
     if (*body_bytes) {
-        *body_bytes = 0;   /* ignores the body */
+        *body_bytes = 0;
         return MHD_YES;
     }
     fxs_http_note_request(&server->waiting, connection);
@@ -321,8 +312,6 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
         return send_words(connection, MHD_HTTP_NOT_FOUND, "there is no such file here\n", 0, 0);
     return send_file(server, connection, name, descriptor, &facts);
 }
-
-/* ---- Start and end of the server --------------------------------------------------------------------------------- */
 
 static int parse_address(fxs_http_address *out, const fxs_http_options *o, fxs_message *message)
 {
@@ -345,7 +334,6 @@ static socklen_t size_of(const fxs_http_address *a)
     return a->any.sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4;
 }
 
-/* Returns a listening socket, and writes its port to `address`. */
 static MHD_socket listen_at(fxs_http_address *address, const fxs_http_options *o, fxs_message *message)
 {
     const int off = 0;
@@ -476,8 +464,6 @@ void fxs_http_close(fxs_http_server *server)
     free(server);
 }
 
-/* ---- Addresses of the server ------------------------------------------------------------------------------------- */
-
 static int is_any(const fxs_http_address *a)
 {
     return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_UNSPECIFIED(&a->v6.sin6_addr)
@@ -503,8 +489,7 @@ typedef struct telling {
     void *self;
 } telling;
 
-/* Reports an interface's address if the server listens there. Skips link-local IPv6 addresses, which URLs cannot
-   name. */
+/* Skips link-local IPv6 addresses, which URLs cannot name. */
 static void tell_interface(void *self, const fxs_http_address *a)
 {
     const telling *t = self;

@@ -1,9 +1,9 @@
 /* A small static web server on libmicrohttpd, for the files of one folder and other files under given names.
  * Supports GET, HEAD, single ranges, ETags and TLS.
- * Responses isolate the page by Cross-Origin-Opener-Policy and Cross-Origin-Embedder-Policy, which browsers require
- * for threads. Page files of 1 KiB to 8 MiB are compressed once and cached. The Host header must be a numeric
- * address, localhost, options.host or, if other machines can reach the server, this machine's name; other requests
- * are refused. */
+ *
+ * Responses have the headers Cross-Origin-Opener-Policy and Cross-Origin-Embedder-Policy, which browsers require for
+ * threads. Page files of 1 KiB to 8 MiB are compressed once and cached. The Host header must be a numeric address,
+ * localhost, options.host or, unless the server is local, this machine's name. */
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
@@ -16,10 +16,10 @@ typedef struct fxs_http_file {
     int (*open)(void *self);                /* for a file that changes; may be null. Called for each request, on the
                                                server's thread. Returns a descriptor that the server closes, or -1:
                                                no such file */
-    void *self;                             /* argument of open */
+    void *self;
 } fxs_http_file;
 
-/* Files to serve. The struct must stay in place until the server is closed. */
+/* The struct must stay in place until the server is closed. */
 typedef struct fxs_http_site {
     const char *folder;                     /* serves names of letters, digits and . _ -, without a dot at the start
                                                of a part */
@@ -38,15 +38,14 @@ typedef struct fxs_http_options {
 
 typedef struct fxs_http_server fxs_http_server;
 
-/* Returns 1 if libmicrohttpd supports TLS, else 0. */
 int fxs_http_has_tls(void);
 
 /* Starts a server on its own thread, which receives no signals. Returns 0, or an error and a message. */
 int fxs_http_open(fxs_http_server **server, const fxs_http_site *site, const fxs_http_options *options,
                   fxs_message *message);
 
-/* Calls `each` with a URL such as "http://HOST:PORT" for each address of the server. A server that listens on all
-   addresses reports each interface. is_local: only this machine can reach the address. */
+/* Calls `each` with a URL such as "http://HOST:PORT" for each address of the server. is_local: only this machine can
+   reach the address. */
 void fxs_http_each_address(const fxs_http_server *server, void (*each)(void *self, const char *address, int is_local),
                            void *self);
 

@@ -34,7 +34,7 @@ void fxs_http_socket_close(MHD_socket s);
 
 /* Error of the last network call. */
 typedef struct fxs_http_fault {
-    int is_in_use;                          /* 1: the address is in use */
+    int is_in_use;
     char words[128];
 } fxs_http_fault;
 

@@ -10,14 +10,14 @@ typedef struct fxs_http_waiting {
     int count;
 } fxs_http_waiting;
 
-/* MHD_OPTION_NOTIFY_CONNECTION with an fxs_http_waiting as argument. */
+/* Option MHD_OPTION_NOTIFY_CONNECTION takes this function, with an fxs_http_waiting as argument. */
 void fxs_http_note_connection(void *waiting, struct MHD_Connection *connection, void **socket_context,
                               enum MHD_ConnectionNotificationCode event);
 
 /* Must be called when a request is complete. */
 void fxs_http_note_request(fxs_http_waiting *waiting, struct MHD_Connection *connection);
 
-/* MHD_OPTION_NOTIFY_COMPLETED with an fxs_http_waiting as argument: the connection waits again. */
+/* Option MHD_OPTION_NOTIFY_COMPLETED takes this function: the connection waits again. */
 void fxs_http_note_answered(void *waiting, struct MHD_Connection *connection, void **state,
                             enum MHD_RequestTerminationCode why);
 

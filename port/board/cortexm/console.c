@@ -1,11 +1,10 @@
-/* Semihosting calls: the debugger or emulator reads the operation in r0 and the argument in r1 when a special
- * instruction stops the processor. */
+/* Semihosting: a special instruction stops the processor, and the debugger or emulator executes the operation in r0. */
 #include "console.h"
 
 #include <string.h>
 
 enum { SYS_OPEN = 0x01, SYS_WRITE0 = 0x04, SYS_WRITE = 0x05, SYS_GET_CMDLINE = 0x15, SYS_EXIT_EXTENDED = 0x20 };
-#define MODE_WB 5                  /* SYS_OPEN: write, binary */
+#define MODE_WB 5
 #define ADP_STOPPED_APPLICATION_EXIT 0x20026u
 
 #if __ARM_ARCH_PROFILE == 'M'

@@ -8,19 +8,16 @@ void console_text(const char *text);
 void console_number(uint64_t number);
 void console_hex(uint64_t number);             /* always 16 digits */
 
-/* Writes the command line to `line`, which holds `bytes` bytes; "" if none exists. Spaces separate the program's
-   name and arguments. */
+/* Writes the command line to `line`, which holds `bytes` bytes; "" if none exists. */
 void console_command(char *line, int bytes);
 
-/* Returns NUMBER of a word name=NUMBER in a command line; `otherwise` if the word is missing. */
+/* Returns the number of a word name=NUMBER in a command line; `otherwise` if the word is missing. */
 uint32_t console_option(const char *line, const char *name, uint32_t otherwise);
 
-/* Creates an empty file on the host for writing; negative on failure. console_write returns the number of bytes not
-   written. */
+/* Creates an empty file on the host; negative on failure. console_write returns the number of bytes not written. */
 int console_open(const char *name);
 int console_write(int file, const void *bytes, uint32_t count);
 
-/* Ends the program. status 0: success. */
 void console_exit(int status);
 
 #endif

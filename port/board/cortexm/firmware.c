@@ -1,6 +1,5 @@
-/* Renders a turning scene from flash in strips of a few rows. Prints time, memory and a hash of each picture, which
- * is the same on every machine. display=1 on the command line also sends the strips to a display panel, which
- * records to a file (recorder.c). */
+/* Renders a turning scene from flash in strips of a few rows. Prints time, memory and a hash of each picture.
+ * display=1 on the command line also sends the strips to a display panel, which records to a file. */
 #include "board.h"
 #include "console.h"
 #include "recorder.h"
@@ -15,7 +14,7 @@
 #define ROWS_MOST 32
 
 typedef struct shown {
-    uint64_t hash;                 /* FNV-1a hash of the pixels so far */
+    uint64_t hash;
     fxs_ili9341 panel;             /* width 0: no panel */
 } shown;
 

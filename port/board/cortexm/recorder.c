@@ -1,4 +1,4 @@
-/* Display bus that records its bytes to a file on the host through semihosting. recorder.h describes the format. */
+/* Display bus that records its bytes to a file on the host through semihosting. */
 #include "recorder.h"
 
 #include "console.h"

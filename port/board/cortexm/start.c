@@ -15,11 +15,10 @@
 #define CLOCK_TICKS 0x1000000u                 /* the timer SysTick counts down from CLOCK_TICKS - 1 */
 #define PENDSTSET (1u << 26)
 
-/* From the linker script. */
 extern uint32_t board_stack[], board_stack_end[], board_data[], board_data_end[], board_bss[], board_bss_end[];
 extern const uint32_t board_data_in_flash[];
 
-static volatile uint32_t wraps;                /* how often the timer SysTick has wrapped */
+static volatile uint32_t wraps;
 
 static void count_wrap(void)
 {
@@ -42,7 +41,7 @@ void board_start(void);
 void board_start(void)
 {
 #if defined(__ARM_FEATURE_MVE)
-    CPACR |= 15u << 20;            /* enables the vector unit */
+    CPACR |= 15u << 20;
     __asm__ volatile("dsb\n\tisb");
 #endif
     memcpy(board_data, board_data_in_flash, (size_t)((char *)board_data_end - (char *)board_data));
@@ -60,7 +59,7 @@ __attribute__((section(".vectors"), used)) static const struct {
 } vectors = {board_stack_end, {board_start, fault, fault, fault, fault, fault, fault, 0, 0, 0, fault, fault, 0, fault,
                                count_wrap}};
 
-/* Returns the time. Reads again if the counter wraps during the reads, or if the interrupt of a wrap is pending. */
+/* Reads again if the timer wraps during the reads. */
 uint64_t board_clock(void *unused)
 {
     uint32_t before, ticks, pending;

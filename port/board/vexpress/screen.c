@@ -13,7 +13,7 @@
 /* Colour LCD controller PL111 (ARM DDI 0293, 3.2): 16 bits per pixel, red in the highest bits. */
 #define LCD ((volatile uint32_t *)0x10020000)
 enum { TIMING0, TIMING1, TIMING2, TIMING3, UPPER_BASE, LOWER_BASE, CONTROL };
-#define CONTROL_ON (1 | 6 << 1 | 1 << 5 | 1 << 8 | 1 << 11)    /* on, 5:6:5, TFT, blue lowest, power */
+#define CONTROL_ON (1 | 6 << 1 | 1 << 5 | 1 << 8 | 1 << 11)
 
 static uint16_t screens[2][HEIGHT][WIDTH] __attribute__((aligned(8)));
 
@@ -24,7 +24,6 @@ void board_fault(void)
     console_exit(3);
 }
 
-/* argument: the picture to copy to. */
 static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     memcpy((uint16_t *)argument + first * WIDTH, strip->pixels, (size_t)rows * WIDTH * sizeof(uint16_t));
