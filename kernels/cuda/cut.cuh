@@ -356,7 +356,7 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
     if (threadIdx.x == 0)
         width = count ? FXS_FADE_MOST_Q8 : 0;
     __syncthreads();
-    /* Thread i counts the nodes at key distances 0 to i. The widest fade with at most `count` nodes wins. */
+    /* Thread i counts the nodes at key distances 0 to i. The fade is the widest with at most `count` nodes. */
     uint32_t key = 0;
     if (threadIdx.x > 0 && threadIdx.x < FXS_FADE_MOST_Q8 && threadIdx.x <= last)
         key = c->keys[last - threadIdx.x].nodes;
@@ -471,7 +471,6 @@ __device__ void share_node(const cut_buffers *c, const fxs_object_view *o, uint3
             add_drawn(c, first + node.children[i], share_q8 * faded_q8 >> 8);
 }
 
-/* Marks the drawn chunks and stores their shares of optical depth. */
 __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constant__ frame_buffers f,
                                                             const __grid_constant__ cut_buffers c)
 {

@@ -96,7 +96,7 @@ void fxs_file_unlink(const char *name)
         unlink(name);
 }
 
-/* The descriptor stays open, so the lock lasts until the process ends. Programs started from here do not inherit it. */
+/* The descriptor stays open, so the lock lasts until the process ends. Child programs do not inherit the lock. */
 int fxs_file_lock(const char *path)
 {
     const int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
@@ -197,7 +197,7 @@ void fxs_descriptor_close(int descriptor)
     close(descriptor);
 }
 
-/* Opens `name`; `path` is its name in messages. */
+/* Opens the file `name`; messages call the file `path`. */
 static int open_name(const char *name, int flags, const char *path, FILE **file, fxs_file_facts *facts,
                      fxs_message *message)
 {
@@ -231,7 +231,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
     return open_name(path, 0, path, file, facts, message);
 }
 
-/* Returns the real path of the folder that contains `path`, for free(), or null. */
+/* Returns the real path of the folder that contains `path`, for free(); null on failure. */
 static char *real_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -253,7 +253,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Sets *real to the real path of `path`, for free(). An error if that lies outside the folder of `first`. */
+/* Sets *real to the real path of `path`, for free(). Fails if `path` lies outside the folder of `first`. */
 static int follow_within(const char *first, const char *path, char **real, fxs_message *message)
 {
     char *folder = real_folder(first);

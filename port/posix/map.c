@@ -1,5 +1,5 @@
-/* Maps files read-only. A file that is cut short while mapped gives zeros instead of SIGBUS, and fxs_map_check reports
-   it. */
+/* Maps files read-only. If a mapped file is cut short, the lost pages read as zeros instead of raising SIGBUS, and
+ * fxs_map_check reports the loss. */
 #define _DEFAULT_SOURCE            /* MAP_ANONYMOUS */
 #include <fixsplat/map.h>
 
@@ -13,17 +13,17 @@
 
 #include "src/base/opened.h"
 
-/* The mapped ranges, searched by the SIGBUS handler: reading a page of a file that was cut short raises SIGBUS. A
-   signal may come at any time, so all fields are accessed atomically and without a lock. */
+/* Mapped ranges, which the SIGBUS handler searches. The handler may run at any time, so all fields are accessed
+   atomically and without a lock. */
 enum { RANGES = 64 };
 static struct range {
     uintptr_t start, end;          /* end 0: nothing mapped; set last, cleared first */
-    int lost;                      /* the handler replaced pages by zeros */
+    int lost;                      /* 1: the handler has replaced pages by zeros */
     int taken;
 } ranges[RANGES];
 
 static int guarded;
-static struct sigaction before;    /* written once, before the handler is installed */
+static struct sigaction before;
 
 static uintptr_t load(const uintptr_t *number)
 {
@@ -78,7 +78,7 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, fault = info->si_code > 0;   /* 0: sent by a process */
+    const int error = errno, fault = info->si_code > 0;   /* 0: another process sent the signal */
     if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
         handle_as_before(signal_number, info, context);
     errno = error;

@@ -1,4 +1,5 @@
-/* Opens scenes for rendering: maps .fxs files, or opens them with a pager, and packs all other formats. */
+/* Opens scenes for rendering. Files in the packed format .fxs are mapped or read in part by a pager; all other
+ * formats are packed. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +20,7 @@ typedef struct open_scene {
     fxs_scene scene;
     fxs_scene_file_info info;
     fxs_pack_report report;
-    fxs_packed_scene packed;       /* all 0 if the bytes are mapped or the caller's */
+    fxs_packed_scene packed;       /* all 0 for bytes that are mapped or owned by the caller */
     fxs_mapping mapping;
     char name[];
 } open_scene;
@@ -69,8 +70,6 @@ static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_
         fxs_close(&s->shown);
     return error;
 }
-
-/* ---- Packed scenes ----------------------------------------------------------------------------------------------- */
 
 static void describe(open_scene *s, const void *data)
 {
@@ -134,7 +133,7 @@ static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **open
     return error;
 }
 
-/* Copies the bytes only if they are not aligned to 64. */
+/* Copies the bytes only if they are not aligned to 64 bytes. */
 static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                       fxs_message *message)
 {
@@ -149,8 +148,6 @@ static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_o
     return take_packed(s, s->packed.data, bytes, o, opened, message);
 }
 
-/* ---- Other formats ----------------------------------------------------------------------------------------------- */
-
 static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, fxs_message *message)
 {
     const uint32_t threads = o->threads ? o->threads : fxs_processors();
@@ -164,7 +161,6 @@ static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, 
     return error;
 }
 
-/* Packs and closes the file. `error`: the result of opening it. */
 static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_open_options *o, fxs_opened **opened,
                      fxs_message *message)
 {

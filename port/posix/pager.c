@@ -1,7 +1,7 @@
-/* Renders a packed scene from a pool that holds some of its chunks. Two threads: the caller's thread draws from
- * `places` and the pool; the reader thread fills free places of the pool. The lock guards the data that both use: the
+/* Renders a packed scene that is larger than memory. A pool has places for some of the scene's chunks of 256
+ * Gaussians. The caller's thread draws from the pool, while a reader thread fills free places. A lock guards the
  * queue of chunks to read, the free places and the chunks that arrived. Only fxs_pager_turn, called between frames,
- * assigns a place to a chunk or takes it away. */
+ * assigns a place to a chunk or evicts a chunk. */
 #include <fixsplat/pager.h>
 
 #include <pthread.h>
@@ -22,24 +22,23 @@
 
 enum {
     PLACES_LEAST = 16,
-    KEPT_SHARE = 8, KEPT_MOST = 256,   /* share of the pool (1/8) and number of chunks that always stay: the coarsest */
+    KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks always stay: 1/8 of the pool, 256 at most */
     HEAD_PIECE = 1 << 20,              /* bytes of one read of header, palette and tree */
-    READ_MOST = 1 << 20,               /* bytes of one read of rows; one chunk at least */
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes at a time */
+    READ_MOST = 1 << 20,               /* bytes of one read of chunks */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes from the queue in one batch */
     BATCH_APART = 64,                  /* minimum and start value for a source with a gap, such as a server */
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
-    ROOM_LEAST = 256,                  /* places that one turn frees at most; or an eighth of the pool if that is
-                                          more */
+    ROOM_LEAST = 256,                  /* most places that one turn frees, or an eighth of the pool if that is more */
     TRIES = 3,                         /* failures until a chunk is lost; failed reads in a row until an error is
                                           reported */
-    PAUSE_MS = 100, PAUSE_MOST = 20    /* pause after a failed read: PAUSE_MS times the failures in a row, 20 at most */
+    PAUSE_MS = 100, PAUSE_MOST = 20    /* pause after a failed read: PAUSE_MS times the failures in a row */
 };
 
-/* A place of the pool. Places of chunks that may be evicted form a ring, ordered by last use. */
+/* A place of the pool. Chunks that may be evicted form a linked list in the order of last use. */
 typedef struct place {
     uint32_t chunk;                    /* FXS_NOTHING: free, or being filled */
-    uint32_t drawn;                    /* number of the turn that last drew it */
-    uint32_t newer, older;             /* neighbours in the ring; FXS_NOTHING at its ends */
+    uint32_t drawn;                    /* number of the turn that last drew the chunk */
+    uint32_t newer, older;             /* neighbours in the list; FXS_NOTHING at its ends */
 } place;
 
 typedef struct arrival {
@@ -55,35 +54,32 @@ struct fxs_pager {
     char *name;
     unsigned char *head, *tree, *pool, *stage;
     size_t memory, stage_bytes;
-    uint32_t chunks, room, kept;       /* tree nodes 0 to kept - 1 are never evicted */
+    uint32_t chunks, room, kept;       /* kept: tree nodes that are never evicted */
 
     /* Used by the caller's thread only. */
     uint32_t *places;                  /* place of each chunk, or FXS_NOTHING */
-    uint32_t *asked;                   /* for each chunk: the last turn that wanted it while it was missing */
+    uint32_t *asked;                   /* for each chunk: the last turn that wanted the chunk while it was missing */
     place *in_pool;
     uint32_t newest, oldest, there;
-    uint32_t turn;                     /* number of the current turn; all frames between two calls of fxs_pager_turn
-                                          share it */
-    int has_asked;                     /* fxs_pager_want was called since the last call of fxs_pager_turn */
-    uint32_t *wanted, wanted_count;    /* chunks wanted in this turn, most needed first; capacity: room */
+    uint32_t turn;                     /* all frames between two calls of fxs_pager_turn are one turn */
+    int has_asked;
+    uint32_t *wanted, wanted_count;    /* chunks wanted in this turn, most needed first */
 
     pthread_mutex_t lock;              /* guards the fields below */
     pthread_cond_t work, done;
     pthread_t reader;
     int has_reader, stop, reading;
     uint8_t *tries;                    /* for each chunk: failed reads */
-    uint8_t *taken;                    /* for each chunk: being read, or read and not yet settled */
+    uint8_t *taken;                    /* for each chunk: 1 if being read, or read and not yet in `places` */
     uint32_t *queue, queue_count, queue_next;
     uint32_t *spare, spare_count;      /* free places */
     arrival *arrived;
     uint32_t arrived_count, batch_least, batch_most, lost;
     uint64_t bytes_read;
-    int error;                         /* the last error and its message */
+    int error;
     fxs_message why;
     uint32_t failures;                 /* reads in a row that failed in the source */
 };
-
-/* ---- Ring of places by last use ---------------------------------------------------------------------------------- */
 
 static void leave_ring(fxs_pager *p, uint32_t number)
 {
@@ -115,7 +111,7 @@ static void note_drawn(fxs_pager *p, uint32_t number)
     enter_ring(p, number);
 }
 
-/* Assigns its place to a chunk that arrived. The caller holds the lock, or the reader has not started. */
+/* Assigns its place to a chunk that arrived. The caller holds the lock. */
 static void settle(fxs_pager *p, arrival a)
 {
     p->in_pool[a.place] = (place){a.chunk, p->turn, FXS_NOTHING, FXS_NOTHING};
@@ -126,8 +122,8 @@ static void settle(fxs_pager *p, arrival a)
         enter_ring(p, a.place);
 }
 
-/* Evicts the least recently drawn chunk, unless the current turn drew it. Returns 1 if it freed a place. The caller
-   holds the lock. */
+/* Evicts the least recently drawn chunk, unless the current turn drew the chunk. Returns 1 if a place is free now.
+   The caller holds the lock. */
 static int free_place(fxs_pager *p)
 {
     const uint32_t number = p->oldest;
@@ -140,8 +136,6 @@ static int free_place(fxs_pager *p)
     p->there--;
     return 1;
 }
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 static uint64_t offset_of(const fxs_pager *p, uint32_t chunk)
 {
@@ -156,7 +150,7 @@ static int by_chunk(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns how many chunks of the list, sorted by chunk, one read covers. */
+/* Returns how many chunks of the sorted list one read covers. */
 static uint32_t run_of(const fxs_pager *p, const arrival *list, uint32_t count)
 {
     const uint64_t start = offset_of(p, list[0].chunk), size = p->scene.chunk_bytes;
@@ -172,7 +166,7 @@ static unsigned char *place_at(const fxs_pager *p, uint32_t number)
     return p->pool + (size_t)number * p->scene.chunk_bytes;
 }
 
-/* Calls source.read. Makes sure that an error is negative and has a message. */
+/* Calls source.read. An error is always negative and has a message. */
 static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t size, fxs_message *why)
 {
     why->text[0] = 0;
@@ -182,8 +176,8 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Reads a run of chunks and copies the valid ones to their places. Returns the last error. good[i]: chunk i passed its
-   checks. *unread: the source failed. */
+/* Reads a run of chunks and copies the valid ones to their places. Returns the last error. good[i] = 1: chunk i is
+   valid. *unread = 1: the source failed. */
 static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
@@ -203,8 +197,7 @@ static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *
     return result;
 }
 
-/* Resets the failure count. After TRIES failures in a row, also gives lost chunks new attempts. The caller holds the
-   lock. */
+/* After TRIES failures in a row, a success gives lost chunks new attempts. The caller holds the lock. */
 static void note_success(fxs_pager *p)
 {
     if (p->failures >= TRIES) {
@@ -256,7 +249,7 @@ static void tell_arrived(fxs_pager *p)
     pthread_mutex_lock(&p->lock);
 }
 
-/* Called with the lock, which it releases during each read. Adapts batch_most to the time that the batch took. */
+/* Releases the caller's lock during each read. Adapts batch_most to the time that the batch took. */
 static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
 {
     const uint64_t start = fxs_clock(0);
@@ -315,8 +308,6 @@ static void *read_wanted(void *pager)
     return 0;
 }
 
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
-
 static void *allocate(fxs_pager *p, uint64_t count, size_t size)
 {
     const int fits = count <= (SIZE_MAX - 64) / size;
@@ -325,8 +316,7 @@ static void *allocate(fxs_pager *p, uint64_t count, size_t size)
     return block;
 }
 
-/* Reads in pieces, so that a source that claims too large a size costs no physical memory: the system allocates pages
-   only as they are written. */
+/* Reads in pieces, so that a source that claims too large a size costs no physical memory. */
 static int read_head(fxs_pager *p, uint64_t offset, unsigned char *out, uint64_t size, fxs_message *message)
 {
     for (uint64_t done = 0; done < size;) {
@@ -518,8 +508,6 @@ void fxs_pager_close(fxs_pager *p)
     free(p);
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
 const fxs_scene *fxs_pager_scene(const fxs_pager *pager)
 {
     return &pager->scene;
@@ -576,8 +564,8 @@ static uint32_t left_in_queue(const fxs_pager *p)
     return p->queue_count - p->queue_next;
 }
 
-/* Frees places for the next chunks of the queue. The number is limited, because a chunk evicted too early may be wanted
-   again before its replacement arrives. The caller holds the lock. */
+/* Frees places for the next chunks of the queue. Limits their number, because an evicted chunk may be wanted again
+   soon. The caller holds the lock. */
 static void free_places(fxs_pager *p)
 {
     const uint32_t share = p->room / KEPT_SHARE > ROOM_LEAST ? p->room / KEPT_SHARE : ROOM_LEAST;
@@ -608,7 +596,7 @@ int fxs_pager_turn(fxs_pager *p, fxs_pager_state *state, fxs_message *message)
     const int error = p->lost || p->failures >= TRIES ? p->error : 0;
     if (error && message)
         *message = p->why;
-    p->reading |= left > 0 && p->spare_count > 0;       /* assumed until the reader has looked at the queue */
+    p->reading |= left > 0 && p->spare_count > 0;
     pthread_cond_signal(&p->work);
     pthread_mutex_unlock(&p->lock);
     return error;

@@ -1,5 +1,5 @@
-/* A pager source that reads a file on a server by HTTP range requests (RFC 9110, section 14). libcurl brings about
-   thirty libraries, so dlopen loads it at the first use. */
+/* Pager source that reads a file on a server by HTTP range requests (RFC 9110, section 14). dlopen loads libcurl at
+ * the first use, because libcurl brings about thirty libraries. */
 #include <fixsplat/pager.h>
 
 #include <string.h>
@@ -32,11 +32,9 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 
 #include "src/base/try_internal.h"
 
-/* A request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. GAP, VALIDATOR, HEADERS_MOST: bytes. */
+/* A request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. */
 enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144,
        VALIDATOR = 200 };
-
-/* ---- The library ------------------------------------------------------------------------------------------------- */
 
 static struct {
     CURLcode (*global_init)(long flags);
@@ -51,7 +49,7 @@ static struct {
     int is_here;
 } lib;
 
-/* Looks up a function. POSIX allows the conversion of dlsym's result to a function pointer. */
+/* POSIX allows the conversion of dlsym's result to a function pointer. */
 static int find(void *library, const char *name, void *function)
 {
     void *address = dlsym(library, name);
@@ -74,9 +72,7 @@ static void load_library(void)
                   find(library, "curl_easy_strerror", &lib.error) && !lib.global_init(CURL_GLOBAL_DEFAULT);
 }
 
-/* ---- A request --------------------------------------------------------------------------------------------------- */
-
-/* Validators and size of the file, from the headers of an answer. */
+/* Identify the version of the file, from the headers of a response. */
 typedef struct validators {
     char tag[VALIDATOR], modified[VALIDATOR];      /* ETag and Last-Modified; empty: none */
     uint64_t size;
@@ -86,13 +82,13 @@ typedef struct paged_url {
     CURL *handle;
     char *url;
     int cancelled;                     /* accessed atomically */
-    int is_open;                       /* `file` holds the validators of the first answer */
+    int is_open;                       /* 1: `file` holds the validators of the first response */
     validators file;
 
     unsigned char *out;
-    uint64_t first;                    /* offset in the file */
-    size_t size, got, headers;         /* bytes */
-    long status;                       /* HTTP status of the answer being received */
+    uint64_t first;
+    size_t size, got, headers;
+    long status;                       /* HTTP status of the response */
     int has_range, too_long;
     uint64_t from, to;                 /* first and last byte, from Content-Range */
     validators said;
@@ -133,7 +129,7 @@ static void take_value(const char *line, const char *name, char value[VALIDATOR]
         snprintf(value, VALIDATOR, "%.*s", (int)end, line);
 }
 
-/* After redirects, only the last answer counts. */
+/* After redirects, only the last response counts. */
 static size_t take_header(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -168,14 +164,13 @@ static int differ(const char *a, const char *b)
     return *a && *b && strcmp(a, b) != 0;
 }
 
-/* Compares only headers that are present: an answer to If-Range may omit some (RFC 9110, 15.3.7). */
+/* Compares only headers that are present: a response to If-Range may omit some (RFC 9110, 15.3.7). */
 static int has_changed(const paged_url *u)
 {
     return u->said.size != u->file.size || differ(u->said.tag, u->file.tag) ||
            differ(u->said.modified, u->file.modified);
 }
 
-/* Returns 0 for a valid answer, else an error and a message. */
 static int judge(const paged_url *u, CURLcode code, fxs_message *message)
 {
     const uint64_t last = u->first + u->size - 1;
@@ -228,8 +223,6 @@ static int fetch(void *argument, uint64_t offset, void *out, size_t size, fxs_me
     return judge(u, code, message);
 }
 
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
-
 static void cancel(void *argument)
 {
     paged_url *u = argument;
@@ -262,7 +255,7 @@ static int prepare(paged_url *u)
            lib.setopt(h, CURLOPT_XFERINFODATA, u);
 }
 
-/* The first request reads the scene's header; its answer tells the file's size. */
+/* Reads the scene's header. The response also tells the file's size. */
 static int open_url(paged_url *u, fxs_message *message)
 {
     unsigned char header[192];

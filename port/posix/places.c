@@ -17,8 +17,7 @@ static void make_folders(char *path)
     }
 }
 
-/* Relative paths are ignored, as the XDG Base Directory Specification demands:
-   https://specifications.freedesktop.org/basedir-spec */
+/* Ignores relative paths, as the XDG Base Directory Specification demands. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");

@@ -1,23 +1,23 @@
-/* Thread pool. Each call of fxs_pool_run puts a batch of jobs in a list; the caller and all threads of the pool take
-   jobs by an atomic counter. */
+/* Thread pool. Each call of fxs_pool_run appends a batch of jobs to a list. The caller and all threads of the pool
+ * take jobs by an atomic counter. */
 #include <fixsplat/pool.h>
 
 #include <pthread.h>
 #include <stdlib.h>
 
-/* The jobs of one call of fxs_pool_run; lives on its stack. */
+/* The jobs of one call of fxs_pool_run. */
 typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
     uint32_t jobs, next;                   /* `next` is incremented atomically */
-    uint32_t helpers;                      /* pool threads working on this batch */
+    uint32_t helpers;                      /* pool threads that work on this batch */
     struct batch *after;
 } batch;
 
 struct fxs_pool {
     pthread_mutex_t lock;
     pthread_cond_t start, done;
-    uint32_t threads;                      /* pool threads, not counting callers */
+    uint32_t threads;                      /* pool threads without callers */
     int stop;
     batch *first;                          /* batches with jobs not yet taken, oldest first */
     pthread_t handles[64];
@@ -31,7 +31,7 @@ static void append(fxs_pool *pool, batch *b)
     *end = b;
 }
 
-/* Runs jobs of the batch until all are taken, then removes it from the list. Releases the lock while jobs run. */
+/* Runs jobs of the batch until all are taken. Releases the lock while jobs run. */
 static void work(fxs_pool *pool, batch *b)
 {
     pthread_mutex_unlock(&pool->lock);

@@ -1,5 +1,5 @@
-/* Writes output files. Windows deletes an incomplete file when it is closed, however this process ends, so signals need
-   no handling. */
+/* Writes output files. Windows deletes an incomplete file when the process ends in any way, so signals need no
+ * handling. */
 #include "win32.h"
 
 #include <errno.h>
@@ -13,7 +13,7 @@
 #include "src/base/opened.h"
 #include "src/base/output_internal.h"
 
-enum { NAME_ROOM = 64,         /* bytes for the name of a temporary file, without its folder */
+enum { NAME_ROOM = 64,
        WRITERS_MOST = 100 };   /* simultaneous writers of one file */
 
 void fxs_output_remove_at_signals(void)
@@ -22,11 +22,9 @@ void fxs_output_remove_at_signals(void)
 
 char *fxs_output_target(const char *path)
 {
-    char *whole = fxs_path_whole(path);        /* of an existing file: with links resolved */
+    char *whole = fxs_path_whole(path);        /* resolves the links of an existing file */
     return whole ? whole : _strdup(path);
 }
-
-/* ---- Open -------------------------------------------------------------------------------------------------------- */
 
 static char standard_output[] = "standard output";   /* stands for the path "-" in messages */
 
@@ -55,8 +53,7 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* Creates a file that no other process can open, marked for deletion. Overwrites a file left by a crash of the
-   machine. */
+/* Creates a file that no other process can open, marked for deletion. Overwrites a file left by a crash. */
 static HANDLE create_named(const char *name)
 {
     wchar_t *wide = win32_path(name);
@@ -79,7 +76,7 @@ static HANDLE create_beside(fxs_output *output)
     for (int i = 0; output->temporary && i < WRITERS_MOST && handle == INVALID_HANDLE_VALUE; i++) {
         name_temporary(output, i);
         handle = create_named(output->temporary);
-        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* given if another writer has it */
+        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* another writer has the file */
             break;
     }
     return handle;
@@ -130,11 +127,9 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     return error;
 }
 
-/* ---- Write and close --------------------------------------------------------------------------------------------- */
-
 enum { TRIES_MOST = 40, PAUSE_MILLISECONDS = 50 };
 
-/* Flushes the file, unmarks its deletion and renames it. Returns 0, or an errno. */
+/* Flushes the file, cancels its deletion and renames it. Returns 0, or an errno. */
 static int put_in_place(fxs_output *output)
 {
     const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(output->file));
@@ -159,8 +154,7 @@ static int put_in_place(fxs_output *output)
     return error;
 }
 
-/* Windows reports EACCES for a target that another program has open. Returns EBUSY in that case, also if the program
-   has closed it meanwhile. */
+/* Returns EBUSY instead of EACCES if another program has the target open. */
 static int why_not_replaced(const fxs_output *output, int error)
 {
     const DWORD access = GENERIC_WRITE | DELETE;
@@ -174,7 +168,7 @@ static int why_not_replaced(const fxs_output *output, int error)
     return error;
 }
 
-/* Retries while a server or virus scanner has the target open for a moment. Returns 0, or an errno. */
+/* Retries while a server or virus scanner briefly has the target open. Returns 0, or an errno. */
 static int put_when_free(fxs_output *output)
 {
     int error, tries = 0;

@@ -1,4 +1,4 @@
-/* A pager source that reads a file. */
+/* Pager source that reads a file. */
 #include "win32.h"
 
 #include <errno.h>

@@ -7,7 +7,7 @@
 
 enum { PATH_MOST = 4096 };
 
-/* Converts a folder, for free(). `size`: its length, 0 if unknown. Returns null if it is unknown or too long. */
+/* Converts a folder's name of `size` characters, for free(). Returns null for size 0 or a name that is too long. */
 static char *folder_of(const wchar_t *wide, DWORD size)
 {
     char *folder = size && size < PATH_MOST ? win32_narrow(wide) : NULL;

@@ -9,16 +9,16 @@
 /* RGBA, not premultiplied; top row first, no padding. The caller owns the bytes. */
 typedef struct fxs_picture {
     uint8_t *rgba;
-    int width, height;           /* pixels */
+    int width, height;
 } fxs_picture;
 
-/* A picture and the position of its top left corner in the window, pixels. */
+/* A picture and the position of its top left corner in the window, in pixels. */
 typedef struct fxs_panel {
     fxs_picture picture;
     int x, y;
 } fxs_panel;
 
-/* Colours, 0xRRGGBBAA. Panels are nearly opaque, so that words are readable over any picture. */
+/* Colours 0xRRGGBBAA. */
 typedef struct fxs_theme {
     uint32_t window;             /* background where no picture is shown */
     uint32_t panel, words, faint, mark;
@@ -28,22 +28,18 @@ extern const fxs_theme fxs_dark, fxs_light;
 
 typedef struct fxs_words fxs_words;
 
-/* Fills a rectangle, clipped to the picture. */
 void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int height, uint32_t colour);
 
-/* Draws a line `wide` pixels wide, clipped to the picture. */
 void fxs_draw_line(const fxs_picture *picture, const double from[2], const double to[2], double wide, uint32_t colour);
 
-/* Draws one line of words (words.h) with its top left corner at (x, y). */
+/* Draws one line of text with its top left corner at (x, y). */
 void fxs_draw_words(fxs_words *words, const fxs_picture *picture, int x, int y, const char *text, uint32_t colour);
 
-/* Makes a panel of one colour with round corners; free it with fxs_panel_free. Returns 0, or -1 if memory ran out, with
-   nothing to free. */
+/* Makes a panel of one colour with round corners. Returns 0, or -1 if memory ran out. */
 int fxs_panel_make(fxs_panel *panel, int x, int y, int width, int height, int radius, uint32_t colour);
 void fxs_panel_free(fxs_panel *panel);
 
-/* Paints depths of fxs_targets on a logarithmic scale: red for the nearest 2 % of the visible depths to blue for the
-   farthest. */
+/* Paints depths on a logarithmic scale, from red for the nearest 2 % to blue for the farthest. */
 void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths);
 
 /* Paints ids, with a colour for each Gaussian. */
@@ -59,8 +55,8 @@ typedef struct fxs_frame_times {
 
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats);
 
-/* Draws a bar for each frame, with its stages in colours, and the times of the newest frame and its stages beside the
-   bars. A point is `scale` pixels. */
+/* Draws a bar for each frame, with its stages in colours, and the times of the newest frame. scale: pixels per
+   point. */
 void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words);
 

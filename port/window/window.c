@@ -1,4 +1,4 @@
-/* An SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
+/* SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
 #include "window.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* motion since the button went down, points: sum of |dx| + |dy| */
+    int moved;                      /* motion since the button went down, in points: sum of |dx| + |dy| */
 };
 
 static int fail(fxs_message *message)
@@ -24,9 +24,8 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Excludes drivers that show nothing or take over the console, which SDL would use without a display. Excludes Wayland
-   without a socket folder, because its library then prints messages. A driver named in SDL_VIDEODRIVER is used without
-   a check. */
+/* Excludes drivers that show nothing or take over the console, and Wayland without a socket folder. A driver named
+   in SDL_VIDEODRIVER is used without a check. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -69,8 +68,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
-/* On X11, SDL wakes a window by an event on a separate connection. An event that arrives after the window is closed
-   would end the program with an error, so this waits for it. */
+/* Waits for late X11 events of a hidden window. After the window is closed, such an event would end the program. */
 static void let_wakes_arrive(fxs_window *window)
 {
     SDL_HideWindow(window->window);
@@ -109,7 +107,7 @@ static double pixels_in_point(const fxs_window *window)
     return points > 0 ? fmax(1, (double)width / points) : 1;
 }
 
-/* On Windows, SDL's positions are pixels; a point is 1/96 inch there. */
+/* On Windows, SDL's positions are in pixels, and a point is 1/96 inch. */
 double fxs_window_scale(const fxs_window *window)
 {
     float across;
@@ -164,7 +162,6 @@ static void translate_motion(fxs_window *window, const SDL_MouseMotionEvent *in,
     window->moved += abs(in->xrel) + abs(in->yrel);
 }
 
-/* Returns 0 for events without a use in the viewer. */
 static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *out)
 {
     *out = (fxs_window_event){.type = FXS_EVENT_NONE};

@@ -24,7 +24,7 @@ void fxs_http_socket_close(MHD_socket s)
     closesocket(s);
 }
 
-/* The messages of other systems, for errors that a user can cause. */
+/* Uses the messages of POSIX systems for errors that a user can cause. */
 void fxs_http_socket_fault(fxs_http_fault *fault)
 {
     static const struct {
