@@ -1,6 +1,6 @@
 /* Maps files read-only. If a mapped file is cut short, the lost pages read as zeros instead of raising SIGBUS, and
  * fxs_map_check reports the loss. */
-#define _DEFAULT_SOURCE            /* MAP_ANONYMOUS */
+#define _DEFAULT_SOURCE            /* for MAP_ANONYMOUS */
 #include <fixsplat/map.h>
 
 #include <errno.h>
@@ -13,12 +13,12 @@
 
 #include "src/base/opened.h"
 
-/* Mapped ranges, which the SIGBUS handler searches. The handler may run at any time, so all fields are accessed
-   atomically and without a lock. */
+/* The SIGBUS handler searches the mapped ranges at any time. All fields are therefore accessed atomically and
+   without a lock. */
 enum { RANGES = 64 };
 static struct range {
     uintptr_t start, end;          /* end 0: nothing mapped; set last, cleared first */
-    int lost;                      /* 1: the handler has replaced pages by zeros */
+    int lost;
     int taken;
 } ranges[RANGES];
 
@@ -51,7 +51,7 @@ static void note_range(const fxs_mapping *mapping)
     __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
 }
 
-/* Maps zeros from the page of the fault to the end of the range. Returns 0 if the address lies in no range. */
+/* Maps zeros from the page of the fault to the end of the range. */
 static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {
@@ -71,7 +71,7 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
         before.sa_sigaction(signal_number, info, context);
     else if (before.sa_handler == SIG_DFL) {
         signal(signal_number, SIG_DFL);
-        raise(signal_number);      /* delivered when this handler returns */
+        raise(signal_number);
     } else if (before.sa_handler != SIG_IGN)
         before.sa_handler(signal_number);
 }

@@ -1,5 +1,5 @@
-/* Opens scenes for rendering. Files in the packed format .fxs are mapped or read in part by a pager; all other
- * formats are packed. */
+/* Opens scenes for rendering. Files in the packed format .fxs are mapped or read in part; all other formats are
+ * packed. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@ typedef struct open_scene {
     fxs_scene scene;
     fxs_scene_file_info info;
     fxs_pack_report report;
-    fxs_packed_scene packed;       /* all 0 for bytes that are mapped or owned by the caller */
+    fxs_packed_scene packed;
     fxs_mapping mapping;
     char name[];
 } open_scene;
@@ -59,7 +59,6 @@ static int create(const char *name, open_scene **made, fxs_opened **opened, fxs_
     return 0;
 }
 
-/* After an error, frees the scene. */
 static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_opened **opened, fxs_message *message)
 {
     if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
@@ -133,7 +132,6 @@ static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **open
     return error;
 }
 
-/* Copies the bytes only if they are not aligned to 64 bytes. */
 static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                       fxs_message *message)
 {

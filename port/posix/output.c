@@ -1,4 +1,4 @@
-/* Writes output files. The data goes to a locked temporary file in the target's folder. When complete, the file is
+/* Writes output files. Data goes to a locked temporary file in the target's folder. When complete, the file is
  * synced and renamed to the target. A signal handler removes unfinished files. */
 #include "src/base/output_internal.h"
 
@@ -17,11 +17,11 @@
 #include <fixsplat/output.h>
 #include "src/base/opened.h"
 
-enum { LINKS_MOST = 40,        /* limit of Linux */
+enum { LINKS_MOST = 40,
        NAME_ROOM = 64,
        WRITERS_MOST = 100 };   /* simultaneous writers of one file */
 
-static fxs_output *under_way;   /* list; read by the signal handler, changed only between enter and leave */
+static fxs_output *under_way;   /* list of unfinished outputs, which the signal handler reads */
 static char taken;
 
 /* Takes a spin lock. Signals are blocked while the lock is held, so the handler can wait for another thread. */
@@ -52,8 +52,7 @@ static void forget(fxs_output *output)
     leave(&before);
 }
 
-/* Signal handler that removes the temporary files and ends the process. The lock stays taken, so that other threads
-   wait until the process ends. */
+/* Signal handler that removes the temporary files and ends the process. Keeps the lock, so that other threads wait. */
 static void remove_and_end(int signal_number)
 {
     while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
@@ -129,14 +128,14 @@ static void release(fxs_output *output)
 static void name_temporary(fxs_output *output, int i)
 {
     const size_t folder = folder_length(output->target);
-    uint32_t hash = 0x811c9dc5u;                                       /* FNV-1a */
+    uint32_t hash = 0x811c9dc5u;
     for (const char *c = output->target + folder; *c; c++)
         hash = (hash ^ (unsigned char)*c) * 0x01000193u;
     snprintf(output->temporary, folder + NAME_ROOM, "%.*s.fixsplat-%08" PRIx32 "-%d.tmp", (int)folder, output->target,
              hash, i);
 }
 
-/* Removes a temporary file that an ended process left. A writer locks its temporary file, so a free lock means that
+/* Removes a temporary file that an ended process left. Writers lock their temporary files, so a free lock means that
    the writer has ended. Returns 0 if no such file exists. */
 static int remove_left(const char *name)
 {
@@ -154,8 +153,7 @@ static int remove_left(const char *name)
     return 1;
 }
 
-/* Creates and locks a file, with the permissions of `old` if not null. Returns a descriptor, or -1 and errno.
-   EEXIST: the name is taken. */
+/* Creates and locks a file. Returns a descriptor, or -1 and errno. */
 static int create(const char *name, const struct stat *old)
 {
     struct stat own;
@@ -169,12 +167,11 @@ static int create(const char *name, const struct stat *old)
         return -1;
     }
     if (old)
-        fchmod(descriptor, mode);   /* if fchmod fails, umask may leave fewer permissions */
+        fchmod(descriptor, mode);
     return descriptor;
 }
 
-/* Creates a temporary file in the target's folder, so that a rename can replace the target. Returns a descriptor, or
-   -1 and errno. */
+/* Creates a temporary file in the target's folder, so that a rename can replace the target. */
 static int create_beside(fxs_output *output, const struct stat *old)
 {
     int descriptor = -1, own = 0;
@@ -250,7 +247,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* the descriptor is read-only */
+    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;
     const int error = fxs_output_fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
@@ -260,13 +257,13 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     return error;
 }
 
-/* Ignores that some file systems do not support fsync. */
+/* Some file systems do not support fsync, which is no error. */
 static int sync_file(FILE *file)
 {
     return !fsync(fileno(file)) || errno == EINVAL || errno == EROFS ? 0 : -1;
 }
 
-/* Writes the new name to the disk. A failure is ignored, because the file itself is complete. */
+/* Ignores a failure, because the file itself is complete. */
 static void sync_folder(fxs_output *output)
 {
     const size_t folder = folder_length(output->target);

@@ -1,7 +1,6 @@
 /* Renders a packed scene that is larger than memory. A pool has places for some of the scene's chunks of 256
- * Gaussians. The caller's thread draws from the pool, while a reader thread fills free places. A lock guards the
- * queue of chunks to read, the free places and the chunks that arrived. Only fxs_pager_turn, called between frames,
- * assigns a place to a chunk or evicts a chunk. */
+ * Gaussians. The caller's thread draws from the pool, while a reader thread fills free places. Only fxs_pager_turn,
+ * called between frames, assigns a place to a chunk or evicts a chunk. */
 #include <fixsplat/pager.h>
 
 #include <pthread.h>
@@ -23,22 +22,22 @@
 enum {
     PLACES_LEAST = 16,
     KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks always stay: 1/8 of the pool, 256 at most */
-    HEAD_PIECE = 1 << 20,              /* bytes of one read of header, palette and tree */
-    READ_MOST = 1 << 20,               /* bytes of one read of chunks */
+    HEAD_PIECE = 1 << 20,
+    READ_MOST = 1 << 20,
     BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes from the queue in one batch */
-    BATCH_APART = 64,                  /* minimum and start value for a source with a gap, such as a server */
+    BATCH_APART = 64,
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
-    ROOM_LEAST = 256,                  /* most places that one turn frees, or an eighth of the pool if that is more */
+    ROOM_LEAST = 256,
     TRIES = 3,                         /* failures until a chunk is lost; failed reads in a row until an error is
                                           reported */
-    PAUSE_MS = 100, PAUSE_MOST = 20    /* pause after a failed read: PAUSE_MS times the failures in a row */
+    PAUSE_MS = 100, PAUSE_MOST = 20
 };
 
 /* A place of the pool. Chunks that may be evicted form a linked list in the order of last use. */
 typedef struct place {
     uint32_t chunk;                    /* FXS_NOTHING: free, or being filled */
-    uint32_t drawn;                    /* number of the turn that last drew the chunk */
-    uint32_t newer, older;             /* neighbours in the list; FXS_NOTHING at its ends */
+    uint32_t drawn;
+    uint32_t newer, older;
 } place;
 
 typedef struct arrival {
@@ -58,10 +57,10 @@ struct fxs_pager {
 
     /* Used by the caller's thread only. */
     uint32_t *places;                  /* place of each chunk, or FXS_NOTHING */
-    uint32_t *asked;                   /* for each chunk: the last turn that wanted the chunk while it was missing */
+    uint32_t *asked;
     place *in_pool;
     uint32_t newest, oldest, there;
-    uint32_t turn;                     /* all frames between two calls of fxs_pager_turn are one turn */
+    uint32_t turn;
     int has_asked;
     uint32_t *wanted, wanted_count;    /* chunks wanted in this turn, most needed first */
 
@@ -69,16 +68,16 @@ struct fxs_pager {
     pthread_cond_t work, done;
     pthread_t reader;
     int has_reader, stop, reading;
-    uint8_t *tries;                    /* for each chunk: failed reads */
-    uint8_t *taken;                    /* for each chunk: 1 if being read, or read and not yet in `places` */
+    uint8_t *tries;
+    uint8_t *taken;
     uint32_t *queue, queue_count, queue_next;
-    uint32_t *spare, spare_count;      /* free places */
+    uint32_t *spare, spare_count;
     arrival *arrived;
     uint32_t arrived_count, batch_least, batch_most, lost;
     uint64_t bytes_read;
     int error;
     fxs_message why;
-    uint32_t failures;                 /* reads in a row that failed in the source */
+    uint32_t failures;
 };
 
 static void leave_ring(fxs_pager *p, uint32_t number)
@@ -111,7 +110,7 @@ static void note_drawn(fxs_pager *p, uint32_t number)
     enter_ring(p, number);
 }
 
-/* Assigns its place to a chunk that arrived. The caller holds the lock. */
+/* The caller holds the lock. */
 static void settle(fxs_pager *p, arrival a)
 {
     p->in_pool[a.place] = (place){a.chunk, p->turn, FXS_NOTHING, FXS_NOTHING};
@@ -122,8 +121,7 @@ static void settle(fxs_pager *p, arrival a)
         enter_ring(p, a.place);
 }
 
-/* Evicts the least recently drawn chunk, unless the current turn drew the chunk. Returns 1 if a place is free now.
-   The caller holds the lock. */
+/* Evicts the least recently drawn chunk, unless the current turn drew the chunk. The caller holds the lock. */
 static int free_place(fxs_pager *p)
 {
     const uint32_t number = p->oldest;
@@ -150,7 +148,6 @@ static int by_chunk(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns how many chunks of the sorted list one read covers. */
 static uint32_t run_of(const fxs_pager *p, const arrival *list, uint32_t count)
 {
     const uint64_t start = offset_of(p, list[0].chunk), size = p->scene.chunk_bytes;
@@ -166,7 +163,6 @@ static unsigned char *place_at(const fxs_pager *p, uint32_t number)
     return p->pool + (size_t)number * p->scene.chunk_bytes;
 }
 
-/* Calls source.read. An error is always negative and has a message. */
 static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t size, fxs_message *why)
 {
     why->text[0] = 0;
@@ -176,8 +172,7 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Reads a run of chunks and copies the valid ones to their places. Returns the last error. good[i] = 1: chunk i is
-   valid. *unread = 1: the source failed. */
+/* Reads a run of chunks. good[i] = 1: chunk i is valid. *unread = 1: the source failed. */
 static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
@@ -399,11 +394,10 @@ static int make_room(fxs_pager *p, fxs_message *message)
         p->spare[p->spare_count] = p->room - 1 - p->spare_count;
     p->scene.rows = p->pool;
     p->scene.places = p->places;
-    p->turn = 1;                       /* above every entry of `asked` */
+    p->turn = 1;
     return 0;
 }
 
-/* Reads the root of the tree, so that the first frame can draw the scene. */
 static int read_root(fxs_pager *p, fxs_message *message)
 {
     const arrival root = {p->scene.chunk_count, p->spare[--p->spare_count]};
@@ -542,8 +536,7 @@ void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int the
     }
 }
 
-/* Fills the queue: wanted chunks first, then the coarsest chunks, which later views will need. The caller holds the
-   lock. */
+/* Fills the queue: wanted chunks first, then the coarsest chunks. The caller holds the lock. */
 static void fill_queue(fxs_pager *p)
 {
     const uint32_t leaves = p->scene.chunk_count;
@@ -564,8 +557,7 @@ static uint32_t left_in_queue(const fxs_pager *p)
     return p->queue_count - p->queue_next;
 }
 
-/* Frees places for the next chunks of the queue. Limits their number, because an evicted chunk may be wanted again
-   soon. The caller holds the lock. */
+/* Limits the number of evicted chunks, because an evicted chunk may be wanted again soon. The caller holds the lock. */
 static void free_places(fxs_pager *p)
 {
     const uint32_t share = p->room / KEPT_SHARE > ROOM_LEAST ? p->room / KEPT_SHARE : ROOM_LEAST;

@@ -60,7 +60,7 @@ int fxs_pager_file(const char *path, fxs_pager_source *source, fxs_message *mess
     if (!f)
         return fxs_fail_memory(message, path, sizeof *f + length);
     memcpy(f->path, path, length);
-    f->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);        /* does not block on a FIFO */
+    f->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     int error = 0;
     if (f->descriptor < 0 || fstat(f->descriptor, &f->opened))
         error = fxs_fail_errno(message, path, errno);

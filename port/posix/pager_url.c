@@ -49,7 +49,6 @@ static struct {
     int is_here;
 } lib;
 
-/* POSIX allows the conversion of dlsym's result to a function pointer. */
 static int find(void *library, const char *name, void *function)
 {
     void *address = dlsym(library, name);
@@ -82,13 +81,13 @@ typedef struct paged_url {
     CURL *handle;
     char *url;
     int cancelled;                     /* accessed atomically */
-    int is_open;                       /* 1: `file` holds the validators of the first response */
+    int is_open;
     validators file;
 
     unsigned char *out;
     uint64_t first;
     size_t size, got, headers;
-    long status;                       /* HTTP status of the response */
+    long status;
     int has_range, too_long;
     uint64_t from, to;                 /* first and last byte, from Content-Range */
     validators said;
@@ -101,7 +100,7 @@ static int is_cancelled(void *argument, curl_off_t a, curl_off_t b, curl_off_t c
     return __atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE);
 }
 
-/* Accepts only the bytes of status 206. Any other content, or too much of it, ends the request. */
+/* Accepts only the bytes of status 206. Any other content ends the request. */
 static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -117,7 +116,6 @@ static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
     return length;
 }
 
-/* Copies the value of a header without surrounding spaces. Ignores a value that does not fit. */
 static void take_value(const char *line, const char *name, char value[VALIDATOR])
 {
     const size_t length = strlen(name);
@@ -153,7 +151,7 @@ static size_t take_header(char *bytes, size_t size, size_t count, void *argument
     return length;
 }
 
-/* Returns the validator for If-Range. Weak ETags are excluded, because they may stay the same when bytes change. */
+/* Weak ETags are excluded, because they may stay the same when bytes change. */
 static const char *validator_of(const paged_url *u)
 {
     return *u->file.tag == '"' ? u->file.tag : *u->file.tag ? "" : u->file.modified;
@@ -238,7 +236,7 @@ static void close_url(void *argument)
     free(u);
 }
 
-/* Sets all options. An https address is never redirected to http. */
+/* An https address is never redirected to http. */
 static int prepare(paged_url *u)
 {
     CURL *h = u->handle;
@@ -255,7 +253,6 @@ static int prepare(paged_url *u)
            lib.setopt(h, CURLOPT_XFERINFODATA, u);
 }
 
-/* Reads the scene's header. The response also tells the file's size. */
 static int open_url(paged_url *u, fxs_message *message)
 {
     unsigned char header[192];

@@ -1,16 +1,15 @@
-/* Thread pool. Each call of fxs_pool_run appends a batch of jobs to a list. The caller and all threads of the pool
- * take jobs by an atomic counter. */
+/* Thread pool. Each call of fxs_pool_run appends a batch of jobs to a list. The caller and the pool's threads take
+ * jobs by an atomic counter. */
 #include <fixsplat/pool.h>
 
 #include <pthread.h>
 #include <stdlib.h>
 
-/* The jobs of one call of fxs_pool_run. */
 typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
     uint32_t jobs, next;                   /* `next` is incremented atomically */
-    uint32_t helpers;                      /* pool threads that work on this batch */
+    uint32_t helpers;
     struct batch *after;
 } batch;
 
@@ -19,7 +18,7 @@ struct fxs_pool {
     pthread_cond_t start, done;
     uint32_t threads;                      /* pool threads without callers */
     int stop;
-    batch *first;                          /* batches with jobs not yet taken, oldest first */
+    batch *first;
     pthread_t handles[64];
 };
 

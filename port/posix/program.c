@@ -1,4 +1,4 @@
-/* Starts programs with posix_spawnp, opens a browser, and handles signals that ask the program to end. */
+/* Starts programs, opens a browser, and handles signals that ask the program to end. */
 #include "src/base/system.h"
 
 #include <dlfcn.h>
@@ -70,7 +70,6 @@ void fxs_program_become(const char *path, char **argv)
     execvp(path, argv);
 }
 
-/* The program gets its own process group and the signal mask `mask`. */
 static int start(const char *const *arguments, int output, int log, const sigset_t *mask, pid_t *child)
 {
     posix_spawn_file_actions_t actions;
@@ -96,8 +95,8 @@ static int start(const char *const *arguments, int output, int log, const sigset
     return error;
 }
 
-/* Starts a guard process, which kills the program's group if the write end of `life` closes before a byte arrives.
-   That happens when this process ends, even by SIGKILL. The caller has blocked all signals. */
+/* Starts a guard process, which kills the program's group when this process ends, even by SIGKILL. The write end of
+   `life` then closes before a byte arrives. */
 static pid_t start_guard(const int life[2], pid_t group)
 {
     char byte;
@@ -115,7 +114,7 @@ static pid_t start_guard(const int life[2], pid_t group)
     _exit(0);
 }
 
-static volatile sig_atomic_t running;  /* process group of the running program */
+static volatile sig_atomic_t running;
 
 /* Handles Ctrl-Z: stops the program and this process, and later continues the program. */
 static void stop_both(int number)
@@ -176,7 +175,6 @@ static void close_pipe(const int ends[2])
     close(ends[1]);
 }
 
-/* Passes the program's output on until the program ends. Returns the exit status. */
 static int attend(pid_t child, pid_t guard, const int life[2], int from, fxs_program_said_fn *said, void *argument)
 {
     struct sigaction before;
@@ -207,7 +205,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = start(arguments, ends[1], fileno(log), &before, &child);
-    close(ends[1]);                    /* the guard would keep the pipe open */
+    close(ends[1]);
     const pid_t guard = error ? -1 : start_guard(life, child);
     pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)
@@ -218,7 +216,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
 
-/* Starts the browser in its own session, so that Ctrl-C does not end it. */
+/* A session of its own protects the browser from Ctrl-C. */
 static void run_browser(const char *address)
 {
     sigset_t none;
@@ -289,7 +287,7 @@ void fxs_end_as_asked(void)
     raise(asked);
 }
 
-static sigset_t mask_to_wait;          /* signal mask before fxs_end_hold */
+static sigset_t mask_to_wait;
 
 static void note_held(int number)
 {

@@ -1,4 +1,3 @@
-/* Functions that the files of port/win32 share. */
 #ifndef WIN32_H
 #define WIN32_H
 
@@ -9,8 +8,8 @@
 
 #include "src/base/system.h"
 
-/* Converts a UTF-8 path to UTF-16 for Windows, for free(). Paths of more than about 240 characters become absolute
-   and get the prefix \\?\. Returns null and errno on failure. */
+/* Converts a UTF-8 path to UTF-16, for free(). Long paths become absolute and get the prefix \\?\. Returns null and
+   errno on failure. */
 wchar_t *win32_path(const char *path);
 
 /* Converts a UTF-8 path to an absolute UTF-16 path with the prefix \\?\. */
@@ -20,8 +19,7 @@ wchar_t *win32_whole_path(const char *path);
 char *win32_narrow(const wchar_t *text);
 wchar_t *win32_wide(const char *text);
 
-/* Replaces the arguments by the command line in UTF-8, with wildcards expanded. Leaves the arguments unchanged if
-   memory runs out. */
+/* Replaces the arguments by the command line in UTF-8, with wildcards expanded. */
 void win32_arguments(int *argc, char ***argv);
 
 /* Sets errno from GetLastError. Returns -1. */
@@ -33,8 +31,7 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts);
    failure. */
 HANDLE win32_open(const char *path, DWORD access, DWORD flags);
 
-/* Makes a stream that owns the handle. On failure closes the handle and returns null and errno. `mode`: "rb", "wb",
-   "w+b" or "ab". */
+/* Makes a stream that owns the handle. On failure closes the handle and returns null and errno. */
 FILE *win32_stream(HANDLE handle, const char *mode);
 
 #endif

@@ -38,7 +38,6 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
     return about.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY ? FXS_FILE_FOLDER : FXS_FILE_REGULAR;
 }
 
-/* Also closes the handle. */
 static enum fxs_file_kind look_at(HANDLE handle, fxs_file_facts *facts)
 {
     if (handle == INVALID_HANDLE_VALUE)
@@ -53,8 +52,7 @@ enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
     return look_at(win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS), facts);
 }
 
-/* Opens a file that is not a link; sets errno to ELOOP for a link. Opens other reparse points, such as cloud files,
-   normally. */
+/* Opens a file that is not a link; sets errno to ELOOP for a link. */
 static HANDLE open_itself(const char *path, DWORD access, DWORD flags)
 {
     FILE_ATTRIBUTE_TAG_INFO about = {0};
@@ -150,7 +148,7 @@ int fxs_file_rename(const char *from, const char *to)
     return result;
 }
 
-/* Tests if files can be created in a folder, by creating a file that is deleted when closed. */
+/* Tests if files can be created in a folder, by creating one that is deleted when closed. */
 static int may_have_files(const char *folder)
 {
     char name[64];
@@ -299,7 +297,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
                                           : open_checked(handle, path, file, facts, message);
 }
 
-/* Returns the absolute path of the folder that contains a path, for free(); null and errno on failure. */
+/* Returns an absolute path, for free(); null and errno on failure. */
 static char *whole_folder(const char *path)
 {
     const size_t length = strlen(path) - strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
@@ -313,7 +311,6 @@ static char *whole_folder(const char *path)
     return whole;
 }
 
-/* Ignores case, like Windows. */
 static int is_within(const char *folder, const char *path)
 {
     const size_t length = strlen(folder);
@@ -321,7 +318,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Sets *whole to the absolute path, for free(). Fails if the path lies outside the folder of `first`. */
+/* Fails if the path lies outside the folder of `first`. *whole is for free(). */
 static int follow_within(const char *first, const char *path, char **whole, fxs_message *message)
 {
     char *folder = whole_folder(first);
@@ -367,8 +364,8 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* Creates its own file in the temporary folder, because tmpfile of Windows writes to the root of the drive. Windows
-   deletes the file when it is closed, even after a crash. */
+/* tmpfile of Windows writes to the root of the drive, so this function uses the temporary folder. Windows deletes
+   the file when it is closed, even after a crash. */
 FILE *fxs_stream_temporary(void)
 {
     static volatile LONG count;
@@ -432,7 +429,6 @@ int fxs_terminal_takes_codes(FILE *file)
     return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
 }
 
-/* The descriptor takes ownership of the handle. On failure, the handle is closed. */
 static int descriptor_of(HANDLE handle)
 {
     const int descriptor = _open_osfhandle((intptr_t)handle, _O_RDONLY);

@@ -39,7 +39,7 @@ static int map_opened(fxs_mapping *mapping, HANDLE handle, const char *path, fxs
             CloseHandle(section);
         return fxs_fail(message, "%s: cannot be mapped into memory: %s", path, strerror(errno));
     }
-    CloseHandle(section);              /* the view keeps the section open */
+    CloseHandle(section);
     mapping->bytes = (size_t)facts.size;
     mapping->descriptor = (int)(intptr_t)handle;
     mapping->modified[0] = modified(handle);

@@ -22,7 +22,7 @@ void fxs_output_remove_at_signals(void)
 
 char *fxs_output_target(const char *path)
 {
-    char *whole = fxs_path_whole(path);        /* resolves the links of an existing file */
+    char *whole = fxs_path_whole(path);
     return whole ? whole : _strdup(path);
 }
 
@@ -40,7 +40,7 @@ static void name_temporary(fxs_output *output, int i)
 {
     const char *slash = strrchr(output->target, '/'), *name = slash ? slash + 1 : output->target;
     const int folder = (int)(name - output->target);
-    uint32_t hash = 0x811c9dc5u;                                       /* FNV-1a */
+    uint32_t hash = 0x811c9dc5u;
     for (const char *c = name; *c; c++)
         hash = (hash ^ (unsigned char)*c) * 0x01000193u;
     snprintf(output->temporary, (size_t)folder + NAME_ROOM, "%.*s.fixsplat-%08" PRIx32 "-%d.tmp", folder,
@@ -53,7 +53,7 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* Creates a file that no other process can open, marked for deletion. Overwrites a file left by a crash. */
+/* Creates a file that no other process can open, marked for deletion. */
 static HANDLE create_named(const char *name)
 {
     wchar_t *wide = win32_path(name);
@@ -76,7 +76,7 @@ static HANDLE create_beside(fxs_output *output)
     for (int i = 0; output->temporary && i < WRITERS_MOST && handle == INVALID_HANDLE_VALUE; i++) {
         name_temporary(output, i);
         handle = create_named(output->temporary);
-        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* another writer has the file */
+        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)
             break;
     }
     return handle;
@@ -129,7 +129,6 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 
 enum { TRIES_MOST = 40, PAUSE_MILLISECONDS = 50 };
 
-/* Flushes the file, cancels its deletion and renames it. Returns 0, or an errno. */
 static int put_in_place(fxs_output *output)
 {
     const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(output->file));
@@ -168,7 +167,7 @@ static int why_not_replaced(const fxs_output *output, int error)
     return error;
 }
 
-/* Retries while a server or virus scanner briefly has the target open. Returns 0, or an errno. */
+/* Retries while a server or virus scanner briefly has the target open. */
 static int put_when_free(fxs_output *output)
 {
     int error, tries = 0;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHORT_MOST = 240 };             /* characters of a path without prefix; also valid for folders */
+enum { SHORT_MOST = 240 };
 
 char *win32_narrow(const wchar_t *text)
 {

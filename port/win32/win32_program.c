@@ -1,4 +1,4 @@
-/* Starts programs in a job object, opens a browser, and handles console events that ask the program to end. */
+/* Starts programs, opens a browser, and handles console events that ask the program to end. */
 #include "win32.h"
 
 #include <errno.h>
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static UINT code_page;                 /* code page of the console before the start */
+static UINT code_page;
 
 static void restore_console(void)
 {
@@ -63,7 +63,6 @@ void fxs_program_set(const char *variable, const char *value)
         _putenv(text);
 }
 
-/* Quotes a word of a command line. Returns the end of the text. */
 static wchar_t *add_word(wchar_t *to, const wchar_t *word)
 {
     *to++ = L'"';
@@ -121,7 +120,7 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
 static void bind_to_this(HANDLE process, int break_away)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
-    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed when this process ends */
+    const HANDLE job = CreateJobObjectW(NULL, NULL);
     limits.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE |
                                               (break_away ? JOB_OBJECT_LIMIT_SILENT_BREAKAWAY_OK : 0);
     if (job && SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
@@ -137,7 +136,7 @@ static DWORD wait_for(HANDLE process)
     return code;
 }
 
-/* Reports a crash like a signal. The exit code of a crashed program is an exception code. */
+/* Reports a crash like a signal. */
 static int status_of(DWORD code)
 {
     return code < FXS_PROGRAM_SIGNAL ? (int)code : FXS_PROGRAM_SIGNAL + SIGSEGV;
@@ -180,7 +179,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 static BOOL WINAPI leave_it(DWORD kind)
 {
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
-        Sleep(INFINITE);                   /* until the program has ended */
+        Sleep(INFINITE);
     return TRUE;
 }
 
@@ -228,7 +227,7 @@ static BOOL WINAPI note_request(DWORD kind)
     if (InterlockedExchange(&asked, 1))
         return FALSE;
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
-        Sleep(INFINITE);                   /* until the main thread has ended the process */
+        Sleep(INFINITE);
     return TRUE;
 }
 

@@ -1,18 +1,17 @@
-/* Moves a camera view by drags, the wheel or keys. The pivot is the point straight ahead at `distance` scene units,
- * about which the view turns. up: the scene's up vector, of any length. Angles are in radians. */
+/* Moves a camera view by drags, the wheel or keys. The view turns about the pivot, a point straight ahead at
+ * `distance` scene units. up: the scene's up vector, of any length. Angles are in radians. */
 #ifndef FXS_MOTION_H
 #define FXS_MOTION_H
 
 #include <fixsplat/camera_file.h>
 
-/* Turns the camera about the pivot, as if a drag turned the scene right and down by these angles. Stops before the
-   view is parallel to `up`. */
+/* Turns the camera about the pivot, as if a drag turned the scene right and down. Stops before the view is parallel
+   to `up`. */
 void fxs_motion_orbit(fxs_file_view *view, double distance, const double up[3], double right, double down);
 
 /* Turns the camera about its own centre, to the right and down. Stops before the view is parallel to `up`. */
 void fxs_motion_look(fxs_file_view *view, const double up[3], double right, double down);
 
-/* Moves the camera along its own axes, in scene units. */
 void fxs_motion_fly(fxs_file_view *view, double right, double down, double forward);
 
 /* Moves the camera so that the pivot shifts by right and down pixels in the view. */

@@ -36,7 +36,6 @@ void fxs_draw_line(const fxs_picture *picture, const double from[2], const doubl
 
 enum { BINS = 2048 };
 
-/* log2(depth + 1) / 32 * BINS, less than BINS */
 static int bin_of(uint32_t depth)
 {
     return (int)(log2((double)depth + 1) / 32 * BINS * (1 - 1e-9));
@@ -89,7 +88,6 @@ void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
     }
 }
 
-/* Returns the coverage of a corner pixel, from the distance of its centre to the corner's centre. */
 static double corner_share(int x, int y, int radius)
 {
     return fmin(fmax(radius + 0.5 - hypot(radius - x - 0.5, radius - y - 0.5), 0), 1);

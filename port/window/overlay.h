@@ -1,4 +1,4 @@
-/* Panels drawn over a picture (words, lines, frame times), and pictures of depths and ids. */
+/* Panels drawn over a picture: words, lines, frame times. Also pictures of depths and ids. */
 #ifndef FXS_OVERLAY_H
 #define FXS_OVERLAY_H
 
@@ -12,7 +12,6 @@ typedef struct fxs_picture {
     int width, height;
 } fxs_picture;
 
-/* A picture and the position of its top left corner in the window, in pixels. */
 typedef struct fxs_panel {
     fxs_picture picture;
     int x, y;
@@ -20,7 +19,7 @@ typedef struct fxs_panel {
 
 /* Colours 0xRRGGBBAA. */
 typedef struct fxs_theme {
-    uint32_t window;             /* background where no picture is shown */
+    uint32_t window;
     uint32_t panel, words, faint, mark;
 } fxs_theme;
 
@@ -42,7 +41,6 @@ void fxs_panel_free(fxs_panel *panel);
 /* Paints depths on a logarithmic scale, from red for the nearest 2 % to blue for the farthest. */
 void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths);
 
-/* Paints ids, with a colour for each Gaussian. */
 void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids);
 
 enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points */
@@ -50,13 +48,12 @@ enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 }; 
 /* Milliseconds of the last frames, newest first. All 0: no frames. */
 typedef struct fxs_frame_times {
     double stage[FXS_GRAPH_FRAMES][FXS_STAGES];
-    double frame;                /* total of the newest frame */
+    double frame;
 } fxs_frame_times;
 
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats);
 
-/* Draws a bar for each frame, with its stages in colours, and the times of the newest frame. scale: pixels per
-   point. */
+/* Draws a bar for each frame, and the times of the newest frame. scale: pixels per point. */
 void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words);
 

@@ -12,12 +12,10 @@ typedef struct fxs_recent {
     int count;
 } fxs_recent;
 
-/* Reads the list without scenes that no longer exist. The list is empty if the file cannot be read. The caller frees
-   the list. */
+/* Reads the list without scenes that no longer exist. An unreadable file gives an empty list. */
 void fxs_recent_read(fxs_recent *recent);
 void fxs_recent_free(fxs_recent *recent);
 
-/* Adds a scene at the front of the list. Returns 0, or an error and a message. */
 int fxs_recent_add(const char *path, fxs_message *message);
 
 #endif

@@ -16,7 +16,7 @@
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* motion since the button went down, in points: sum of |dx| + |dy| */
+    int moved;                      /* motion since the button went down, in points */
 };
 
 static int fail(fxs_message *message)
@@ -24,8 +24,7 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Excludes drivers that show nothing or take over the console, and Wayland without a socket folder. A driver named
-   in SDL_VIDEODRIVER is used without a check. */
+/* Excludes video drivers that show nothing or take over the console, and Wayland without a socket folder. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -68,7 +67,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
-/* Waits for late X11 events of a hidden window. After the window is closed, such an event would end the program. */
+/* Waits for late X11 events of a hidden window, which would end the program after the window is closed. */
 static void let_wakes_arrive(fxs_window *window)
 {
     SDL_HideWindow(window->window);
@@ -84,7 +83,7 @@ void fxs_window_close(fxs_window *window)
     }
     SDL_free(window->dropped);
     SDL_QuitSubSystem(SDL_INIT_VIDEO);
-    if (!SDL_WasInit(0))           /* no other window is open */
+    if (!SDL_WasInit(0))
         SDL_Quit();
     free(window);
 }
@@ -98,7 +97,6 @@ void fxs_window_size(const fxs_window *window, int *width, int *height)
 #endif
 }
 
-/* Returns the pixels per point of SDL's positions and sizes, 1 or more. */
 static double pixels_in_point(const fxs_window *window)
 {
     int width, height, points;

@@ -13,12 +13,12 @@ enum fxs_window_event_type {
     FXS_EVENT_NONE,
     FXS_EVENT_QUIT,
     FXS_EVENT_KEY,              /* pressed, not repeated */
-    FXS_EVENT_POINTER,          /* mouse moved */
-    FXS_EVENT_PRESS,            /* the left button goes down */
+    FXS_EVENT_POINTER,
+    FXS_EVENT_PRESS,
     FXS_EVENT_CLICK,            /* the left button went down and up at one place */
     FXS_EVENT_WHEEL,
-    FXS_EVENT_DROP,             /* a file was dropped on the window */
-    FXS_EVENT_CHANGED,          /* window shown, uncovered or resized: must be drawn again */
+    FXS_EVENT_DROP,
+    FXS_EVENT_CHANGED,          /* must be drawn again */
     FXS_EVENT_WOKEN
 };
 
@@ -29,7 +29,7 @@ typedef struct fxs_window_event {
     int key;                    /* lower-case character on the key, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
     int left, other;            /* pointer: 1 if the left button, or the middle or right button, is down */
     double dx, dy;              /* pointer: motion in pixels, y down; wheel: steps in dy, positive away from the user */
-    double x, y;                /* pointer, press, click: position from the window's top left corner */
+    double x, y;
     int count;                  /* click: 2 for a double click */
     const char *path;           /* drop: path of the file, valid until the next event */
 } fxs_window_event;
@@ -42,7 +42,6 @@ void fxs_window_close(fxs_window *window);
 void fxs_window_resize(fxs_window *window, int width, int height);
 void fxs_window_size(const fxs_window *window, int *width, int *height);
 
-/* Returns the pixels per point of the screen, 1 or more. */
 double fxs_window_scale(const fxs_window *window);
 
 void fxs_window_title(fxs_window *window, const char *title);
@@ -56,8 +55,8 @@ void fxs_window_wake(void);
 /* Returns 1 if a key is down: 'a' to 'z' (by position on a US keyboard), ' ' or FXS_KEY_SHIFT. */
 int fxs_window_holds(int key);
 
-/* Shows a picture stretched to the window, and panels over it, the last on top. picture null: fills the window with
-   the colour 0xRRGGBBFF. Returns 0, or -1 and a message. */
+/* Shows a picture stretched to the window, and panels over it. picture null: fills the window with the colour
+   0xRRGGBBFF. Returns 0, or -1 and a message. */
 int fxs_window_show(fxs_window *window, const fxs_picture *picture, uint32_t colour, const fxs_panel *panels, int count,
                     fxs_message *message);
 

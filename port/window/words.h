@@ -1,5 +1,5 @@
-/* Draws text with SDL2_ttf and a font of the system. Without SDL2_ttf or a font, `words` is null and nothing is
- * drawn. For use by one thread. */
+/* Draws text with SDL2_ttf and a font of the system. Without either, `words` is null and nothing is drawn. For use
+ * by one thread. */
 #ifndef FXS_WORDS_H
 #define FXS_WORDS_H
 
@@ -10,10 +10,8 @@
 int fxs_words_open(fxs_words **words, fxs_message *message);
 void fxs_words_close(fxs_words *words);
 
-/* Sets the line height without the gap, in pixels. */
 void fxs_words_resize(fxs_words *words, int pixels);
 
-/* Return the line spacing and the width of a text, in pixels. */
 int fxs_words_line(const fxs_words *words);
 int fxs_words_width(const fxs_words *words, const char *text);
 

@@ -1,4 +1,3 @@
-/* A thread that waits for a job. A mutex guards the state that the thread shares with other threads. */
 #include "worker.h"
 
 #include <pthread.h>

@@ -14,20 +14,16 @@ void fxs_worker_end(fxs_worker *worker);
 /* Returns 1 from fxs_worker_do until the job ends. */
 int fxs_worker_busy(fxs_worker *worker);
 
-/* Asks the job to stop. */
 void fxs_worker_stop(fxs_worker *worker);
 
-/* Waits until the job has ended. */
 void fxs_worker_wait(fxs_worker *worker);
 
 /* Gives a job to the worker, which must be idle. */
 void fxs_worker_do(fxs_worker *worker, void (*job)(void *argument), void *argument);
 
-/* Returns the progress that the job last reported, 0 to 1. */
 double fxs_worker_progress(fxs_worker *worker);
 
-/* Called by the job: an fxs_stop_fn, which returns 1 if the job must stop, and an fxs_progress_fn, which also
-   records the progress. */
+/* Called by the job: an fxs_stop_fn, which returns 1 if the job must stop, and an fxs_progress_fn. */
 int fxs_worker_stopped(void *worker);
 int fxs_worker_tell(void *worker, double done);
 

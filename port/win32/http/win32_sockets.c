@@ -11,7 +11,7 @@ int fxs_http_sockets_begin(void)
     return WSAStartup(MAKEWORD(2, 2), &unused) ? -1 : 0;
 }
 
-/* SO_REUSEADDR would let another server share the port. A recently used port needs no option on Windows. */
+/* SO_REUSEADDR would let another server share the port. */
 void fxs_http_socket_claim(MHD_socket s)
 {
     const BOOL on = TRUE;
@@ -24,7 +24,6 @@ void fxs_http_socket_close(MHD_socket s)
     closesocket(s);
 }
 
-/* Uses the messages of POSIX systems for errors that a user can cause. */
 void fxs_http_socket_fault(fxs_http_fault *fault)
 {
     static const struct {
