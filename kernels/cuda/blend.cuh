@@ -62,7 +62,7 @@ struct traced_pixel : pixel {
     uint32_t limit;                        /* depth key of the occluder, which hides farther splats */
     bool hidden;
     int weight;
-    uint32_t largest, median;              /* largest: index of the splat with the largest weight */
+    uint32_t largest, median;
     uint64_t depths;
 };
 
@@ -121,7 +121,7 @@ __device__ inline float coordinate_q6(uint32_t coordinate_q24)
     return __int_as_float(((int32_t)coordinate_q24 >> 11) + 0x47c00000) - 98304.0f;
 }
 
-/* Returns 2^23 + 2 row_level + 1. */
+/* Returns 2^23 + 2 row_level + 1, where row_level = v^2 + offset. */
 __device__ inline float row_level(uint32_t v_q24, int offset_q11)
 {
     const float v = coordinate_q6(v_q24);
@@ -140,8 +140,8 @@ __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q2
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
-/* Adds fxs_mul_q15(weight, colour) to each colour sum. Q14 instead of Q13 puts the result into the product's upper
-   half. */
+/* Adds fxs_mul_q15(weight, colour) to each colour sum. Colours are in Q14, so that each result is the upper half of
+   a product. */
 __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32_t green_q14, uint32_t blue_q14)
 {
     const uint32_t red = (uint32_t)weight * red_q14 + 32768, green = (uint32_t)weight * green_q14 + 32768;
@@ -180,8 +180,8 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Fills in *q except the colour, for the region at (x, y). Returns true if the splat can touch a pixel of the
-   region. |u| is least at an end of a row, or is 0. */
+/* Returns true if the splat can touch a pixel of the region at (x, y), and fills in *q except the colour. |u| is
+   least at an end of a row, or is 0. */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -250,7 +250,6 @@ struct queue_place {
     }
 };
 
-/* Blends sorted splats over a region of a tile by one warp, with `Each` pixels per lane. */
 template <class Pixel, int Each>
 struct region_blender {
     queued_splat *queue;
@@ -348,7 +347,7 @@ struct target {
     int plain;
 };
 
-/* Clamps a colour sum. One clamp at the end is enough, since sums only increase. */
+/* One clamp of the final sum is enough, since colour sums only increase. */
 __device__ inline int sum_of_colour(const pixel *p, int c)
 {
     return fxs_min((int)((c < 2 ? p->red_green >> 16 * c : p->blue) & 0xffff), 32767);
@@ -631,8 +630,7 @@ size_t sorted_bytes(uint32_t warps)
     return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
 }
 
-/* Returns the regions per tile with floor(log2(list length)) = 31 - lane: 8 if a list exceeds half a warp's average
-   load, else 4. */
+/* Returns the number of warps per tile: 8 for lists longer than half a warp's average load, else 4. */
 __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);

@@ -21,11 +21,11 @@ struct slot {
     cudaStream_t stream, side;
     cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
-    block objects;                 /* fxs_object_view[], crop boxes, views for the level of detail, list of drawn
-                                      chunks */
+    block objects;                 /* contents: fxs_object_view[], crop boxes, views for the level of detail, list of
+                                      drawn chunks */
     block splats, tiles, larges, entries;
     block cut;
-    block pixels;                  /* pixels that are copied to pinned host memory at the end of the frame */
+    block pixels;
 };
 
 struct slot_sizes {
@@ -35,8 +35,8 @@ struct slot_sizes {
 enum { PLANES = 7 };
 
 struct frame {
-    fxs_view view;                 /* world to camera; plain frame: object to camera */
-    fxs_scene scene;               /* plain frame: the only scene, with device pointers */
+    fxs_view view;                 /* view of the world; in a frame with one plain object, view of the object */
+    fxs_scene scene;               /* the only scene of a plain frame, with device pointers */
     fxs_targets targets;
     bool hosted[PLANES];           /* true: rendered to slot.pixels, then copied to pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
@@ -44,7 +44,7 @@ struct frame {
     uint32_t cut_chunks, whole_chunks;
     bool cut_here;                 /* true: the host chooses the level of detail, as a tree is invalid */
     uint64_t staged;
-    bool plain;                    /* one object, not scaled, cropped or tinted, with all chunks drawn and no pool */
+    bool plain;                    /* true: one object, not scaled, cropped or tinted, with all chunks drawn */
     bool pooled;
 };
 
@@ -66,7 +66,7 @@ struct fxs_cuda {                  /* in pinned host memory, so that kernels can
     cudaEvent_t ready, began;
     bool began_marked;
     bool early;                    /* programmatic dependent launch: a kernel may start before the previous one ends */
-    uint64_t capacity, large_capacity;      /* entries and large splats per slot, from the next frame on */
+    uint64_t capacity, large_capacity;
     uint64_t entries_most, split_most;      /* test hook: artificial capacities; 0: none */
 
     fxs_options options;
@@ -224,7 +224,6 @@ uint64_t likely_larges(const frame *f)
     return (f->view.cutoff == FXS_CUTOFF_SQUARE ? most : 0) + f->gaussians / 16 + 4096;
 }
 
-/* Returns the total device memory: allocated, missing, and for scenes to be copied. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
 {
     const slot none = {};
@@ -577,7 +576,6 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
               t);
 }
 
-/* Launches the blending of long lists on the side stream, while the main stream sorts the other lists. */
 void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
@@ -692,7 +690,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     const slot *s = slot_of_frame(cuda, i);
     if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
-    /* Early launches only for a single frame: waiting blocks take resources from other frames' kernels. */
+    /* Starts kernels early only in a single frame, as waiting blocks take resources from other frames' kernels. */
     cuda->early = cuda->frame_count == 1;
     frame_buffers f = begin_frame(cuda, i);
     mark_start(cuda, s);
@@ -907,7 +905,7 @@ int copy_image(const fxs_image *to, const fxs_image *from, size_t row, size_t he
     return error;
 }
 
-/* read: copies the input images to the device. Otherwise copies the output images to the host. */
+/* Copies the input images to the device if `read` is true, otherwise the output images to the host. */
 int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, bool read, fxs_message *why)
 {
     int error = 0;

@@ -29,7 +29,7 @@ struct alignas(8) node_sight {
 
 struct alignas(16) key_count {
     uint32_t nodes, children;
-    uint32_t no_more;              /* nodes that are not drawn once opened */
+    uint32_t no_more;
     uint32_t fewer;
 };
 
@@ -200,15 +200,15 @@ __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
     return (int64_t)c->whole_chunks + c->status->roots + s.children - s.no_more;
 }
 
-/* Returns true if the sum exceeds the budget or the limit of visited nodes. */
+/* Returns true if the nodes of the sum exceed the budget or the limit of visited nodes. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* Finds the first key that may exceed the budget, and the first that does. These keys differ, as some nodes reduce
-   the drawn chunks. */
+/* Finds the first key that may exceed the budget, and the first that does. These keys differ, as opening some nodes
+   reduces the number of drawn chunks. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -356,7 +356,8 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
     if (threadIdx.x == 0)
         width = count ? FXS_FADE_MOST_Q8 : 0;
     __syncthreads();
-    /* Thread i counts the nodes at key distances 0 to i. The fade is the widest with at most `count` nodes. */
+    /* Thread i counts the nodes within key distance i of the last key. The fade is the widest with at most `count`
+       nodes. */
     uint32_t key = 0;
     if (threadIdx.x > 0 && threadIdx.x < FXS_FADE_MOST_Q8 && threadIdx.x <= last)
         key = c->keys[last - threadIdx.x].nodes;
@@ -399,7 +400,6 @@ __device__ void find_end(const cut_buffers *c)
     }
 }
 
-/* Collects the candidates: nodes with keys from stop_first to stop_last. */
 __global__ void __launch_bounds__(STOP_THREADS) find_stop(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {

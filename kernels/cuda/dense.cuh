@@ -28,7 +28,8 @@ struct dense_shared {
     uint4 shades[dense_keys::room];
     union {
         uint32_t masks[ROW_PAIRS][dense_keys::room];    /* per splat, one bit for each pixel that the splat can touch */
-        uint16_t steps[STEPS_MOST];        /* 1 - alpha, then the weight; step k of pixel i is at k all + i */
+        uint16_t steps[STEPS_MOST];        /* 1 - alpha of each blending step, then its weight; step k of pixel i is
+                                              at index k all + i */
     };
     struct {
         uint32_t n, count;
@@ -187,7 +188,6 @@ __device__ inline int left_q15(int transmittance_q15, int rest_q15)
     return (transmittance_q15 * rest_q15 + 16383) >> 15;
 }
 
-/* Iterates over a pixel's marked splats, four per step. */
 struct mark_walk {
     const dense_shared *shared;
     uint32_t n, words, word, marks, next_word, next_marks;
@@ -259,7 +259,6 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
     return {p.transmittance, before.red_green + p.red_green, before.blue + p.blue};
 }
 
-/* The open pixels of a tile. Lane i of a warp has row pair i. */
 struct open_pixels {
     uint32_t open, start, end, all;
 
@@ -301,8 +300,8 @@ __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, con
     }
 }
 
-/* Calls visit(step, splat index) for the marks of pixel n in words `first` to first + words - 1. Returns the number
-   of steps. */
+/* Calls visit(step, splat index) for each splat that pixel n's bits mark, in words `first` to first + words - 1.
+   Returns the number of steps. */
 template <class Visit>
 __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
@@ -490,7 +489,6 @@ __device__ uint32_t sum_of(dense_shared *shared, uint32_t own, const dense_group
     return sum;
 }
 
-/* Blends a list without bins, batch after batch. Returns true if a pixel is still open. */
 __device__ bool blend_rounds(dense_shared *shared, const tile_splats *t, const dense_list &list, const dense_group *g)
 {
     const auto visit_all = list.all(g);

@@ -194,7 +194,6 @@ __device__ uint32_t mask_of_span(span s, int32_t first_column)
     return s.first <= s.last ? (2u << (s.last - first_column)) - (1u << (s.first - first_column)) : 0;
 }
 
-/* Counts list entries and fills in b->masks. Each thread takes one tile row of a splat. */
 __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t items)
 {
     for (uint32_t first = 0; first < items; first += FXS_CHUNK) {
@@ -305,7 +304,6 @@ struct started {
     uint64_t sums[START_ROWS];
 };
 
-/* Calls visit(tile, list count, inside) along a row of tiles, by one warp. */
 template <class Visit>
 __device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t tiles_x, Visit visit)
 {

@@ -37,8 +37,8 @@ __device__ inline float approximate_root(float x)
     return root;
 }
 
-/* Returns alpha T + 1/2 in Q30; 0 if level > limit or T < Closed. alpha is the 16-bit element of alpha_q15 at byte
-   offset level & 0xfffe. Inline PTX makes the load independent of T. */
+/* Returns alpha T + 1/2 in Q30 for a transmittance T; 0 if level > limit or T < Closed. alpha is the 16-bit element
+   of alpha_q15 at byte offset level & 0xfffe. */
 template <int Closed>
 __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
 {

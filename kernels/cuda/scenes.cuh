@@ -18,7 +18,6 @@ struct scene_copy {
     void *rows;                    /* all packed Gaussians of a pooled scene, in pinned host memory */
 };
 
-/* Array of scene_copy in ascending order of key. */
 struct scene_table {
     host_block memory;
     uint32_t count;
@@ -141,7 +140,6 @@ int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
     return error;
 }
 
-/* Computes the parents of a scene's nodes, and checks that the nodes form a tree. */
 int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
 {
     const uint32_t blocks = fxs_scene_chunks(&copy->there) / CUT_THREADS + 1;

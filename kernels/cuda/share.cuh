@@ -136,7 +136,7 @@ __device__ inline key_range range_of_shared(const frame_buffers *f, const turn_o
 struct segment_of_list {
     const uint64_t *keys;
     uint32_t count;
-    uint32_t columns;                      /* pixel columns per part of the tile */
+    uint32_t columns;
 };
 
 struct share_shared {

@@ -136,7 +136,6 @@ __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, 
     return end - *own;
 }
 
-/* Replaces the size of each bin by the index of its first key. */
 template <class K, class G>
 __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
 {
@@ -264,7 +263,6 @@ __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range
     g->sync();
 }
 
-/* Returns the number of bin ends up to `most`. Called by one warp. */
 template <class K>
 __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
@@ -343,7 +341,7 @@ __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint3
     for (uint32_t first = 0, end = count; first < count && more; first = end, end = count) {
         if (ends)
             end = bins_end<K>(ends, first, K::room);
-        if (end == first)                  /* the next bin exceeds K::room */
+        if (end == first)
             end = bin_end<K>(ends, first);
         const uint32_t own = end - first;
         auto visit_all = [&](auto visit) { visit_keys(list + first, own, g, visit); };

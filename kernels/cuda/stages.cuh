@@ -70,7 +70,7 @@ struct list_segment {
 
 struct frame_status : frame_needs {
     uint32_t chunks;
-    uint32_t classes[32];          /* number of tiles by floor(log2(list length)) */
+    uint32_t classes[32];
     uint32_t class_entries[32];
     uint32_t next_sort[2], next_turn, next_long, next_dense;
     uint64_t split_taken[2];       /* scratch entries taken from split_entries, and from the free end of `entries` */
@@ -84,7 +84,7 @@ struct tile_list {
 
 struct frame_buffers {
     frame_status *status;
-    frame_needs *needs;            /* in host memory; written by sort_lists */
+    frame_needs *needs;
     const fxs_object_view *objects;
     uint32_t object_count;
     uint32_t number;
@@ -93,7 +93,7 @@ struct frame_buffers {
     uint32_t *chunk_objects;
     fxs_chunk_view *chunk_views;   /* `chunk` is the index among the drawn chunks */
     fxs_splat *splats;             /* indexed by drawn chunk and Gaussian; valid for visible splats */
-    uint64_t *boxes;               /* tiles of each splat, packed by box_of */
+    uint64_t *boxes;
     uint32_t *depths;
     union {
         large_splat *larges;
@@ -101,8 +101,8 @@ struct frame_buffers {
     };
     tile_list *lists;              /* list of tile i is lists[i list_step]. With many Gaussians per tile, each list
                                       has its own memory sector, as atomics on one sector are serialised */
-    uint32_t list_step;            /* 1 or LISTS_APART */
-    uint32_t *classes;             /* tiles by floor(log2(list length)), one row per class */
+    uint32_t list_step;            /* distance between the lists of two tiles: 1 or LISTS_APART */
+    uint32_t *classes;
     uint64_t *entries;             /* lists of depth << 32 | FXS_ENTRY_CUT_OFF | splat index; sort_lists leaves only
                                       the low halves, sorted by depth */
     uint64_t *split_entries;

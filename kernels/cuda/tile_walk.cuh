@@ -25,7 +25,6 @@ struct tile_splats {
     }
 };
 
-/* Returns x clamped to 0..31 and rounded down. */
 __device__ inline uint32_t whole(float x)
 {
     return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;

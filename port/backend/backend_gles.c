@@ -201,7 +201,7 @@ static int is_of_device(int error)
     return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
 }
 
-/* If framebuffer fetch fails, draws this frame and all later frames by lists. */
+/* If framebuffer fetch fails, draws this frame and all later frames from tile lists. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     gl_backend *b = self;
@@ -276,7 +276,7 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     return error;
 }
 
-/* Appends the faster way to the device name `name`, or nothing if the trial fails. */
+/* Appends the faster way of drawing to the device name `name`, or nothing if the trial fails. */
 static void say_way(const kind *k, char *name, size_t size)
 {
     static const fxs_backend_options options = {0};

@@ -24,14 +24,14 @@ typedef struct rectangle {
 typedef struct layer {
     const uint8_t *pixels;
     int32_t width, height, rate;
-    int32_t x, y, end_x, end_y;    /* in pixels of the whole picture */
+    int32_t x, y, end_x, end_y;    /* position in pixels of the whole picture */
     int32_t slope_q15;
     int32_t fade[4];               /* width of the fade at the left, top, right and lower edge, in pixels */
     rectangle inside;              /* opaque part, which hides coarser layers */
 } layer;
 
 typedef struct composition {
-    layer layers[2][FXS_RINGS];    /* per eye, fine to coarse */
+    layer layers[2][FXS_RINGS];    /* layers of each eye, from fine to coarse */
     uint32_t count;
     int32_t height;
     const fxs_targets *targets;
@@ -243,7 +243,7 @@ static inline int32_t clamped(int32_t x, int32_t end)
 static int32_t place_of(int32_t i, int32_t rate, int32_t *rest)
 {
     const int32_t n = 2 * i + 1 - rate, steps = 2 * rate;
-    const int32_t place = (n + steps) / steps - 1;         /* n > -steps */
+    const int32_t place = (n + steps) / steps - 1;         /* n > -steps, so the dividend is positive */
     *rest = n - place * steps;
     return place;
 }
@@ -257,7 +257,6 @@ static blended_row row_at(const layer *l, int32_t y)
                          l->pixels + stride * clamped(place + 1, l->height), (uint64_t)rest};
 }
 
-/* Returns 16-bit lanes of up to 255 * 2 rate. */
 static inline uint64_t column_at(const layer *l, const blended_row *row, int32_t column)
 {
     const ptrdiff_t at = 4 * (ptrdiff_t)clamped(column, l->width);
@@ -274,7 +273,7 @@ static inline int32_t ramp(const layer *l, int32_t inside, int edge)
 static inline void draw_pixels(const layer *l, const blended_row *row, int32_t rate, int fading, int32_t opacity,
                                int32_t first, int32_t end, uint8_t *to)
 {
-    const int shift = rate == 1 ? 2 : rate == 2 ? 4 : 6;         /* log2((2 rate)^2) */
+    const int shift = rate == 1 ? 2 : rate == 2 ? 4 : 6;
     const int32_t steps = 2 * rate;
     const uint64_t half = LANES << (shift - 1);
     int32_t rest, column = place_of(first - l->x, rate, &rest);
@@ -304,7 +303,7 @@ static void draw_span(const layer *l, const blended_row *row, int32_t opacity, i
     draw_pixels(l, row, l->rate, 1, opacity, first, from, to);
     if (l->rate == 1)
         memcpy(to + 4 * (ptrdiff_t)from, row->above + 4 * (ptrdiff_t)(from - l->x), 4 * (size_t)(till - from));
-    else if (l->rate == 2)                       /* constant rate, so that the compiler unrolls */
+    else if (l->rate == 2)                       /* constant rate, so that the compiler unrolls the loop */
         draw_pixels(l, row, 2, 0, opacity, from, till, to);
     else
         draw_pixels(l, row, 4, 0, opacity, from, till, to);

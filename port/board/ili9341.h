@@ -19,8 +19,8 @@ extern "C" {
 typedef struct fxs_ili9341_bus {
     void (*command)(void *argument, uint8_t command);
     /* Sends bytes with D/C high. Up to 4 bytes must be sent before the return. More bytes are pixels of the strip;
-       if the panel has a second buffer, DMA may send them after the return. The next call of `command` or `data`
-       then waits for the end. */
+       with a second buffer, DMA may send them after the return. The next call of `command` or `data` then waits for
+       the end. */
     void (*data)(void *argument, const uint8_t *bytes, size_t count);
     void (*wait)(void *argument, uint32_t milliseconds);
     void *argument;
@@ -33,10 +33,10 @@ typedef struct fxs_ili9341 {
 } fxs_ili9341;
 
 /* Resets the controller, wakes the panel and turns it on, in 240 ms. Pictures start at the upper left corner:
-   upright up to 240x320, otherwise on the side up to 320x240. Returns 0 or FXS_ERR_SIZE. */
+   upright up to 240x320, otherwise sideways up to 320x240. Returns 0 or FXS_ERR_SIZE. */
 int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height);
 
-/* fxs_strip.rows_done with the panel as argument: sends the strip. Returns 0, or FXS_ERR_TARGET for another format
+/* Sends a strip, as fxs_strip.rows_done with the panel as argument. Returns 0, or FXS_ERR_TARGET for another format
    than RGB565_SWAPPED or rows outside the panel. */
 int fxs_ili9341_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows);
 

@@ -93,7 +93,7 @@ static const char *start_of(const fxs_http_site *site, const char *name)
 
 typedef struct kind {
     const char *ending, *type;
-    int shrinks;                            /* 1: worth compressing */
+    int shrinks;                            /* 1: files of this type are worth compressing */
 } kind;
 
 static const kind *kind_of(const char *name)
@@ -143,7 +143,7 @@ static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned s
     return done;
 }
 
-/* `text` must be constant. */
+/* `text` must be a string constant. */
 static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned status, const char *text,
                                   const char *header, const char *value)
 {

@@ -2,8 +2,8 @@
  * Supports GET, HEAD, single ranges, ETags and TLS.
  *
  * Responses have the headers Cross-Origin-Opener-Policy and Cross-Origin-Embedder-Policy, which browsers require for
- * threads. Page files of 1 KiB to 8 MiB are compressed once and cached. The Host header must be a numeric address,
- * localhost, options.host or, unless the server is local, this machine's name. */
+ * threads. The Host header must be a numeric address, localhost, options.host or, unless the server is local, this
+ * machine's name. */
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
@@ -14,12 +14,11 @@ typedef struct fxs_http_file {
     const char *path;                       /* used if open is null; no symbolic link. null: use descriptor */
     int descriptor;                         /* used if open and path are null: an open file, sent from its beginning */
     int (*open)(void *self);                /* for a file that changes; may be null. Called for each request, on the
-                                               server's thread. Returns a descriptor that the server closes, or -1:
-                                               no such file */
+                                               server's thread. Returns a descriptor that the server closes; -1: no
+                                               such file */
     void *self;
 } fxs_http_file;
 
-/* The struct must stay in place until the server is closed. */
 typedef struct fxs_http_site {
     const char *folder;                     /* serves names of letters, digits and . _ -, without a dot at the start
                                                of a part */

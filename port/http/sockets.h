@@ -8,7 +8,7 @@
 #ifdef _WIN32
 #include <winsock2.h>
 #include <ws2tcpip.h>
-enum { FXS_HTTP_BOTH_WAYS = SD_BOTH };      /* argument of shutdown */
+enum { FXS_HTTP_BOTH_WAYS = SD_BOTH };      /* argument of shutdown that ends both directions */
 #else
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,5 +1,5 @@
 /* Files, folders, links, descriptors and terminals on POSIX systems. */
-#define _XOPEN_SOURCE 700   /* for realpath */
+#define _XOPEN_SOURCE 700   /* declares realpath */
 
 #include "src/base/files_internal.h"
 
@@ -230,7 +230,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
     return open_name(path, 0, path, file, facts, message);
 }
 
-/* Returns a real path, for free(); null on failure. */
+/* Returns the real path of a file's folder, for free(); null on failure. */
 static char *real_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -252,7 +252,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Fails if `path` lies outside the folder of `first`. *real is for free(). */
+/* Fails if `path` lies outside the folder of `first`. The caller frees *real. */
 static int follow_within(const char *first, const char *path, char **real, fxs_message *message)
 {
     char *folder = real_folder(first);

@@ -1,6 +1,6 @@
 /* Maps files read-only. If a mapped file is cut short, the lost pages read as zeros instead of raising SIGBUS, and
  * fxs_map_check reports the loss. */
-#define _DEFAULT_SOURCE            /* for MAP_ANONYMOUS */
+#define _DEFAULT_SOURCE            /* declares MAP_ANONYMOUS */
 #include <fixsplat/map.h>
 
 #include <errno.h>
@@ -17,7 +17,7 @@
    without a lock. */
 enum { RANGES = 64 };
 static struct range {
-    uintptr_t start, end;          /* end 0: nothing mapped; set last, cleared first */
+    uintptr_t start, end;          /* end = 0: nothing is mapped. end is set last and cleared first. */
     int lost;
     int taken;
 } ranges[RANGES];
@@ -78,7 +78,7 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, fault = info->si_code > 0;   /* 0: another process sent the signal */
+    const int error = errno, fault = info->si_code > 0;   /* not positive: another process sent the signal */
     if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
         handle_as_before(signal_number, info, context);
     errno = error;
@@ -98,7 +98,8 @@ void fxs_map_guard(void)
 static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     struct stat status;
-    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* does not block on a FIFO */
+    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* O_NONBLOCK: does not wait for the
+                                                                              writer of a FIFO */
     if (mapping->descriptor < 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     if (fstat(mapping->descriptor, &status) || !S_ISREG(status.st_mode) || status.st_size < 1 ||

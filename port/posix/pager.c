@@ -35,7 +35,7 @@ enum {
 
 /* A place of the pool. Chunks that may be evicted form a linked list in the order of last use. */
 typedef struct place {
-    uint32_t chunk;                    /* FXS_NOTHING: free, or being filled */
+    uint32_t chunk;                    /* FXS_NOTHING: the place is free or being filled */
     uint32_t drawn;
     uint32_t newer, older;
 } place;
@@ -56,7 +56,7 @@ struct fxs_pager {
     uint32_t chunks, room, kept;       /* kept: tree nodes that are never evicted */
 
     /* Used by the caller's thread only. */
-    uint32_t *places;                  /* place of each chunk, or FXS_NOTHING */
+    uint32_t *places;                  /* place of each chunk in the pool; FXS_NOTHING: none */
     uint32_t *asked;
     place *in_pool;
     uint32_t newest, oldest, there;
@@ -311,7 +311,6 @@ static void *allocate(fxs_pager *p, uint64_t count, size_t size)
     return block;
 }
 
-/* Reads in pieces, so that a source that claims too large a size costs no physical memory. */
 static int read_head(fxs_pager *p, uint64_t offset, unsigned char *out, uint64_t size, fxs_message *message)
 {
     for (uint64_t done = 0; done < size;) {

@@ -71,16 +71,16 @@ static void load_library(void)
                   find(library, "curl_easy_strerror", &lib.error) && !lib.global_init(CURL_GLOBAL_DEFAULT);
 }
 
-/* Identify the version of the file, from the headers of a response. */
+/* Headers of a response that identify the version of the file. */
 typedef struct validators {
-    char tag[VALIDATOR], modified[VALIDATOR];      /* ETag and Last-Modified; empty: none */
+    char tag[VALIDATOR], modified[VALIDATOR];      /* values of the headers ETag and Last-Modified; empty: none */
     uint64_t size;
 } validators;
 
 typedef struct paged_url {
     CURL *handle;
     char *url;
-    int cancelled;                     /* accessed atomically */
+    int cancelled;                     /* 1: the request is cancelled; accessed atomically */
     int is_open;
     validators file;
 
@@ -89,7 +89,7 @@ typedef struct paged_url {
     size_t size, got, headers;
     long status;
     int has_range, too_long;
-    uint64_t from, to;                 /* first and last byte, from Content-Range */
+    uint64_t from, to;                 /* first and last byte of the response, from the header Content-Range */
     validators said;
 } paged_url;
 

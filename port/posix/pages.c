@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE            /* for madvise */
+#define _DEFAULT_SOURCE            /* declares madvise */
 #include <stdint.h>
 #include <stdlib.h>
 #include <sys/mman.h>

@@ -16,7 +16,7 @@ typedef struct batch {
 struct fxs_pool {
     pthread_mutex_t lock;
     pthread_cond_t start, done;
-    uint32_t threads;                      /* pool threads without callers */
+    uint32_t threads;                      /* number of pool threads, without callers */
     int stop;
     batch *first;
     pthread_t handles[64];

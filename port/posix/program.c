@@ -95,8 +95,7 @@ static int start(const char *const *arguments, int output, int log, const sigset
     return error;
 }
 
-/* Starts a guard process, which kills the program's group when this process ends, even by SIGKILL. The write end of
-   `life` then closes before a byte arrives. */
+/* Starts a guard process, which kills the program's group when this process ends, even by SIGKILL. */
 static pid_t start_guard(const int life[2], pid_t group)
 {
     char byte;

@@ -1,3 +1,4 @@
+/* Functions that the files of port/win32 share. */
 #ifndef WIN32_H
 #define WIN32_H
 

@@ -6,11 +6,11 @@
 #include <string.h>
 #include <wctype.h>
 
-/* Stand for a quoted * and ?, which are not wildcards. Both are Unicode noncharacters. */
+/* Placeholders for a quoted * and ?, which are not wildcards. Both characters are Unicode noncharacters. */
 enum { QUOTED_STAR = 0xfdd0, QUOTED_QUESTION = 0xfdd1 };
 
-/* Copies a command line and replaces quoted * and ?. closes: \" ends a quoted argument, as in "C:\a folder\".
-   Returns 1 if a quote stays open. */
+/* Copies a command line and replaces quoted * and ? by placeholders. closes: \" ends a quoted argument, as in "C:\a
+   folder\". Returns 1 if a quote stays open. */
 static int mark_quoted(wchar_t *to, const wchar_t *line, int closes)
 {
     int is_quoted = 0;

@@ -285,7 +285,7 @@ static int open_checked(HANDLE handle, const char *path, FILE **file, fxs_file_f
     return *file ? 0 : fxs_fail_errno(message, path, errno);
 }
 
-/* Opens folders too, so that the message can name the reason. */
+/* Opens folders too, so that the error message can say that the path is a folder. */
 int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
     const char *fault = fxs_path_fault(path);
@@ -297,7 +297,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
                                           : open_checked(handle, path, file, facts, message);
 }
 
-/* Returns an absolute path, for free(); null and errno on failure. */
+/* Returns the absolute path of a file's folder, for free(); null and errno on failure. */
 static char *whole_folder(const char *path)
 {
     const size_t length = strlen(path) - strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
@@ -318,7 +318,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Fails if the path lies outside the folder of `first`. *whole is for free(). */
+/* Fails if the path lies outside the folder of `first`. The caller frees *whole. */
 static int follow_within(const char *first, const char *path, char **whole, fxs_message *message)
 {
     char *folder = whole_folder(first);
@@ -409,7 +409,7 @@ int fxs_stream_empty(FILE *file)
 #define TEN "          "
 const char fxs_erase_line[] = "\r" TEN TEN TEN TEN TEN TEN TEN "         \r";
 
-/* _isatty is also true for NUL. */
+/* _isatty is also true for the null device. */
 int fxs_is_terminal(FILE *file)
 {
     DWORD mode;

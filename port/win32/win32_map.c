@@ -13,7 +13,7 @@ void fxs_map_guard(void)
 {
 }
 
-/* A handle fits into 32 bits. */
+/* A Windows handle fits into 32 bits. */
 static HANDLE handle_of(const fxs_mapping *mapping)
 {
     return (HANDLE)(intptr_t)mapping->descriptor;

@@ -136,7 +136,7 @@ static DWORD wait_for(HANDLE process)
     return code;
 }
 
-/* Reports a crash like a signal. */
+/* Reports the crash of a program like a signal. */
 static int status_of(DWORD code)
 {
     return code < FXS_PROGRAM_SIGNAL ? (int)code : FXS_PROGRAM_SIGNAL + SIGSEGV;

@@ -6,7 +6,7 @@
 
 #include <fixsplat/fixsplat.h>
 
-/* RGBA, not premultiplied; top row first, no padding. The caller owns the bytes. */
+/* An RGBA picture, not premultiplied: top row first, rows without padding. The caller owns the bytes. */
 typedef struct fxs_picture {
     uint8_t *rgba;
     int width, height;

@@ -9,7 +9,7 @@
 
 #include "src/base/system.h"
 
-#ifndef SDL_HINT_VIDEODRIVER        /* before SDL 2.0.22 */
+#ifndef SDL_HINT_VIDEODRIVER        /* missing before SDL 2.0.22 */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
 #endif
 

@@ -12,13 +12,13 @@ typedef struct fxs_window fxs_window;
 enum fxs_window_event_type {
     FXS_EVENT_NONE,
     FXS_EVENT_QUIT,
-    FXS_EVENT_KEY,              /* pressed, not repeated */
+    FXS_EVENT_KEY,              /* a key was pressed, not repeated */
     FXS_EVENT_POINTER,
     FXS_EVENT_PRESS,
     FXS_EVENT_CLICK,            /* the left button went down and up at one place */
     FXS_EVENT_WHEEL,
     FXS_EVENT_DROP,
-    FXS_EVENT_CHANGED,          /* must be drawn again */
+    FXS_EVENT_CHANGED,          /* the window must be drawn again */
     FXS_EVENT_WOKEN
 };
 
@@ -26,11 +26,11 @@ enum { FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
 
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;
-    int key;                    /* lower-case character on the key, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
+    int key;                    /* character on the key in lower case, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
     int left, other;            /* pointer: 1 if the left button, or the middle or right button, is down */
     double dx, dy;              /* pointer: motion in pixels, y down; wheel: steps in dy, positive away from the user */
     double x, y;
-    int count;                  /* click: 2 for a double click */
+    int count;                  /* click: number of clicks; 2: a double click */
     const char *path;           /* drop: path of the file, valid until the next event */
 } fxs_window_event;
 

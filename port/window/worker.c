@@ -1,3 +1,4 @@
+/* A thread that waits for jobs. A mutex guards all fields of fxs_worker. */
 #include "worker.h"
 
 #include <pthread.h>

@@ -11,7 +11,7 @@ fxs_worker *fxs_worker_start(void (*done)(void));
 /* Stops the job, waits for its end and frees the worker. worker may be null. */
 void fxs_worker_end(fxs_worker *worker);
 
-/* Returns 1 from fxs_worker_do until the job ends. */
+/* Returns 1 while a job runs. */
 int fxs_worker_busy(fxs_worker *worker);
 
 void fxs_worker_stop(fxs_worker *worker);

@@ -10,7 +10,7 @@ enum { SYS_OPEN = 0x01, SYS_WRITE0 = 0x04, SYS_WRITE = 0x05, SYS_GET_CMDLINE = 0
 #if __ARM_ARCH_PROFILE == 'M'
 #define STOP "bkpt 0xab"
 #else
-#define STOP "svc 0x123456"        /* for ARM state, not Thumb */
+#define STOP "svc 0x123456"        /* instruction for ARM state instead of Thumb */
 #endif
 
 static int semihosting(int operation, const void *argument)

@@ -6,7 +6,7 @@
 
 void console_text(const char *text);
 void console_number(uint64_t number);
-void console_hex(uint64_t number);             /* always 16 digits */
+void console_hex(uint64_t number);             /* prints 16 hexadecimal digits */
 
 /* Writes the command line to `line`, which holds `bytes` bytes; "" if none exists. */
 void console_command(char *line, int bytes);

@@ -46,7 +46,7 @@ static IP_ADAPTER_ADDRESSES *list_adapters(void)
     const ULONG without = GAA_FLAG_SKIP_ANYCAST | GAA_FLAG_SKIP_MULTICAST | GAA_FLAG_SKIP_DNS_SERVER;
     ULONG room = 1 << 14, result;
     IP_ADAPTER_ADDRESSES *all = NULL;
-    do {                                    /* the list may grow between two calls */
+    do {                                    /* the list of adapters may grow between two calls */
         free(all);
         all = malloc(room);
         result = all ? GetAdaptersAddresses(AF_UNSPEC, without, NULL, all, &room) : ERROR_SUCCESS;
