@@ -269,8 +269,8 @@ uint64_t memory_most(const fxs_cuda *cuda)
     return most;
 }
 
-/* Copies scenes and allocates memory for the frames. If memory is short, first frees the slots' memory. If memory is
-   still short, scenes get pools in three quarters of the rest. */
+/* Copies scenes and allocates memory for the frames. If memory is short, first frees the slots' memory, then gives
+   pools to scenes. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
@@ -332,8 +332,7 @@ bool is_in_host_memory(const void *pointer)
     return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
 }
 
-/* Finds the output planes in pinned host memory. These planes are rendered on the device and then copied, as kernels
-   write rows in small pieces. */
+/* Finds the output planes in pinned host memory. These planes are rendered on the device and then copied. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];

@@ -3,8 +3,8 @@
  *
  * A node's key is the gain of opening the node, which replaces it by its children. Nodes are opened in descending
  * order of key until the budget of drawn chunks ends. A child's key is at most its parent's, so the opened nodes are
- * a prefix of that order. The kernels compute all keys in parallel. Prefix sums over a histogram give the key at
- * which the budget ends. The few nodes with that key, the candidates, are sorted and added one by one. */
+ * a prefix of that order. Prefix sums over a histogram of all keys give the key at which the budget ends. The nodes
+ * with that key, the candidates, are sorted and added one by one. */
 #ifndef FXS_CUDA_CUT_CUH
 #define FXS_CUDA_CUT_CUH
 

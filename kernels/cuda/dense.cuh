@@ -3,8 +3,7 @@
  *
  * The block puts the list into bins of depth. Bin after bin, it collects splats that can touch an open pixel, one
  * that is not opaque yet. A full collection is sorted by depth. Each thread marks the pixels of one splat in a bit
- * matrix; then four lanes, a quad, blend the marked splats of one pixel. With at most FEW open pixels, a warp
- * computes the alphas of a pixel, one lane the weights, and the warp sums the colours. */
+ * matrix; then four lanes, a quad, blend the marked splats of one pixel. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -338,7 +337,8 @@ __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, 
     return i;
 }
 
-/* Blends at most FEW open pixels, in passes that fit into `steps`. */
+/* Blends at most FEW open pixels: a warp computes the alphas of a pixel, one lane the weights, and the warp sums the
+   colours. */
 __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP, all = pixels.all, words = min(STEPS_MOST / (all * WARP), WARP);

@@ -369,8 +369,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
         });
 }
 
-/* Writes the list entries of one large_splat record, by one warp. Some lanes find the spans of tile rows; then all
-   lanes share the tiles. */
+/* Writes the list entries of one large_splat record, by one warp. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);

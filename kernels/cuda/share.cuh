@@ -9,7 +9,7 @@ namespace {
 
 const uint32_t DENSE_THREADS = 1024;
 const uint32_t SHARE_THREADS = 512;
-const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;     /* thread blocks per multiprocessor */
+const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;
 const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the fewest entries of a part, and of the
                                                                   most entries of a segment */
 typedef group<DENSE_THREADS> dense_group;
@@ -21,8 +21,7 @@ __device__ inline uint32_t segments_of(uint32_t magnitude)
 }
 
 /* Returns the parts per tile, a power of two, of tiles with floor(log2(list length)) = 31 - lane. Tiles are split
-   while a part has more than half of a thread block's average load, or a quarter if the split adds few entries. If
-   scratch memory is short, the largest parts are split first. */
+   while a part has more than half of a thread block's average load, or a quarter if the split adds few entries. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];

@@ -274,7 +274,7 @@ __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
     return count;
 }
 
-/* Returns the last bin end within `room` keys after `first`; `first` if no bin ends there. */
+/* Returns the last bin end within `room` keys after `first`, or `first`. */
 template <class K>
 __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
 {

@@ -56,8 +56,8 @@ struct frame_needs {
     uint32_t damaged;              /* 1: a chunk header is out of range */
 };
 
-/* Depth range of a list that several thread blocks share. The minimum is stored as ~minimum, so zeroed memory and
-   atomicMax serve for both ends. */
+/* Depth range of a list that several thread blocks share. The minimum is stored as ~minimum, so that atomicMax works
+   on zeroed memory. */
 struct shared_range {
     uint32_t not_least, most;
 };

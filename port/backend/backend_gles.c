@@ -276,7 +276,6 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     return error;
 }
 
-/* Appends the faster way of drawing to the device name `name`, or nothing if the trial fails. */
 static void say_way(const kind *k, char *name, size_t size)
 {
     static const fxs_backend_options options = {0};

@@ -208,7 +208,7 @@ static void add_stats(fxs_foveated *all, const fxs_ring *r)
         sum->nanoseconds[i] += r->stats.nanoseconds[i];
 }
 
-/* Loads a pixel into four 16-bit lanes. The order of the lanes depends on the byte order of the machine. */
+/* Loads a pixel into four 16-bit lanes. */
 static inline uint64_t load(const uint8_t *pixel)
 {
     uint32_t rgba;

@@ -43,7 +43,7 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
 
 static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, fxs_message *why)
 {
-    bytes = bytes ? bytes : 64;    /* 0: an argument is invalid, which fxs_render reports */
+    bytes = bytes ? bytes : 64;
     if (p->max_memory && p->max_memory < bytes)
         bytes = p->max_memory;
     if (bytes <= p->memory_bytes)

@@ -89,7 +89,6 @@ static int make_context(fxs_egl *e, EGLDisplay display)
     return 0;
 }
 
-/* EGL lists hardware devices first and Mesa's software device last. */
 static int try_devices(fxs_egl *e)
 {
     PFNEGLQUERYDEVICESEXTPROC query_devices = CALL(EGLQUERYDEVICESEXT, eglQueryDevicesEXT);

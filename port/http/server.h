@@ -13,9 +13,8 @@ typedef struct fxs_http_file {
     const char *name;                       /* name in the URL, such as "/scenes/0/room.ply" */
     const char *path;                       /* used if open is null; no symbolic link. null: use descriptor */
     int descriptor;                         /* used if open and path are null: an open file, sent from its beginning */
-    int (*open)(void *self);                /* for a file that changes; may be null. Called for each request, on the
-                                               server's thread. Returns a descriptor that the server closes; -1: no
-                                               such file */
+    int (*open)(void *self);                /* for a file that changes; may be null. Returns a descriptor for each
+                                               request, which the server closes; -1: no such file */
     void *self;
 } fxs_http_file;
 

@@ -153,7 +153,6 @@ static int remove_left(const char *name)
     return 1;
 }
 
-/* Creates and locks a file. Returns a descriptor, or -1 and errno. */
 static int create(const char *name, const struct stat *old)
 {
     struct stat own;
@@ -171,7 +170,6 @@ static int create(const char *name, const struct stat *old)
     return descriptor;
 }
 
-/* Creates a temporary file in the target's folder, so that a rename can replace the target. */
 static int create_beside(fxs_output *output, const struct stat *old)
 {
     int descriptor = -1, own = 0;

@@ -364,8 +364,7 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* tmpfile of Windows writes to the root of the drive, so this function uses the temporary folder. Windows deletes
-   the file when it is closed, even after a crash. */
+/* tmpfile of Windows writes to the root of the drive, so this function uses the temporary folder. */
 FILE *fxs_stream_temporary(void)
 {
     static volatile LONG count;

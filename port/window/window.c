@@ -44,7 +44,7 @@ static void choose_drivers(void)
 
 int fxs_window_open(fxs_window **window, fxs_message *message)
 {
-    /* Copies pictures to the window without OpenGL, because a back end may need the context. */
+    /* Avoids OpenGL, because a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
 #ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; otherwise Windows enlarges the pixels */

@@ -1,4 +1,4 @@
-/* A thread that waits for jobs. A mutex guards all fields of fxs_worker. */
+/* A thread that waits for jobs. A mutex guards the state that several threads use. */
 #include "worker.h"
 
 #include <pthread.h>

@@ -12,7 +12,7 @@
 #define SYST_CVR REGISTER(0xe000e018)
 #define ICSR REGISTER(0xe000ed04)
 #define CPACR REGISTER(0xe000ed88)
-#define CLOCK_TICKS 0x1000000u                 /* the timer SysTick counts down from CLOCK_TICKS - 1 */
+#define CLOCK_TICKS 0x1000000u
 #define PENDSTSET (1u << 26)
 
 extern uint32_t board_stack[], board_stack_end[], board_data[], board_data_end[], board_bss[], board_bss_end[];
@@ -48,7 +48,7 @@ void board_start(void)
     memset(board_bss, 0, (size_t)((char *)board_bss_end - (char *)board_bss));
     SYST_RVR = CLOCK_TICKS - 1;
     SYST_CVR = 0;
-    SYST_CSR = 7;                  /* timer on, with interrupt, at the processor's clock */
+    SYST_CSR = 7;
     console_exit(main());
 }
 
