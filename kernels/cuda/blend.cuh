@@ -20,8 +20,8 @@
 namespace {
 
 const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
-const uint32_t SPLIT_MAGNITUDE = 13;                   /* lists of 2^13 splats or more are first put into bins of
-                                                          depth */
+const uint32_t SPLIT_MAGNITUDE = 13;                   /* tile lists of 2^13 splats or more are first put into bins
+                                                          of depth */
 const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;
 const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;
 typedef group<GROUP_THREADS> tile_group;
@@ -45,11 +45,11 @@ struct alignas(16) queued_splat {
     queued_row rows[ROWS<2>];
     uint32_t ux_q24;
     int limit;
-    uint32_t red_green, blue;              /* colour channels in Q14, two per word */
+    uint32_t red_green, blue;              /* colour in Q14, two channels per word */
 };
 
 struct queued_trace {
-    uint32_t key, index;                   /* depth key; index among all drawn Gaussians */
+    uint32_t key, index;                   /* depth key; index of the Gaussian among all drawn Gaussians */
 };
 
 /* A pixel while splats are blended. Each colour sum (Q13) is at most 2^15, so two sums fit in a word. */
@@ -180,8 +180,7 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Returns true if the splat can touch a pixel of the region at (x, y), and fills in *q except the colour. |u| is
-   least at an end of a row, or is 0. */
+/* Fills in *q except the colour. Returns true if the splat can touch a pixel of the region at (x, y). */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -219,7 +218,7 @@ __device__ inline bool is_open(const Pixel (&p)[Each])
     return takes_more(&p[0]) || takes_more(&p[Each - 1]);
 }
 
-/* Sets p->hidden if the occluder hides the next splat. All later splats are farther still. */
+/* Sets p->hidden if an occluder hides the next splat, and thus all later splats. */
 __device__ inline void see_next(pixel *, const queued_trace *)
 {
 }
@@ -443,8 +442,8 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
     p->depths = 0;
 }
 
-/* Processing order of tiles: long lists first. Lane i of a warp describes the tiles with floor(log2(list length)) =
-   31 - i. Each of these tiles has `each` turns, a power of 2 or 0. */
+/* Processing order of tiles: tiles with long lists of splats first. Lane i of a warp describes the tiles with
+   floor(log2(list length)) = 31 - i. Each of these tiles has `each` turns, a power of 2 or 0. */
 struct turns {
     uint32_t start, end, each, all, tiles;
 };
@@ -560,7 +559,7 @@ struct region {
     }
 };
 
-/* Sorts lists of fewer than 2^Magnitude entries, in up to 2^Bits bins of depth. */
+/* Sorts tile lists of fewer than 2^Magnitude splats by depth, in up to 2^Bits bins. */
 template <uint32_t T, uint32_t Magnitude, int Bits>
 struct list_sorter {
     typedef group<T> group_type;
@@ -594,7 +593,7 @@ union sort_shared {
     list_sorter<WARP, SHORT_MAGNITUDE, 8> warps[SORT_THREADS / WARP];
 };
 
-/* Sorts lists by depth: medium lists by thread blocks, then short lists by warps. */
+/* Sorts tile lists by depth: medium lists by thread blocks, then short lists by warps. */
 __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __grid_constant__ frame_buffers f,
                                                                         uint32_t tiles)
 {
@@ -630,7 +629,7 @@ size_t sorted_bytes(uint32_t warps)
     return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
 }
 
-/* Returns the number of warps per tile: 8 for lists longer than half a warp's average load, else 4. */
+/* Returns the number of warps that blend a tile: 8 for lists longer than half a warp's average load, else 4. */
 __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);
@@ -656,7 +655,7 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view
     r.store(p, view, f, t);
 }
 
-/* Blends tiles with sorted lists. alone: no other frame is in flight. */
+/* Blends tiles with sorted lists of splats. alone: no other frame is in flight. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
@@ -686,7 +685,6 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
     }
 }
 
-/* Blends tiles with long lists, by groups of 4 warps. */
 template <class Pixel>
 __global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
 blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,

@@ -22,7 +22,7 @@ struct slot {
     cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* contents: fxs_object_view[], crop boxes, views for the level of detail, list of
-                                      drawn chunks */
+                                      drawn chunks of Gaussians */
     block splats, tiles, larges, entries;
     block cut;
     block pixels;
@@ -36,24 +36,24 @@ enum { PLANES = 7 };
 
 struct frame {
     fxs_view view;                 /* view of the world; in a frame with one plain object, view of the object */
-    fxs_scene scene;               /* the only scene of a plain frame, with device pointers */
+    fxs_scene scene;               /* the scene of a frame with one plain object, with device pointers */
     fxs_targets targets;
-    bool hosted[PLANES];           /* true: rendered to slot.pixels, then copied to pinned host memory */
+    bool hosted[PLANES];           /* true: an image rendered on the device, then copied to pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
-    uint32_t cut_room;             /* most chunks that are drawn; 0: no limit, all leaves are drawn */
+    uint32_t cut_room;             /* most chunks of Gaussians that are drawn; 0: no limit */
     uint32_t cut_chunks, whole_chunks;
-    bool cut_here;                 /* true: the host chooses the level of detail, as a tree is invalid */
+    bool cut_here;                 /* true: the host chooses the level of detail, because the scene's tree is invalid */
     uint64_t staged;
-    bool plain;                    /* true: one object, not scaled, cropped or tinted, with all chunks drawn */
+    bool plain;                    /* true: one object, not scaled, cropped or tinted, with all Gaussians drawn */
     bool pooled;
 };
 
 }
 
-struct fxs_cuda {                  /* in pinned host memory, so that kernels can write `needs` */
+struct fxs_cuda {                  /* allocated in pinned host memory, so that kernels can write `needs` */
     int device, timed;
     float milliseconds;
-    int dense;                     /* 1: blend_dense fits the device and blends the long lists */
+    int dense;                     /* 1: the device has enough shared memory for blend_dense */
     uint32_t processors, slot_count;
     uint32_t groups, traced_groups;
     uint32_t warps, traced_warps;
@@ -67,7 +67,7 @@ struct fxs_cuda {                  /* in pinned host memory, so that kernels can
     bool began_marked;
     bool early;                    /* programmatic dependent launch: a kernel may start before the previous one ends */
     uint64_t capacity, large_capacity;
-    uint64_t entries_most, split_most;      /* test hook: artificial capacities; 0: none */
+    uint64_t entries_most, split_most;      /* artificial capacities for tests; 0: none */
 
     fxs_options options;
     frame frames[FXS_CUDA_BATCH];
@@ -85,8 +85,8 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Returns the number of slots for this many frames: 1 with a pooled scene, as each frame may evict chunks that the
-   previous frame reads. */
+/* Returns the number of frames in flight: 1 with a pooled scene, as each frame may evict Gaussians that the previous
+   frame reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
@@ -131,7 +131,7 @@ uint64_t drawn_at(const frame *of)
     return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
 }
 
-/* Lays out a slot's memory for a frame. With null blocks, only *sizes is valid. */
+/* With null blocks, only *sizes is valid. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
@@ -217,7 +217,6 @@ uint64_t missing(const block *b, uint64_t bytes)
     return bytes > b->bytes ? bytes - b->bytes : 0;
 }
 
-/* Returns the initial capacity for large_splat records. With the square cut-off every splat is large. */
 uint64_t likely_larges(const frame *f)
 {
     const uint64_t drawn = (uint64_t)f->chunks * FXS_CHUNK, most = drawn < f->gaussians ? drawn : f->gaussians;
@@ -263,14 +262,15 @@ uint64_t memory_most(const fxs_cuda *cuda)
     uint64_t most = memory->most ? memory->most : UINT64_MAX;
     size_t left = 0, all = 0;
     if (cuda->scenes.bytes_wanted && !check(nullptr, cudaMemGetInfo(&left, &all))) {
-        const uint64_t there = memory->bytes + left - left / 16;       /* 1/16 is left for modules and fragmentation */
+        const uint64_t there = memory->bytes + left - left / 16;       /* leaves 1/16 of the free device memory for
+                                                                          CUDA modules and fragmentation */
         most = most < there ? most : there;
     }
     return most;
 }
 
-/* Copies scenes and allocates memory for the frames. If memory is short, first frees the slots' memory, then gives
-   pools to scenes. */
+/* Copies scenes to the device and allocates memory for the frames. If memory is short, keeps only part of a scene on
+   the device. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
@@ -315,7 +315,6 @@ bool writes_any(fxs_targets targets)
     return false;
 }
 
-/* Returns true if all images are aligned to their pixel size, so that kernels can write whole pixels. */
 bool are_aligned(fxs_targets targets)
 {
     plane planes[PLANES];
@@ -332,7 +331,7 @@ bool is_in_host_memory(const void *pointer)
     return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
 }
 
-/* Finds the output planes in pinned host memory. These planes are rendered on the device and then copied. */
+/* Finds the output images in pinned host memory. These images are rendered on the device and then copied. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];
@@ -630,8 +629,8 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
     f.number = ++cuda->frame_number;
-    if (fxs_targets_traced(&of->targets))                    /* traced pixels read depths to the end, so scratch
-                                                                entries must not overwrite depths */
+    if (fxs_targets_traced(&of->targets))                    /* pixels with depth or id outputs read depths to the
+                                                                end, so scratch memory must not overwrite depths */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     if (cuda->entries_most) {
         f.capacity = cuda->entries_most;
@@ -788,7 +787,6 @@ int allow_shared(Kernel *kernel, size_t bytes, size_t shared_most, fxs_message *
     return check(why, cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes));
 }
 
-/* Returns how many parts of `bytes` bytes fit into shared memory beside `fixed` bytes: 1 to `most`. */
 uint32_t parts_of(size_t shared_most, size_t fixed, size_t bytes, uint32_t most)
 {
     const size_t parts = shared_most < fixed + bytes ? 1 : (shared_most - fixed) / bytes;
@@ -804,8 +802,8 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
     return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 
-/* Shared memory per thread block: 227 KiB on H100 and H200, 163 on A100, 99 on others. With 99, blend_tiles takes
-   the long lists. */
+/* Shared memory per thread block is 227 KiB on H100 and H200, 163 on A100, 99 on others. blend_dense does not fit
+   into 99. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
     int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
@@ -1101,7 +1099,7 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         cuda->device_frames[i].targets = frames[i].targets;
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
-    /* The default stream would block other renderers. The slot's stream waits for the copies to the device. */
+    /* The default stream would block other renderers. The other stream waits for the copies to the device. */
     error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
     error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);

@@ -23,7 +23,7 @@ const int16_t UNSEEN = -1;
 
 struct alignas(8) node_sight {
     int32_t key_q8;
-    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8; UNSEEN: invisible */
+    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8; UNSEEN: the node is invisible */
     uint16_t seen_children;        /* bits 0 and 1: the first and second child is visible */
 };
 
@@ -39,13 +39,15 @@ struct cut_sums {
 
 struct cut_status {
     uint32_t roots;
-    uint32_t last_key, first_key;  /* range of indices in `keys`; first_key is stored as KEYS - 1 - index */
+    uint32_t last_key, first_key;  /* largest and smallest index in the histogram `keys`; first_key is stored as KEYS
+                                      - 1 - index */
     uint32_t blocks_done[2];
-    uint32_t stops;                /* 1: the budget may end before all nodes are opened */
-    uint32_t stop_first, stop_last;        /* range of indices in `keys` at which the budget may end */
+    uint32_t stops;                /* 1: the budget may end before all nodes of the tree are opened */
+    uint32_t stop_first, stop_last;        /* first and last index in the histogram `keys` at which the budget may
+                                              end */
     cut_sums before, all;
     uint32_t candidates;
-    uint64_t stop;                 /* sort key of the first node that is not opened; UINT64_MAX: all are opened */
+    uint64_t stop;                 /* sort key of the first tree node that is not opened; UINT64_MAX: all are opened */
     fxs_fading fading;
     uint32_t drawn;
 };
@@ -53,8 +55,8 @@ struct cut_status {
 struct cut_buffers {
     cut_status *status;
     uint32_t *block_counts;
-    uint32_t *marks;               /* one bit per chunk; 1: the chunk is drawn */
-    key_count *keys;               /* histogram in descending order of key */
+    uint32_t *marks;               /* one bit per chunk of Gaussians; 1: the chunk is drawn */
+    key_count *keys;               /* histogram of the nodes' keys, in descending order of key */
     uint16_t *shares_q8;
     node_sight *sights;
     uint64_t *candidates;
@@ -65,7 +67,7 @@ struct cut_buffers {
     uint32_t room, detail_q8;
 };
 
-/* Fills in the parents of all nodes. Sets wrong_tree if a node is damaged or two nodes share a child. */
+/* Finds the parents of the tree's nodes. Sets wrong_tree if a node is damaged or two nodes share a child. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -129,7 +131,7 @@ __device__ inline uint32_t place_of_key(int32_t key_q8)
     return (uint32_t)(KEY_MOST_Q8 - key_q8);
 }
 
-/* Returns the sort key of a node. Nodes are opened in ascending order of the sort key. */
+/* Returns the sort key of a tree node. Nodes are opened in ascending order of the sort key. */
 __device__ inline uint64_t order_of(int32_t key_q8, uint32_t chunk)
 {
     return (uint64_t)place_of_key(key_q8) << 32 | chunk;
@@ -189,7 +191,6 @@ __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
     return before;
 }
 
-/* Returns the limit of drawn chunks, without the reserve for fading nodes. */
 __device__ inline uint32_t most_drawn(const cut_buffers *c)
 {
     return c->room - c->room / FADING;
@@ -200,15 +201,15 @@ __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
     return (int64_t)c->whole_chunks + c->status->roots + s.children - s.no_more;
 }
 
-/* Returns true if the nodes of the sum exceed the budget or the limit of visited nodes. */
+/* Returns true if opening the nodes of a sum exceeds the budget or the limit of visited nodes. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* Finds the first key that may exceed the budget, and the first that does. These keys differ, as opening some nodes
-   reduces the number of drawn chunks. */
+/* Finds the first key at which the budget may end, and the first at which it certainly does. Opening some nodes
+   reduces the number of drawn chunks, so the two keys can differ. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -255,8 +256,7 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* Clamps each node's key and room to those of its ancestors, and counts nodes by key. Clamping an ancestor twice is
-   harmless. */
+/* Clamps each tree node's key to those of its ancestors, and counts nodes by key. Clamping a node twice is harmless. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -345,8 +345,8 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
     return over;
 }
 
-/* Computes the width of the fade in units of the key. of_last: number of opened nodes with the last key. last: index
-   of the last key. */
+/* Computes the width of the fade between levels of detail, in units of the key. of_last: number of opened nodes with
+   the last key. last: index of the last key. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;
@@ -356,8 +356,6 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
     if (threadIdx.x == 0)
         width = count ? FXS_FADE_MOST_Q8 : 0;
     __syncthreads();
-    /* Thread i counts the nodes within key distance i of the last key. The fade is the widest with at most `count`
-       nodes. */
     uint32_t key = 0;
     if (threadIdx.x > 0 && threadIdx.x < FXS_FADE_MOST_Q8 && threadIdx.x <= last)
         key = c->keys[last - threadIdx.x].nodes;
@@ -371,7 +369,6 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
         c->status->fading.width_q8 = (int32_t)width;
 }
 
-/* Finds the first candidate that is not opened. */
 __device__ void find_end(const cut_buffers *c)
 {
     __shared__ uint64_t few[SORT_MOST];
@@ -432,8 +429,8 @@ __device__ inline void add_drawn(const cut_buffers *c, uint32_t chunk, uint32_t 
     atomicAdd(&c->block_counts[chunk / LIST_CHUNKS], 1);
 }
 
-/* Returns the share of optical depth that a node inherits: the product of its ancestors' faded_q8. An ancestor with
-   256 ends the walk, as its ancestors have 256 too. */
+/* Returns the share of optical depth that a tree node inherits: the product of its ancestors' faded_q8. An ancestor
+   with 256 ends the walk, as its ancestors have 256 too. */
 __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, const node_sight *sights, uint32_t own)
 {
     uint8_t faded[DEPTH_MOST + 1];
@@ -485,7 +482,7 @@ __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constan
         share_node(&c, o, chunk - o->first_chunk);
 }
 
-/* Lists the drawn chunks in ascending order of chunk number. */
+/* Lists the drawn chunks of Gaussians in ascending order of chunk number. */
 __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_constant__ frame_buffers f,
                                                                  const __grid_constant__ cut_buffers c)
 {

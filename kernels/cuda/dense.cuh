@@ -13,10 +13,10 @@ namespace {
 
 const uint32_t ROW_PAIRS = FXS_TILE / 2;
 typedef group_keys<960> dense_keys;
-const uint32_t FULL = 512;                 /* collection ends above this number of splats */
+const uint32_t FULL = 512;                 /* no more splats are collected above this number */
 const uint32_t REACH_MOST = 8192;
 const uint32_t WORDS = dense_keys::room / WARP;
-const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes per pixel; FEW: most open pixels for blend_few */
+const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes per pixel; FEW: most pixels for blend_few */
 const uint32_t STEPS_MOST = 15360;
 
 struct dense_shared {
@@ -74,7 +74,7 @@ struct dense_splat {
 
 struct dense_list {
     uint64_t *keys;
-    uint32_t *places;                      /* indices into keys; null: all keys, in ascending order of index */
+    uint32_t *places;                      /* indices into keys; null: all keys */
     uint32_t count;
 
     __device__ dense_list from(uint32_t first, uint32_t some) const
@@ -212,7 +212,7 @@ struct mark_walk {
         words &= words - 1;
     }
 
-    /* Returns this lane's splat among the next four; WORDS * WARP: none. */
+    /* Returns the index of this lane's splat among the next four marked splats; WORDS * WARP: none. */
     __device__ uint32_t next(uint32_t lane)
     {
         uint32_t own = 0;
@@ -269,7 +269,7 @@ struct open_pixels {
         all = __shfl_sync(ALL_LANES, end, WARP - 1);
     }
 
-    /* Returns the index in the tile of the i-th open pixel; any pixel if i >= all. */
+    /* Returns the index in the tile of the i-th pixel that is not opaque yet; any pixel if i >= all. */
     __device__ uint32_t place(uint32_t i) const
     {
         uint32_t pair = 0;
@@ -299,8 +299,7 @@ __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, con
     }
 }
 
-/* Calls visit(step, splat index) for each splat that pixel n's bits mark, in words `first` to first + words - 1.
-   Returns the number of steps. */
+/* Calls visit(step, splat index) for each splat that a bit mask of pixel n marks. Returns the number of steps. */
 template <class Visit>
 __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
@@ -337,7 +336,7 @@ __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, 
     return i;
 }
 
-/* Blends at most FEW open pixels: a warp computes the alphas of a pixel, one lane the weights, and the warp sums the
+/* Blends at most FEW pixels: a warp computes the alphas of a pixel, one lane the weights, and the warp sums the
    colours. */
 __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
@@ -377,8 +376,8 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
     }
 }
 
-/* Blends the keys in shared->keys. Returns true if a pixel is still open. Not inlined, to leave registers to the
-   callers' loops. */
+/* Blends the splats of shared->keys. Returns true if a pixel is not opaque yet. Not inlined, to leave registers to
+   the callers' loops. */
 __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
 {
     const tile_splats *t = &tile;
@@ -399,7 +398,7 @@ __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats t
         shared->collected = 0;
     g->sync();
     const open_pixels pixels(shared);
-    g->sync();                                 /* all threads have read shared->open */
+    g->sync();                                 /* waits until all threads have read shared->open */
     if (pixels.all > FEW)
         blend_quads(shared, pixels, g);
     else if (pixels.all)
@@ -442,8 +441,8 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
     return count;
 }
 
-/* Appends keys of splats that can touch an open pixel to shared->keys. Returns the total number of keys, which may
-   exceed the capacity. */
+/* Appends keys of splats that can touch a pixel to shared->keys. Returns the total number of keys, which may exceed
+   the capacity. */
 __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
     const tile_splats *t = &tile;
@@ -457,13 +456,13 @@ __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile,
     return collected(shared, g);
 }
 
-/* Moves the keys of splats that can touch an open pixel to the start of the list. Returns their number. */
+/* Moves the keys of splats that can touch a pixel to the start of the list. Returns their number. */
 __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
     visit_open(shared, t, list, g, [&](uint64_t key, uint32_t place, bool kept) {
         const uint32_t to = take_number(&shared->collected, 0, kept);
-        g->sync();                         /* all threads have read the entries that are overwritten */
+        g->sync();                         /* waits until all threads have read the entries that are overwritten next */
         if (kept && list.places)
             list.places[to] = place;
         else if (kept)
@@ -548,12 +547,12 @@ __device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const 
     return blend_split<true>(shared, f, t, finer, (const uint32_t *)room, g);
 }
 
-/* Blends a list in bins. A bin that does not fit into shared memory is split. */
+/* Blends a list of splats in bins of depth. A bin that does not fit into shared memory is split. */
 template <bool Finer>
 __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const uint32_t *ends, const dense_group *g)
 {
-    uint32_t have = 0, reach = 0;              /* reach: keys to examine next if few are kept */
+    uint32_t have = 0, reach = 0;
     for (uint32_t first = 0, end; first < list.count; first = end) {
         const uint32_t room = dense_keys::room - have;
         end = have > FULL ? first : bins_end<dense_keys>(ends, first, max(room, reach));
@@ -571,14 +570,14 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
                 have = all;
                 continue;
             }
-            if (g->thread == 0)                /* too many keys were kept: discards them and retries with fewer */
+            if (g->thread == 0)                /* too many splats were kept: discards them and retries with fewer */
                 shared->collected = have;
             g->sync();
             reach = 0;
             end = first;
             continue;
         }
-        end = bin_end<dense_keys>(ends, first);    /* the next bin alone exceeds the capacity */
+        end = bin_end<dense_keys>(ends, first);    /* the next bin of splats alone exceeds the capacity */
         const dense_list left = list.from(first, drop_closed(shared, t, list.from(first, end - first), g));
         if (left.count <= dense_keys::room)
             have = collect(shared, *t, left);
@@ -588,7 +587,7 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
     return !have || blend_collected(shared, *t, have);
 }
 
-/* Puts a tile's list into bins of depth. Returns a list with keys = null if scratch memory is short. */
+/* Puts a tile's list of splats into bins of depth. Returns keys = null if scratch memory is short. */
 __device__ dense_list split_tile(dense_shared *shared, const frame_buffers *f, const dense_list &all,
                                  const dense_group *g)
 {

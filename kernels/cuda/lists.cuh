@@ -32,7 +32,7 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
     return error ? error : fxs_object_has_chunk(object, &header);
 }
 
-/* Writes the views of visible chunks. Sets status->damaged for an invalid chunk header. */
+/* Writes the views of chunks of Gaussians that the camera sees. Sets status->damaged for an invalid chunk header. */
 template <bool Many>
 __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
                               const __grid_constant__ frame_buffers f, uint32_t chunks)
@@ -100,8 +100,8 @@ __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, con
 #endif
 }
 
-/* Starts to copy a chunk to shared memory: part 1 is the spherical harmonics, part 0 the rest. From compute
-   capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
+/* Starts to copy a chunk of Gaussians to shared memory: part 1 is the spherical harmonics, part 0 the rest. From
+   compute capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
 __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
                                    const unsigned char *rows, uint32_t bytes)
 {
@@ -130,7 +130,7 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
 {
 #if __CUDA_ARCH__ >= 900
     if (part == 0)
-        __syncthreads();                   /* makes the initialised barriers visible to all threads */
+        __syncthreads();                   /* makes the initialised memory barriers visible to all threads */
     while (!cuda::ptx::mbarrier_try_wait_parity(&b->arrived[part], 0)) {
     }
 #else
@@ -142,7 +142,7 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
 #endif
 }
 
-/* Computes row_ends from the number of tile rows of each thread's splat. Returns the total. */
+/* Computes row_ends from the number of tile rows that each thread's splat covers. Returns the total number of rows. */
 __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
 {
     const uint32_t sum = warp_sum(rows), warp = threadIdx.x / WARP;
@@ -180,7 +180,8 @@ __device__ bool is_whole(const ellipse *e, const fxs_view *view)
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* Adds 1 at the first tile of a span and -1 after the last. start_lists sums these differences along each row. */
+/* Counts a splat in a span of tiles: adds 1 at the first tile and -1 after the last. start_lists sums these
+   differences along each row. */
 __device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
@@ -250,7 +251,6 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-/* Projects, shades and bins a chunk's 256 Gaussians by one thread block. */
 template <bool Many>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
                                                               const __grid_constant__ fxs_scene only_scene,
@@ -316,7 +316,7 @@ __device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t 
     }
 }
 
-/* Computes each list's length and start, and sorts the tiles into classes by floor(log2(length)). */
+/* Computes the length and start of each tile's list of splats, and sorts the tiles by floor(log2(length)). */
 __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_constant__ frame_buffers f,
                                                                 uint32_t tiles_x, uint32_t tiles_y)
 {
@@ -369,7 +369,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
         });
 }
 
-/* Writes the list entries of one large_splat record, by one warp. */
+/* Enters one large splat into the lists of its tiles, by one warp. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
@@ -392,7 +392,7 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
     });
 }
 
-/* Writes all list entries. The first LARGE_BLOCKS thread blocks take the large splats. */
+/* Enters all splats into the lists of their tiles. The first LARGE_BLOCKS thread blocks take the large splats. */
 __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_view view,
                                                         const __grid_constant__ frame_buffers f)
 {

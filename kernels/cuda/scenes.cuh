@@ -11,18 +11,18 @@ namespace {
 
 struct scene_copy {
     const fxs_scene *key;
-    fxs_scene here, there;         /* here: as given by the caller; there: with device pointers */
-    block data;                    /* null: the scene is not copied yet */
+    fxs_scene here, there;         /* the scene as given by the caller; the same scene with device pointers */
+    block data;                    /* null: not copied to the device yet */
     bool wrong_tree;               /* true: the tree is invalid, so the host chooses the level of detail */
     bool pooled;
-    void *rows;                    /* all packed Gaussians of a pooled scene, in pinned host memory */
+    void *rows;                    /* all Gaussians of a scene that the device holds only in part, in pinned host
+                                      memory */
 };
 
 struct scene_table {
     host_block memory;
     uint32_t count;
-    uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes to be copied: with and without their packed
-                                              Gaussians */
+    uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes to be copied: with and without their Gaussians */
     uint32_t pools;
 };
 
@@ -31,7 +31,7 @@ scene_copy *copies_of(const scene_table *t)
     return (scene_copy *)t->memory.data;
 }
 
-/* Returns the index of a scene, or the index where it would be inserted. */
+/* Returns the index of a scene in the table, or the index where it would be inserted. */
 uint32_t place_of(const scene_table *t, const fxs_scene *scene)
 {
     uint32_t low = 0, high = t->count;
@@ -215,7 +215,7 @@ int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStre
     return check(why, first_of(copied, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* Copies a scene to the device. A scene of more than `rows_most` bytes gets a pool of that size. */
+/* Copies a scene to the device. A scene of more than `rows_most` bytes gets a pool for part of its Gaussians. */
 int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -236,8 +236,8 @@ int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* Copies all new scenes, with at most `rows_most` bytes of packed Gaussians each. After an error, drops the new
-   scenes. */
+/* Copies all new scenes to the device, with at most `rows_most` bytes of Gaussians each. After an error, drops the
+   new scenes. */
 int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {

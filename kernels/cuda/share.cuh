@@ -10,8 +10,8 @@ namespace {
 const uint32_t DENSE_THREADS = 1024;
 const uint32_t SHARE_THREADS = 512;
 const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;
-const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the fewest entries of a part, and of the
-                                                                  most entries of a segment */
+const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the fewest list entries of a part, and of
+                                                                  the most of a segment */
 typedef group<DENSE_THREADS> dense_group;
 typedef group<SHARE_THREADS> share_group;
 
@@ -20,8 +20,8 @@ __device__ inline uint32_t segments_of(uint32_t magnitude)
     return magnitude < SEGMENT_MAGNITUDE ? 1 : 2u << (magnitude - SEGMENT_MAGNITUDE);
 }
 
-/* Returns the parts per tile, a power of two, of tiles with floor(log2(list length)) = 31 - lane. Tiles are split
-   while a part has more than half of a thread block's average load, or a quarter if the split adds few entries. */
+/* Returns into how many parts a tile is split, a power of two. A tile is split while a part has more than half of a
+   thread block's average load, or a quarter if the split adds few entries. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];
@@ -87,7 +87,6 @@ struct part_list {
         return __ldcg(&segments[segment].ends[part]);
     }
 
-    /* Returns the number of entries in this thread's segments. Sets *missing if a segment got no scratch memory. */
     __device__ uint32_t count_own(bool *missing, const dense_group *g) const
     {
         uint32_t own = 0;
@@ -143,14 +142,15 @@ struct share_shared {
     uint16_t *places;
 };
 
-/* Finds the entries of a segment that each part needs, and widens the list's depth range. */
+/* Finds, for each part of a tile, the splats of a list segment that can touch the part. Also widens the list's depth
+   range. */
 __device__ void share_segment(list_segment *out, shared_range *range, share_shared *shared, const frame_buffers *f,
                               const tile_splats *t, const segment_of_list &s, const share_group *g)
 {
     enum { EACH = (1 << SEGMENT_MAGNITUDE) / SHARE_THREADS };
     const uint32_t lane = lane_index(), parts = FXS_TILE / s.columns, of_part = (1u << s.columns) - 1;
-    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: entries of part number `lane` that
-                                                                          precede this warp's entries */
+    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: entries of the part with the lane's
+                                                                          number that precede this warp's entries */
     if (g->thread < PARTS_MOST)
         shared->parts[g->thread] = 0;
 #pragma unroll

@@ -14,7 +14,7 @@ struct group_keys {
     static constexpr uint32_t room = Room, bins = 1u << Bits;
     static constexpr int bits = Bits;
     uint64_t keys[Room];
-    uint16_t places[Room];                 /* indices into keys, in the order of the bins */
+    uint16_t places[Room];                 /* indices into keys, in the order of the bins of depth */
     uint2 bounds[GROUP_WARPS_MOST];
     uint32_t sums[GROUP_WARPS_MOST];
     uint32_t segments[WARP];
@@ -119,7 +119,7 @@ __device__ inline int bin_shift(uint64_t low, uint64_t high)
     return bits > K::bits ? bits - K::bits : 0;
 }
 
-/* Returns the number of keys in the bins before this thread's bins. *own receives the number in the thread's own
+/* Returns the number of keys in all bins before this thread's bins. *own receives the number in the thread's own
    bins. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
@@ -308,7 +308,7 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     place_bins(shared, bins, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
         shared->places[atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u)] = (uint16_t)i;
-    g->sync();                             /* bins now holds the ends of the bins */
+    g->sync();                             /* bins[i] is now the end of bin i */
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         const uint64_t key = shared->keys[shared->places[i]];
         const uint32_t bin = s.bin_of(key);
@@ -332,7 +332,7 @@ __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *sh
 }
 
 /* Calls take(count) for batches of keys in ascending order of depth, until take returns false. A batch is in
-   shared->keys, unsorted. ends: bin ends of the list; null: no bins. */
+   shared->keys, unsorted. ends: ends of the bins of the list; null: no bins. */
 template <class K, class G, class Take>
 __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
                           const G *g, Take take)

@@ -38,33 +38,34 @@ __device__ const uint16_t offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "src/core/opacity.inc"
 };
 
-/* A splat (projected Gaussian) beyond BOX_COLUMNS x BOX_ROWS tiles; with the square cut-off, any splat. */
+/* A splat (projected Gaussian) that covers more than BOX_COLUMNS x BOX_ROWS tiles; with the square cut-off, any
+   splat. */
 struct large_splat {
     fxs_bounds bounds;
     uint32_t index;
     int32_t first;
 };
 
-const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* MANY_GAUSSIANS: mean per tile from which list_step is
-                                                              LISTS_APART */
+const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* MANY_GAUSSIANS: mean number per tile from which
+                                                              LISTS_APART is used */
 const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 
 /* Memory that a frame needs. A frame that exceeds its buffers is not blended. */
 struct frame_needs {
     uint64_t entries;
     uint32_t larges, visible;
-    uint32_t damaged;              /* 1: a chunk header is out of range */
+    uint32_t damaged;              /* 1: the header of a chunk of Gaussians is out of range */
 };
 
-/* Depth range of a list that several thread blocks share. The minimum is stored as ~minimum, so that atomicMax works
-   on zeroed memory. */
+/* Depth range of a tile's list that several thread blocks share. The minimum is stored as ~minimum, so that
+   atomicMax works on zeroed memory. */
 struct shared_range {
     uint32_t not_least, most;
 };
 
-/* A segment of a tile list, with the entries that each part of the tile needs. */
+/* A segment of a tile's list, with the splats that can touch each part of the tile. */
 struct list_segment {
-    uint16_t *places;              /* indices of entries, part after part; null: out of memory */
+    uint16_t *places;              /* indices of list entries, part after part; null: out of memory */
     uint16_t ends[PARTS_MOST];
 };
 
@@ -73,13 +74,15 @@ struct frame_status : frame_needs {
     uint32_t classes[32];
     uint32_t class_entries[32];
     uint32_t next_sort[2], next_turn, next_long, next_dense;
-    uint64_t split_taken[2];       /* scratch entries taken from split_entries, and from the free end of `entries` */
+    uint64_t split_taken[2];       /* 64-bit words of scratch memory taken from split_entries, and from the free end
+                                      of `entries` */
     shared_range shared[SHARED_MOST];
 };
 
 struct tile_list {
-    uint32_t count;                /* list length; before start_lists: difference to the previous tile in the row */
-    uint32_t next;                 /* index of the next entry; after fill_lists: end of the list */
+    uint32_t count;                /* length of the tile's list; before start_lists: difference to the previous tile
+                                      in the row */
+    uint32_t next;                 /* index of the list's next entry; after fill_lists: end of the list */
 };
 
 struct frame_buffers {
@@ -88,23 +91,23 @@ struct frame_buffers {
     const fxs_object_view *objects;
     uint32_t object_count;
     uint32_t number;
-    const fxs_drawn *drawn;        /* null: all chunks are drawn */
-    const uint32_t *drawn_count;   /* null: the length of `drawn` was found on the host */
+    const fxs_drawn *drawn;        /* null: all chunks of Gaussians are drawn */
+    const uint32_t *drawn_count;
     uint32_t *chunk_objects;
-    fxs_chunk_view *chunk_views;   /* `chunk` is the index among the drawn chunks */
-    fxs_splat *splats;             /* indexed by drawn chunk and Gaussian; valid for visible splats */
+    fxs_chunk_view *chunk_views;
+    fxs_splat *splats;             /* valid for visible splats */
     uint64_t *boxes;
     uint32_t *depths;
     union {
         large_splat *larges;
-        list_segment *segments;    /* used after fill_lists, in place of larges */
+        list_segment *segments;    /* replaces larges after fill_lists */
     };
-    tile_list *lists;              /* list of tile i is lists[i list_step]. With many Gaussians per tile, each list
-                                      has its own memory sector, as atomics on one sector are serialised */
+    tile_list *lists;              /* the list of tile i is lists[i list_step]. With many Gaussians per tile, each
+                                      list has its own memory sector, as atomics on one sector are serialised */
     uint32_t list_step;            /* distance between the lists of two tiles: 1 or LISTS_APART */
     uint32_t *classes;
-    uint64_t *entries;             /* lists of depth << 32 | FXS_ENTRY_CUT_OFF | splat index; sort_lists leaves only
-                                      the low halves, sorted by depth */
+    uint64_t *entries;             /* tile lists; an entry is depth << 32 | FXS_ENTRY_CUT_OFF | splat index.
+                                      sort_lists leaves only the low halves, sorted by depth */
     uint64_t *split_entries;
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
@@ -164,7 +167,7 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
     return f->capacity - f->status->entries;
 }
 
-/* Takes `count` scratch entries. Returns null if too few are left. */
+/* Takes `count` 64-bit words of scratch memory. Returns null if too few are left. */
 __device__ inline uint64_t *take_entries(const frame_buffers *f, uint64_t count)
 {
     unsigned long long *taken = (unsigned long long *)f->status->split_taken;

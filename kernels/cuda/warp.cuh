@@ -31,7 +31,7 @@ REDUCE(__reduce_max_sync, own > other ? own : other)
 #undef REDUCE
 #endif
 
-/* Returns the inclusive prefix sum over the lanes. */
+/* Returns the inclusive prefix sum over the threads of a warp. */
 template <class T>
 __device__ inline T warp_sum(T x)
 {
@@ -42,8 +42,8 @@ __device__ inline T warp_sum(T x)
     return x;
 }
 
-/* Increments counters[i] for each active lane and returns the old value. Lanes with equal i share one atomic
-   operation. */
+/* Increments counters[i] for each active thread of a warp and returns the old value. Threads with equal i share one
+   atomic operation. */
 __device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool active)
 {
     const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();

@@ -78,7 +78,7 @@ static int32_t window_start(int32_t side, int32_t rate, int32_t length, int32_t 
     return (int32_t)(start < 0 ? 0 : start < most ? start : most);
 }
 
-/* Returns the number of rings. The last ring covers the whole picture. */
+/* Returns the number of rings, which are regions of one resolution. The last ring covers the whole picture. */
 static uint32_t find_rings(fxs_ring rings[FXS_RINGS], const fxs_foveation *f, const fxs_camera *cameras, uint32_t eyes)
 {
     const int32_t width = cameras->width, height = cameras->height;
@@ -172,7 +172,7 @@ static uint32_t budget_of(const fxs_foveated *all, const fxs_ring *r, const fxs_
     return !budget || budget >= gaussians ? 0 : part ? (uint32_t)part : 1;
 }
 
-/* finer: the next finer ring; null for the finest. */
+/* finer: the next finer ring; null: none */
 static int render_ring(const fxs_backend *backend, void *self, const fxs_request *request, fxs_ring *r,
                        const fxs_ring *finer, int32_t band, uint32_t budget, uint8_t *pixels, fxs_message *why)
 {
@@ -227,10 +227,10 @@ static inline uint64_t over(uint64_t lanes, int shift)
     return lanes >> shift & LANES * 255;
 }
 
-/* A row interpolated between two rows of a layer. The weights of the two rows add up to 2 rate. */
+/* A row interpolated between two rows of a layer. The two weights add up to 2 rate. */
 typedef struct blended_row {
     const uint8_t *above, *below;
-    uint64_t weight;               /* weight of the lower row */
+    uint64_t weight;               /* weight of the row below */
 } blended_row;
 
 static inline int32_t clamped(int32_t x, int32_t end)

@@ -54,7 +54,6 @@ static struct MHD_Response *compress_file(int descriptor, size_t size)
 }
 #endif
 
-/* Returns the list entry of a file, created if missing; null if memory ran out. */
 static fxs_http_gzipped *place_of(fxs_http_gzipped **list, const char *name)
 {
     fxs_http_gzipped *place = *list;

@@ -15,9 +15,9 @@
 
 #include "src/base/system.h"
 
-/* timeouts of a connection without a request, and during a response */
+/* timeouts of a connection in seconds, without a request and during a response */
 enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };
-enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* connections in all and per client address; a
+enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* most connections in all and per client address; a
                                                                 connection takes two of the usual 1024 descriptors */
 enum { GZIP_LEAST = 1 << 10, GZIP_MOST = 1 << 23, PEM_BYTES_MOST = 1 << 20 };
 
@@ -292,7 +292,7 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
     (void)body;
     if (strcmp(method, "GET") && strcmp(method, "HEAD"))
         return send_words(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET and HEAD\n", "Allow", "GET, HEAD");
-    if (!*state) {   /* the first call of libmicrohttpd must not send a response */
+    if (!*state) {   /* libmicrohttpd's first call for a request must not send a response */
         *state = server;
         return MHD_YES;
     }

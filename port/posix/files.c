@@ -204,7 +204,7 @@ static int open_name(const char *name, int flags, const char *path, FILE **file,
     *file = NULL;
     if (stat(name, &status) != 0)
         return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))   /* checked before open, because opening a device may have effects */
+    if (!S_ISREG(status.st_mode))   /* must precede open, because opening a device may have effects */
         return fxs_fail(message, "%s: not a regular file", path);
     int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* O_NONBLOCK: does not wait for the
                                                                                  writer of a pipe */

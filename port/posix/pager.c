@@ -21,15 +21,15 @@
 
 enum {
     PLACES_LEAST = 16,
-    KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks always stay: 1/8 of the pool, 256 at most */
+    KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks of Gaussians always stay: 1/8 of the pool, 256 at most */
     HEAD_PIECE = 1 << 20,
     READ_MOST = 1 << 20,
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes from the queue in one batch */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks of Gaussians that one batch reads */
     BATCH_APART = 64,
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
     ROOM_LEAST = 256,
-    TRIES = 3,                         /* failures until a chunk is lost; failed reads in a row until an error is
-                                          reported */
+    TRIES = 3,                         /* failures of a chunk until it is lost; failed reads in a row until an error
+                                          is reported */
     PAUSE_MS = 100, PAUSE_MOST = 20
 };
 
@@ -53,18 +53,18 @@ struct fxs_pager {
     char *name;
     unsigned char *head, *tree, *pool, *stage;
     size_t memory, stage_bytes;
-    uint32_t chunks, room, kept;       /* kept: tree nodes that are never evicted */
+    uint32_t chunks, room, kept;       /* kept: number of tree nodes that are never evicted */
 
-    /* Used by the caller's thread only. */
-    uint32_t *places;                  /* place of each chunk in the pool; FXS_NOTHING: none */
+    /* Fields for the caller's thread only. */
+    uint32_t *places;                  /* place of each chunk of Gaussians in the pool; FXS_NOTHING: none */
     uint32_t *asked;
     place *in_pool;
     uint32_t newest, oldest, there;
     uint32_t turn;
     int has_asked;
-    uint32_t *wanted, wanted_count;    /* chunks wanted in this turn, most needed first */
+    uint32_t *wanted, wanted_count;    /* chunks that the current frames lack, most needed first */
 
-    pthread_mutex_t lock;              /* guards the fields below */
+    pthread_mutex_t lock;              /* guards all fields below */
     pthread_cond_t work, done;
     pthread_t reader;
     int has_reader, stop, reading;
@@ -121,7 +121,7 @@ static void settle(fxs_pager *p, arrival a)
         enter_ring(p, a.place);
 }
 
-/* Evicts the least recently drawn chunk, unless the current turn drew the chunk. The caller holds the lock. */
+/* Evicts the least recently drawn chunk, except chunks of the current turn. The caller holds the lock. */
 static int free_place(fxs_pager *p)
 {
     const uint32_t number = p->oldest;
@@ -172,7 +172,7 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Reads a run of chunks. good[i] = 1: chunk i is valid. *unread = 1: the source failed. */
+/* Reads consecutive chunks of Gaussians. good[i] = 1: chunk i is valid. *unread = 1: the source failed. */
 static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
@@ -535,7 +535,7 @@ void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int the
     }
 }
 
-/* Fills the queue: wanted chunks first, then the coarsest chunks. The caller holds the lock. */
+/* Fills the queue of chunks to read: wanted chunks first, then the coarsest. The caller holds the lock. */
 static void fill_queue(fxs_pager *p)
 {
     const uint32_t leaves = p->scene.chunk_count;

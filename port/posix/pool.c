@@ -8,7 +8,7 @@
 typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
-    uint32_t jobs, next;                   /* `next` is incremented atomically */
+    uint32_t jobs, next;                   /* next: index of the next job, incremented atomically */
     uint32_t helpers;
     struct batch *after;
 } batch;
@@ -30,7 +30,7 @@ static void append(fxs_pool *pool, batch *b)
     *end = b;
 }
 
-/* Runs jobs of the batch until all are taken. Releases the lock while jobs run. */
+/* Runs jobs of the batch until none is left. Releases the lock while jobs run. */
 static void work(fxs_pool *pool, batch *b)
 {
     pthread_mutex_unlock(&pool->lock);

@@ -23,7 +23,7 @@ extern char **environ;
 void fxs_program_begin(int *argc, char ***argv)
 {
     (void)argc, (void)argv;
-    signal(SIGXFSZ, SIG_IGN);          /* a write beyond the file size limit then fails with an error */
+    signal(SIGXFSZ, SIG_IGN);          /* makes a write beyond the file size limit fail with an error */
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
         if (fcntl(i, F_GETFD) < 0)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);

@@ -148,7 +148,6 @@ int fxs_file_rename(const char *from, const char *to)
     return result;
 }
 
-/* Tests if files can be created in a folder, by creating one that is deleted when closed. */
 static int may_have_files(const char *folder)
 {
     char name[64];

@@ -43,7 +43,8 @@ void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths);
 
 void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids);
 
-enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points */
+enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points of
+                                                                                     the screen */
 
 /* Milliseconds of the last frames, newest first. All 0: no frames. */
 typedef struct fxs_frame_times {

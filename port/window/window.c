@@ -16,7 +16,7 @@
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* motion since the button went down, in points */
+    int moved;                      /* motion of the mouse since the button went down, in points */
 };
 
 static int fail(fxs_message *message)

@@ -1,12 +1,12 @@
-/* Draws text with SDL2_ttf and a font of the system. Without either, `words` is null and nothing is drawn. For use
- * by one thread. */
+/* Draws text with SDL2_ttf and a font of the system. Without SDL2_ttf or a font, `words` is null and nothing is
+ * drawn. For use by one thread. */
 #ifndef FXS_WORDS_H
 #define FXS_WORDS_H
 
 #include <fixsplat/message.h>
 #include "overlay.h"
 
-/* Returns 0 and words to close with fxs_words_close, or -1, null and a message. */
+/* Returns 0 and words, or -1, null and a message. */
 int fxs_words_open(fxs_words **words, fxs_message *message);
 void fxs_words_close(fxs_words *words);
 

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define BOARD_UNUSED 0x5a5a5a5au               /* marks unused words of the stack */
+#define BOARD_UNUSED 0x5a5a5a5au               /* value of unused words of the stack */
 
 uint64_t board_clock(void *unused);
 
