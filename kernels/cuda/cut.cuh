@@ -42,9 +42,8 @@ struct cut_status {
     uint32_t last_key, first_key;  /* largest and smallest index in the histogram `keys`; first_key is stored as KEYS
                                       - 1 - index */
     uint32_t blocks_done[2];
-    uint32_t stops;                /* 1: the budget may end before all nodes of the tree are opened */
-    uint32_t stop_first, stop_last;        /* first and last index in the histogram `keys` at which the budget may
-                                              end */
+    uint32_t stops;                /* 1: the budget may end before all tree nodes are opened */
+    uint32_t stop_first, stop_last;        /* first and last key index where the budget may end */
     cut_sums before, all;
     uint32_t candidates;
     uint64_t stop;                 /* sort key of the first tree node that is not opened; UINT64_MAX: all are opened */
@@ -208,8 +207,8 @@ __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* Finds the first key at which the budget may end, and the first at which it certainly does. Opening some nodes
-   reduces the number of drawn chunks, so the two keys can differ. */
+/* Finds the first key that may exceed the budget, and the first that certainly does. Opening some nodes reduces the
+   number of drawn chunks, so the two keys can differ. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -256,7 +255,7 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* Clamps each tree node's key to those of its ancestors, and counts nodes by key. Clamping a node twice is harmless. */
+/* Clamps each tree node's key to its ancestors' keys, and counts nodes by key. Clamping a node twice is harmless. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -482,7 +481,6 @@ __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constan
         share_node(&c, o, chunk - o->first_chunk);
 }
 
-/* Lists the drawn chunks of Gaussians in ascending order of chunk number. */
 __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_constant__ frame_buffers f,
                                                                  const __grid_constant__ cut_buffers c)
 {

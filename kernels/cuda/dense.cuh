@@ -577,7 +577,7 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
             end = first;
             continue;
         }
-        end = bin_end<dense_keys>(ends, first);    /* the next bin of splats alone exceeds the capacity */
+        end = bin_end<dense_keys>(ends, first);
         const dense_list left = list.from(first, drop_closed(shared, t, list.from(first, end - first), g));
         if (left.count <= dense_keys::room)
             have = collect(shared, *t, left);

@@ -1,5 +1,5 @@
-/* Sorts keys (depth in the upper 32 bits, index in the lower) in shared memory, by a group of threads. Of a long
- * list, a group sorts the nearest keys that fit, and further keys only while a pixel is not opaque. */
+/* Sorts keys (depth in the upper 32 bits, index in the lower) in shared memory, by a group of threads. A group sorts
+ * the nearest keys of a long list that fit, and further keys only while a pixel is not opaque. */
 #ifndef FXS_CUDA_SORT_CUH
 #define FXS_CUDA_SORT_CUH
 

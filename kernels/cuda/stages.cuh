@@ -1,5 +1,5 @@
-/* Compiles the C sources of src/core for the device, so that all integers equal those of the processor. Defines the
- * device buffers of a frame. */
+/* Compiles the C sources of src/core for the device, so that all integers equal the processor's. Defines the device
+ * buffers of a frame. */
 #ifndef FXS_CUDA_STAGES_CUH
 #define FXS_CUDA_STAGES_CUH
 
@@ -46,7 +46,7 @@ struct large_splat {
     int32_t first;
 };
 
-const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* MANY_GAUSSIANS: mean number per tile from which
+const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* MANY_GAUSSIANS: mean number per tile above which
                                                               LISTS_APART is used */
 const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 

@@ -51,7 +51,7 @@ static void note_range(const fxs_mapping *mapping)
     __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
 }
 
-/* Maps zeros from the page of the fault to the end of the range. */
+/* Replaces pages by zeros, from the page of the fault to the end of the mapped file. */
 static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {

@@ -116,7 +116,7 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
     return result;
 }
 
-/* Ends the program when this process ends. break_away: lets the program's children survive. */
+/* Ends a started program when this process ends. break_away: lets the program's children survive. */
 static void bind_to_this(HANDLE process, int break_away)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};

@@ -47,7 +47,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     /* Avoids OpenGL, because a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; otherwise Windows enlarges the pixels */
+#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* exists since SDL 2.24; otherwise Windows enlarges the pixels */
     SDL_SetHint(SDL_HINT_WINDOWS_DPI_AWARENESS, "permonitorv2");
 #endif
     *window = calloc(1, sizeof **window);
