@@ -27,8 +27,7 @@ struct dense_shared {
     uint4 shades[dense_keys::room];
     union {
         uint32_t masks[ROW_PAIRS][dense_keys::room];    /* per splat, one bit for each pixel that the splat can touch */
-        uint16_t steps[STEPS_MOST];        /* 1 - alpha of each blending step, then its weight; step k of pixel i is
-                                              at index k all + i */
+        uint16_t steps[STEPS_MOST];        /* 1 - alpha of step k of pixel i, later the weight, is at index k all + i */
     };
     struct {
         uint32_t n, count;

@@ -95,12 +95,12 @@ struct frame_buffers {
     const uint32_t *drawn_count;
     uint32_t *chunk_objects;
     fxs_chunk_view *chunk_views;
-    fxs_splat *splats;             /* valid for visible splats */
+    fxs_splat *splats;             /* valid only for visible splats */
     uint64_t *boxes;
     uint32_t *depths;
     union {
         large_splat *larges;
-        list_segment *segments;    /* replaces larges after fill_lists */
+        list_segment *segments;    /* shares memory with larges; valid after fill_lists */
     };
     tile_list *lists;              /* the list of tile i is lists[i list_step]. With many Gaussians per tile, each
                                       list has its own memory sector, as atomics on one sector are serialised */

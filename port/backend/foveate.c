@@ -11,7 +11,7 @@
 
 enum { TILE = 16, ROWS = 16 /* ROWS: picture rows of a job */, OPAQUE = 256 };
 
-/* Least principal point. A smaller one could fall below INT32_MIN in a window. */
+/* Least principal point of a camera. A smaller one could fall below INT32_MIN in a window. */
 #define FAR_Q12 (INT32_MIN + (FXS_MAX_SIZE << 12))
 
 #define LANES UINT64_C(0x0001000100010001)

@@ -10,14 +10,15 @@ typedef struct fxs_http_waiting {
     int count;
 } fxs_http_waiting;
 
-/* Option MHD_OPTION_NOTIFY_CONNECTION takes this function, with an fxs_http_waiting as argument. */
+/* Registers new connections and removes closed ones. MHD_OPTION_NOTIFY_CONNECTION takes this function, with an
+   fxs_http_waiting as argument. */
 void fxs_http_note_connection(void *waiting, struct MHD_Connection *connection, void **socket_context,
                               enum MHD_ConnectionNotificationCode event);
 
 /* Must be called when a request is complete. */
 void fxs_http_note_request(fxs_http_waiting *waiting, struct MHD_Connection *connection);
 
-/* Option MHD_OPTION_NOTIFY_COMPLETED takes this function: the connection waits again. */
+/* Marks a connection as waiting after a response. MHD_OPTION_NOTIFY_COMPLETED takes this function. */
 void fxs_http_note_answered(void *waiting, struct MHD_Connection *connection, void **state,
                             enum MHD_RequestTerminationCode why);
 

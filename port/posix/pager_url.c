@@ -1,5 +1,5 @@
-/* Pager source that reads a file on a server by HTTP range requests (RFC 9110, section 14). libcurl is loaded at the
- * first use, because libcurl brings about thirty libraries. */
+/* Reads parts of a scene from a server by HTTP range requests (RFC 9110, section 14), as a source of the pager.
+ * libcurl is loaded at the first use, because libcurl brings about thirty libraries. */
 #include <fixsplat/pager.h>
 
 #include <string.h>

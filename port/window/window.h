@@ -27,7 +27,8 @@ enum { FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;
     int key;                    /* character on the key in lower case, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
-    int left, other;            /* pointer: state of the left button, and of the middle and right buttons; 1: down */
+    int left, other;            /* mouse motion: 1 if the left button is down; 1 if the middle or right button is
+                                   down */
     double dx, dy;              /* pointer: motion in pixels, y down; wheel: steps in dy, positive away from the user */
     double x, y;
     int count;                  /* click: number of clicks; 2: a double click */
