@@ -33,18 +33,18 @@ template <int Each>
 constexpr int ROWS = WARP / LANES<Each>;
 const uint32_t STEPS = 4;                  /* splats that are blended between two tests for an early out */
 const uint32_t QUEUE = WARP + STEPS;
-const int LEVEL_ONE = 0x4b000000;
+const int LEVEL_ONE = 0x4b000000;          /* the bits of 2^23 as a float */
 
 struct queued_row {
     uint32_t u_q24;
-    float level;
+    float level;                   /* 2^23 + 2 row_level + 1 */
 };
 
 /* A splat in a warp's queue. 80 bytes avoid bank conflicts. */
 struct alignas(16) queued_splat {
     queued_row rows[ROWS<2>];
     uint32_t ux_q24;
-    int limit;
+    int limit;                             /* largest level that is drawn, as the bits of a float */
     uint32_t red_green, blue;              /* colour in Q14, two channels per word */
 };
 

@@ -722,7 +722,6 @@ bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
     return needed->entries <= had->capacity && needed->larges <= had->large_capacity;
 }
 
-/* Renders frame i again with the memory that the frame needed, plus 1/8 where the budget allows. */
 int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;

@@ -172,6 +172,7 @@ __device__ inline cut_sums operator+(cut_sums a, cut_sums b)
     return {a.nodes + b.nodes, a.children + b.children, a.no_more + b.no_more};
 }
 
+/* Returns the exclusive prefix sum over a thread block. */
 __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
 {
     __shared__ cut_sums warps[STOP_THREADS / WARP];

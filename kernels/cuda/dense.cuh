@@ -50,7 +50,7 @@ static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a bloc
 struct dense_splat {
     uint32_t u_q24, ux_q24, uy_q24, v_q24;
     uint32_t vy_q24, offset_red, green_blue;
-    int limit;
+    int limit;                     /* largest level that is drawn, as the bits of a float */
 
     __device__ dense_splat(const uint4 &shape, const uint4 &shade)
         : u_q24(shape.x), ux_q24(shape.y), uy_q24(shape.z), v_q24(shape.w), vy_q24(shade.x), offset_red(shade.y),

@@ -22,6 +22,7 @@ __device__ inline unsigned char *shared_memory()
     return memory;
 }
 
+/* Returns a b + c by one mad instruction, which nvcc would not emit. */
 __device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t sum;

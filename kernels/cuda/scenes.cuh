@@ -31,7 +31,6 @@ scene_copy *copies_of(const scene_table *t)
     return (scene_copy *)t->memory.data;
 }
 
-/* Returns the index of a scene in the table, or the index where it would be inserted. */
 uint32_t place_of(const scene_table *t, const fxs_scene *scene)
 {
     uint32_t low = 0, high = t->count;
@@ -215,7 +214,6 @@ int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStre
     return check(why, first_of(copied, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* Copies a scene to the device. A scene of more than `rows_most` bytes gets a pool for part of its Gaussians. */
 int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;

@@ -149,8 +149,7 @@ __device__ void share_segment(list_segment *out, shared_range *range, share_shar
 {
     enum { EACH = (1 << SEGMENT_MAGNITUDE) / SHARE_THREADS };
     const uint32_t lane = lane_index(), parts = FXS_TILE / s.columns, of_part = (1u << s.columns) - 1;
-    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: entries of the part with the lane's
-                                                                          number that precede this warp's entries */
+    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;
     if (g->thread < PARTS_MOST)
         shared->parts[g->thread] = 0;
 #pragma unroll

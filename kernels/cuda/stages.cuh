@@ -74,8 +74,7 @@ struct frame_status : frame_needs {
     uint32_t classes[32];
     uint32_t class_entries[32];
     uint32_t next_sort[2], next_turn, next_long, next_dense;
-    uint64_t split_taken[2];       /* 64-bit words of scratch memory taken from split_entries, and from the free end
-                                      of `entries` */
+    uint64_t split_taken[2];
     shared_range shared[SHARED_MOST];
 };
 
@@ -106,8 +105,8 @@ struct frame_buffers {
                                       list has its own memory sector, as atomics on one sector are serialised */
     uint32_t list_step;            /* distance between the lists of two tiles: 1 or LISTS_APART */
     uint32_t *classes;
-    uint64_t *entries;             /* tile lists; an entry is depth << 32 | FXS_ENTRY_CUT_OFF | splat index.
-                                      sort_lists leaves only the low halves, sorted by depth */
+    uint64_t *entries;             /* tile lists; an entry is depth << 32 | splat index, with the flag
+                                      FXS_ENTRY_CUT_OFF. sort_lists leaves only the low halves, sorted by depth */
     uint64_t *split_entries;
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;

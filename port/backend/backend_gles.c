@@ -44,7 +44,7 @@ static const kind faster = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev
 static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
-/* Frames that FASTER draws first: one to warm up and one to measure, for each way. */
+/* Frames that FASTER draws first: one to warm up and one to measure, for each of LISTS and FETCH. */
 enum { MEASURED = 4 };
 
 typedef struct gl_backend {

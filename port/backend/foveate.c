@@ -20,12 +20,11 @@ typedef struct rectangle {
     int32_t first[2], end[2];
 } rectangle;
 
-/* The picture of a ring for one eye, and its position in the whole picture. */
 typedef struct layer {
     const uint8_t *pixels;
     int32_t width, height, rate;
     int32_t x, y, end_x, end_y;    /* position in pixels of the whole picture */
-    int32_t slope_q15;
+    int32_t slope_q15;             /* OPAQUE / width of the fade */
     int32_t fade[4];               /* width of the fade at the left, top, right and lower edge, in pixels */
     rectangle inside;              /* opaque part, which hides coarser layers */
 } layer;

@@ -7,6 +7,7 @@
 #define SIN_18_Q30 331804471
 #define QUARTER (FXS_TURNTABLE_STEPS / 4)
 
+/* Returns sin(2 pi i / 64). */
 static int32_t sine_q30(uint32_t i)
 {
     static const int32_t quarter_q30[QUARTER + 1] = {

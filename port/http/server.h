@@ -11,13 +11,15 @@
 
 typedef struct fxs_http_file {
     const char *name;                       /* name in the URL, such as "/scenes/0/room.ply" */
-    const char *path;                       /* used if open is null; no symbolic link. null: use descriptor */
+    const char *path;                       /* used if open is null; must not be a symbolic link; null: use
+                                               descriptor */
     int descriptor;                         /* used if open and path are null: an open file, sent from its beginning */
     int (*open)(void *self);                /* for a file that changes; may be null. Returns a descriptor for each
                                                request, which the server closes; -1: no such file */
     void *self;
 } fxs_http_file;
 
+/* The struct must stay in place until the server is closed. */
 typedef struct fxs_http_site {
     const char *folder;                     /* serves names of letters, digits and . _ -, without a dot at the start
                                                of a part */

@@ -78,7 +78,8 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, fault = info->si_code > 0;   /* not positive: another process sent the signal */
+    const int error = errno, fault = info->si_code > 0;   /* si_code is not positive if another process sent the
+                                                             signal */
     if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
         handle_as_before(signal_number, info, context);
     errno = error;

@@ -19,7 +19,7 @@
 
 enum { LINKS_MOST = 40,
        NAME_ROOM = 64,
-       WRITERS_MOST = 100 };   /* most simultaneous writers of one file */
+       WRITERS_MOST = 100 };
 
 static fxs_output *under_way;   /* list of unfinished outputs, which the signal handler reads */
 static char taken;
@@ -113,7 +113,7 @@ char *fxs_output_target(const char *path)
     return name;
 }
 
-static char standard_output[] = "standard output";   /* replaces the path "-" in messages */
+static char standard_output[] = "standard output";
 
 static void release(fxs_output *output)
 {

@@ -24,7 +24,7 @@ enum {
     KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks of Gaussians always stay: 1/8 of the pool, 256 at most */
     HEAD_PIECE = 1 << 20,
     READ_MOST = 1 << 20,
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks of Gaussians that one batch reads */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* least and most chunks of Gaussians that one batch reads */
     BATCH_APART = 64,
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
     ROOM_LEAST = 256,
@@ -311,6 +311,7 @@ static void *allocate(fxs_pager *p, uint64_t count, size_t size)
     return block;
 }
 
+/* Reads in pieces, so that a false size in a damaged file costs no physical memory. */
 static int read_head(fxs_pager *p, uint64_t offset, unsigned char *out, uint64_t size, fxs_message *message)
 {
     for (uint64_t done = 0; done < size;) {

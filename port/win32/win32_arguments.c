@@ -142,7 +142,7 @@ static wchar_t *unmarked(const wchar_t *word)
     return copy;
 }
 
-/* Replaces a word with wildcards by the matching files. Keeps a word that begins with - or matches no file. */
+/* Keeps a word that begins with - or matches no file. */
 static void take_word(word_list *list, const wchar_t *word)
 {
     search s = {.path = word};

@@ -14,7 +14,7 @@
 #include "src/base/output_internal.h"
 
 enum { NAME_ROOM = 64,
-       WRITERS_MOST = 100 };   /* most simultaneous writers of one file */
+       WRITERS_MOST = 100 };
 
 void fxs_output_remove_at_signals(void)
 {
@@ -26,7 +26,7 @@ char *fxs_output_target(const char *path)
     return whole ? whole : _strdup(path);
 }
 
-static char standard_output[] = "standard output";   /* replaces the path "-" in messages */
+static char standard_output[] = "standard output";
 
 static void release(fxs_output *output)
 {

@@ -12,6 +12,7 @@ void fxs_motion_orbit(fxs_file_view *view, double distance, const double up[3], 
 /* Turns the camera about its own centre, to the right and down. Stops before the view is parallel to `up`. */
 void fxs_motion_look(fxs_file_view *view, const double up[3], double right, double down);
 
+/* Moves the camera along its own axes, in scene units. */
 void fxs_motion_fly(fxs_file_view *view, double right, double down, double forward);
 
 /* Moves the camera so that the pivot shifts by right and down pixels in the view. */

@@ -43,6 +43,7 @@ void fxs_window_close(fxs_window *window);
 void fxs_window_resize(fxs_window *window, int width, int height);
 void fxs_window_size(const fxs_window *window, int *width, int *height);
 
+/* Returns the pixels per point of the screen, 1 or more. */
 double fxs_window_scale(const fxs_window *window);
 
 void fxs_window_title(fxs_window *window, const char *title);

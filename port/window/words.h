@@ -10,6 +10,7 @@
 int fxs_words_open(fxs_words **words, fxs_message *message);
 void fxs_words_close(fxs_words *words);
 
+/* Sets the line height without the gap, in pixels. */
 void fxs_words_resize(fxs_words *words, int pixels);
 
 int fxs_words_line(const fxs_words *words);

@@ -21,6 +21,7 @@ void fxs_worker_wait(fxs_worker *worker);
 /* Gives a job to the worker, which must be idle. */
 void fxs_worker_do(fxs_worker *worker, void (*job)(void *argument), void *argument);
 
+/* Returns the progress of the job, 0 to 1. */
 double fxs_worker_progress(fxs_worker *worker);
 
 /* Called by the job: an fxs_stop_fn, which returns 1 if the job must stop, and an fxs_progress_fn. */
