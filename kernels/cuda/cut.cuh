@@ -109,7 +109,7 @@ __device__ inline node_sight stored(const fxs_sight *sight, bool seen, uint32_t 
     return {sight->key_q8, (int16_t)room_q8, (uint16_t)seen_children};
 }
 
-/* Loads by one 8-byte access, as another thread may be writing the element. */
+/* Loads an element by one 8-byte access, as another thread may be writing the element. */
 __device__ inline node_sight load(const node_sight *from)
 {
     const unsigned long long bits = *(const volatile unsigned long long *)from;

@@ -21,7 +21,7 @@ struct group_keys {
     uint32_t count, bin;
 };
 
-/* If a thread has more than two bins, an unused bin follows them. This avoids bank conflicts. */
+/* If a thread has more than two bins, an unused bin follows the thread's bins, to avoid bank conflicts. */
 template <class K, uint32_t T>
 constexpr bool has_gaps = K::bins / T > 2;
 

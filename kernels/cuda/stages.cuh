@@ -46,8 +46,8 @@ struct large_splat {
     int32_t first;
 };
 
-const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* MANY_GAUSSIANS: mean number per tile above which
-                                                              LISTS_APART is used */
+const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* above MANY_GAUSSIANS Gaussians per tile, list_step is
+                                                              LISTS_APART */
 const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 
 /* Memory that a frame needs. A frame that exceeds its buffers is not blended. */

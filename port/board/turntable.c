@@ -1,4 +1,4 @@
-/* Turns a scene in front of a camera that frames it. */
+/* Turns a scene in front of a camera that frames the scene. */
 #include "turntable.h"
 
 #include <fixsplat/packed.h>

@@ -1,4 +1,4 @@
-/* Turns a scene in front of a camera that frames it, in integers only. */
+/* Turns a scene in front of a camera that frames the scene, in integers only. */
 #ifndef FXS_TURNTABLE_H
 #define FXS_TURNTABLE_H
 

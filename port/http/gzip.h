@@ -15,7 +15,7 @@ enum { FXS_HTTP_HAS_GZIP = 1 };
 enum { FXS_HTTP_HAS_GZIP = 0 };
 #endif
 
-/* Returns the compressed response, which the list owns; null on failure. *is_new = 1: the response has no headers
+/* Returns the compressed response, which the cache owns; null on failure. *is_new = 1: the response has no headers
    yet. */
 struct MHD_Response *fxs_http_gzip(fxs_http_gzipped **list, const char *name, const char *tag, int descriptor,
                                    size_t size, int *is_new);

@@ -15,7 +15,7 @@ typedef struct fxs_http_file {
                                                descriptor */
     int descriptor;                         /* used if open and path are null: an open file, sent from its beginning */
     int (*open)(void *self);                /* for a file that changes; may be null. Returns a descriptor for each
-                                               request, which the server closes; -1: no such file */
+                                               request; -1: no such file. The server closes the descriptor */
     void *self;
 } fxs_http_file;
 
