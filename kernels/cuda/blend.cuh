@@ -1,22 +1,16 @@
-/* sort, blend and resolve.
+/* Blends the splats (projected Gaussians) of each tile of 16x16 pixels.
  *
- * A list shorter than 2^LONG_MAGNITUDE is sorted by a warp or a block (sort_lists). Then (blend_sorted) each of 4
- * warps blends it over 8x8 pixels, two per lane, or each of 8 warps over 8x4, until all pixels are closed. A warp
- * tests 32 splats at a time against its region, one per lane, and queues those that can touch a pixel in shared
- * memory; then all lanes blend the queued splats one by one. Longer lists go to blend_dense (dense.cuh) or, where
- * that is not used, to blend_tiles: groups of 4 warps sort and blend one batch of keys after another while pixels
- * are open.
+ * A short list of splats is first sorted by depth. Then each warp blends a region of 8x8 or 8x4 pixels: it tests 32
+ * splats per step, queues the splats that touch the region, and blends them one by one. Long lists go to blend_dense
+ * (dense.cuh), or to blend_tiles, which sorts and blends one batch after another.
  *
- * Levels are integers in float registers: twice the level of pixel.h, plus the bit that its rounding drops. With c =
- * coordinate_q13 2^-7,
+ * A pixel's level, u^2 + v^2 + offset in a splat's coordinates u and v, is the index of the alpha table. Levels are
+ * integers in float registers. With c = coordinate_q13 2^-7,
  *
  *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
  *
- * if that is below 2^24; otherwise the result is at least 2^24. A limit is at most 2^23 + 45395. Coordinates are not
- * clamped to +-4: beyond that the level exceeds every limit anyway.
- *
- * If a frame has auxiliary outputs (depths, ids) or an occluder, its pixels are traced_pixels, and blend_tiles takes
- * the long lists. */
+ * below 2^24. Limits of the level are at most 2^23 + 45395. Coordinates beyond +-4 need no clamp, as their level
+ * exceeds every limit. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
@@ -26,54 +20,53 @@
 namespace {
 
 const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
-const uint32_t SPLIT_MAGNITUDE = 13;                   /* lists that blend_tiles puts into bins first */
-const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* blocks per multiprocessor */
-const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* WARPS_MOST: per block of blend_sorted */
+const uint32_t SPLIT_MAGNITUDE = 13;                   /* tile lists of 2^13 splats or more are first put into bins
+                                                          of depth */
+const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;
+const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
-const int REGION = 8;                      /* width of a warp's region in pixels */
+const int REGION = 8;
 template <int Each>
-constexpr uint32_t LANES = REGION / Each;  /* lanes per row; each has 1 or 2 pixels, LANES apart */
+constexpr uint32_t LANES = REGION / Each;
 template <int Each>
-constexpr int ROWS = WARP / LANES<Each>;   /* rows of a region: 4 or 8 */
-const uint32_t STEPS = 4;                  /* splats between checks for open pixels */
-const uint32_t QUEUE = WARP + STEPS;       /* capacity in splats */
+constexpr int ROWS = WARP / LANES<Each>;
+const uint32_t STEPS = 4;                  /* splats that are blended between two tests for an early out */
+const uint32_t QUEUE = WARP + STEPS;
 const int LEVEL_ONE = 0x4b000000;          /* the bits of 2^23 as a float */
 
-/* A splat on one row of a region. */
 struct queued_row {
-    uint32_t u_q24;                        /* at the row's first pixel */
-    float level;                           /* 2^23 + 2 row_level + 1 */
+    uint32_t u_q24;
+    float level;                   /* 2^23 + 2 row_level + 1 */
 };
 
-/* A splat in a region. At 80 bytes, 8 lanes' 16-byte accesses are in different banks. */
+/* A splat in a warp's queue. 80 bytes avoid bank conflicts. */
 struct alignas(16) queued_splat {
     queued_row rows[ROWS<2>];
     uint32_t ux_q24;
-    int limit;                             /* of the level, as float bits */
-    uint32_t red_green, blue;              /* Q14, two per word */
+    int limit;                             /* largest level that is drawn, as the bits of a float */
+    uint32_t red_green, blue;              /* colour in Q14, two channels per word */
 };
 
-/* The same splat's data for the auxiliary outputs. */
 struct queued_trace {
-    uint32_t key, index;                   /* depth key; index among the drawn Gaussians */
+    uint32_t key, index;                   /* depth key; index of the Gaussian among all drawn Gaussians */
 };
 
-/* Sums of weight times colour, Q15. Each is at most 2^15, so two fit in a word. */
+/* A pixel while splats are blended. Each colour sum (Q13) is at most 2^15, so two sums fit in a word. */
 struct pixel {
     int transmittance;
     uint32_t red_green, blue;
 };
 
 struct traced_pixel : pixel {
-    uint32_t limit;                        /* occluder's depth key; farther splats are hidden */
-    bool hidden;                           /* all further splats are hidden */
-    int weight;                            /* largest weight so far */
-    uint32_t largest, median;              /* index of the splat with that weight; median depth key */
-    uint64_t depths;                       /* sum of fxs_depth_sum */
+    uint32_t limit;                        /* depth key of the occluder, which hides farther splats */
+    bool hidden;
+    int weight;
+    uint32_t largest, median;
+    uint64_t depths;
 };
 
-/* Most groups per block; with more, pixels would not fit in registers. */
+/* Most groups of 4 warps per thread block; more would leave too few registers. */
 template <class Pixel>
 constexpr uint32_t groups_most = 6;
 template <>
@@ -100,7 +93,7 @@ struct trace_queues<traced_pixel, Warps> {
 template <class Pixel>
 struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
     tile_keys keys;
-    uint32_t entries[tile_keys::room];     /* sorted */
+    uint32_t entries[tile_keys::room];
     union {
         queued_splat queues[GROUP_THREADS / WARP][QUEUE];
         uint32_t bins[bins_of<tile_keys, GROUP_THREADS>];
@@ -111,8 +104,8 @@ struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
 
 template <class Pixel>
 struct blend_shared {
-    uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 per level */
-    group_shared<Pixel> groups[1];         /* `groups` of them, see blend_bytes */
+    uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
+    group_shared<Pixel> groups[1];
 };
 
 template <class Pixel>
@@ -121,13 +114,14 @@ size_t blend_bytes(uint32_t groups)
     return sizeof(blend_shared<Pixel>) - sizeof(group_shared<Pixel>) + groups * sizeof(group_shared<Pixel>);
 }
 
-/* coordinate_q13 2^-7, not clamped. The integer is added to the bits of 1.5 2^16, whose unit is 2^-7. */
+/* Returns coordinate_q13 2^-7. The float 1.5 2^16 has a unit of 2^-7, so adding an integer to its bits converts the
+   integer. */
 __device__ inline float coordinate_q6(uint32_t coordinate_q24)
 {
     return __int_as_float(((int32_t)coordinate_q24 >> 11) + 0x47c00000) - 98304.0f;
 }
 
-/* 2^23 + 2 row_level + 1 */
+/* Returns 2^23 + 2 row_level + 1, where row_level = v^2 + offset. */
 __device__ inline float row_level(uint32_t v_q24, int offset_q11)
 {
     const float v = coordinate_q6(v_q24);
@@ -140,15 +134,14 @@ __device__ inline int limit_bits(const fxs_splat *s, int cut_q11)
     return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, cut_q11) + 1;
 }
 
-/* Level at a column, counted from the row's first pixel. */
 __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q24)
 {
     const float u = coordinate_q6(multiply_add(column, ux_q24, row.u_q24));
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
-/* Adds fxs_mul_q15(weight, colour) to each sum. Colours have one more bit, so the result is the upper half of the
-   product plus 2^15. */
+/* Adds fxs_mul_q15(weight, colour) to each colour sum. Colours are in Q14, so that each result is the upper half of
+   a product. */
 __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32_t green_q14, uint32_t blue_q14)
 {
     const uint32_t red = (uint32_t)weight * red_q14 + 32768, green = (uint32_t)weight * green_q14 + 32768;
@@ -156,7 +149,6 @@ __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32
     p->blue += ((uint32_t)weight * blue_q14 + 32768) >> 16;
 }
 
-/* Blends a splat if its level is at most `limit`. Returns its weight. */
 __device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                   const queued_splat *s, int limit)
 {
@@ -173,7 +165,6 @@ __device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_
     blend_pixel(p, alpha_q15, row, column, s, s->limit);
 }
 
-/* The same with auxiliary outputs, equal to those of src/core/trace.c. */
 __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                     const queued_splat *s, const queued_trace *trace, int depth_bits)
 {
@@ -189,9 +180,7 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Fills in *q except for the colour, for `Rows` rows of the region at (x, y). Returns whether the splat can touch a
-   pixel there. u increases along a row, so the least |u| is at an end, or 0 in between. `across`: increase of u from
-   the first pixel to the last, plus a margin for rounding each to 2^-7. */
+/* Fills in *q except the colour. Returns true if the splat can touch a pixel of the region at (x, y). */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -229,7 +218,7 @@ __device__ inline bool is_open(const Pixel (&p)[Each])
     return takes_more(&p[0]) || takes_more(&p[Each - 1]);
 }
 
-/* Splats are in depth order: if the next one is hidden, all later ones are. */
+/* Sets p->hidden if an occluder hides the next splat, and thus all later splats. */
 __device__ inline void see_next(pixel *, const queued_trace *)
 {
 }
@@ -251,7 +240,7 @@ __device__ inline uint32_t key_of(const traced_pixel *, const uint32_t *depths, 
 
 struct queue_place {
     const queued_splat *splat;
-    const queued_row *rows;                /* from the lane's row on */
+    const queued_row *rows;
     const queued_trace *trace;
 
     __device__ queue_place after(uint32_t count) const
@@ -260,17 +249,16 @@ struct queue_place {
     }
 };
 
-/* A warp that blends sorted entries over its region at (x, y), with `Each` pixels per lane. */
 template <class Pixel, int Each>
 struct region_blender {
     queued_splat *queue;
-    queued_trace *traces;                  /* null: no auxiliary outputs */
+    queued_trace *traces;
     const uint16_t *alpha_q15;
     const frame_buffers *f;
     int cut_q11, depth_bits;
     int32_t x, y;
-    const queued_row *own_rows;            /* of the first queued splat, from the lane's row on */
-    uint32_t column;                       /* of the lane's first pixel */
+    const queued_row *own_rows;
+    uint32_t column;
 
     __device__ region_blender(queued_splat *queue, queued_trace *traces, const uint16_t *alpha_q15,
                               const frame_buffers *f, const fxs_view *view, int depth_bits, int32_t x, int32_t y)
@@ -280,8 +268,7 @@ struct region_blender {
     {
     }
 
-    /* Tests one splat per lane, and appends those that can touch the region to the `queued` ones. Returns the new
-       number. */
+    /* Appends splats that touch the region to the queue, testing one splat per lane. Returns the queue's new length. */
     __device__ uint32_t queue_splats(const Pixel *p, uint32_t entry, bool listed, uint32_t queued) const
     {
         queued_splat q;
@@ -309,7 +296,6 @@ struct region_blender {
             blend_queued(&p[i], alpha_q15, row, column + i * LANES<Each>, place.splat, place.trace, depth_bits);
     }
 
-    /* Moves the queue from index `first` on, fewer than STEPS splats, to the start. Returns their number. */
     __device__ uint32_t keep_rest(uint32_t first, uint32_t queued) const
     {
         const uint32_t words = sizeof(queued_splat) / sizeof(uint4), lane = lane_index(), rest = queued - first;
@@ -324,7 +310,6 @@ struct region_blender {
         return rest;
     }
 
-    /* Blends the queue STEPS splats at a time, checking for open pixels in between; the rest at the end. */
     __device__ void blend(Pixel (&p)[Each], const uint32_t *entries, uint32_t count) const
     {
         const queue_place start = {queue, own_rows, traces};
@@ -339,7 +324,7 @@ struct region_blender {
                 for (Pixel &own : p)
                     see_next(&own, at.trace);
                 if (!__any_sync(ALL_LANES, is_open(p)))
-                    break;                 /* early out: the remaining splats have no weight */
+                    break;
 #pragma unroll
                 for (uint32_t i = 0; i < STEPS; i++)
                     step(p, at.after(i));
@@ -356,18 +341,17 @@ struct region_blender {
 };
 
 struct target {
-    fxs_targets images;                    /* each aligned to its pixel size */
+    fxs_targets images;
     int background_q13[3], depth_bits;
-    int plain;                             /* 1: store_bytes writes the colour */
+    int plain;
 };
 
-/* Clamps the final sum; sums only increase, so one clamp at the end is enough. */
+/* One clamp of the final sum is enough, since colour sums only increase. */
 __device__ inline int sum_of_colour(const pixel *p, int c)
 {
     return fxs_min((int)((c < 2 ? p->red_green >> 16 * c : p->blue) & 0xffff), 32767);
 }
 
-/* Writes a pixel's colour as RGBA8 or RGBA8_COVERAGE over a constant background. */
 __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, int32_t y)
 {
     uint32_t word = t->images.format == FXS_FORMAT_RGBA8 ? 255u << 24
@@ -377,7 +361,7 @@ __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, i
     *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
 }
 
-/* Writes a pixel's colour in any format. Not inlined, to save registers in the loops. */
+/* Not inlined, to save registers in the callers' loops. */
 __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
@@ -417,7 +401,6 @@ __device__ inline void store_pixel(const target *t, const frame_buffers *, const
         *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);
 }
 
-/* object->id and number of a Gaussian, from its index among the drawn ones. */
 __device__ inline uint2 id_of(const frame_buffers *f, uint32_t index)
 {
     if (index == FXS_NOTHING)
@@ -459,8 +442,8 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
     p->depths = 0;
 }
 
-/* The order of tiles: long lists first. Each tile has `each` turns, a power of 2 or 0. Lane i of a warp has the tiles
-   with lists of magnitude 31 - i: their turns are start to end; tiles: number of tiles of the lanes before. */
+/* Processing order of tiles: tiles with long lists of splats first. Lane i of a warp describes the tiles with
+   floor(log2(list length)) = 31 - i. Each of these tiles has `each` turns, a power of 2 or 0. */
 struct turns {
     uint32_t start, end, each, all, tiles;
 };
@@ -472,8 +455,8 @@ __device__ inline turns turns_of(const frame_buffers *f, uint32_t each)
 }
 
 struct turn_of_tile {
-    uint32_t tile, place;                  /* index in the order of tiles */
-    uint32_t number, turns;                /* index among the tile's turns; their number */
+    uint32_t tile, place;
+    uint32_t number, turns;
 };
 
 __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
@@ -485,13 +468,12 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
             __shfl_sync(ALL_LANES, order->tiles, lane) + before, i & (each - 1), each};
 }
 
-/* Puts a list into bins by depth. Returns the new list and the bins' ends, or null if memory is short. */
 template <class Pixel>
 __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own,
                                                    const frame_buffers *f, const uint64_t *list, uint32_t count,
                                                    const tile_group *g)
 {
-    const uint32_t words = tile_keys::bins / 2;        /* 64-bit words of the ends */
+    const uint32_t words = tile_keys::bins / 2;
     if (g->thread == 0)
         own->room = take_entries(f, words + (uint64_t)count);
     g->sync();
@@ -509,7 +491,6 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
     return sorted;
 }
 
-/* Sorts and blends a tile's list; each warp has the region at (x, y). */
 template <class Pixel>
 __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
                            const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
@@ -537,10 +518,9 @@ __device__ inline void make_table(uint16_t *alpha_q15)
     __syncthreads();
 }
 
-/* A warp's region of a tile, `Each` pixels per lane. */
 template <int Each>
 struct region {
-    int32_t x, y;                          /* its first pixel */
+    int32_t x, y;
 
     __device__ region(const fxs_view *view, uint32_t tile, uint32_t part)
         : x((int32_t)(tile % (uint32_t)view->tiles_x * FXS_TILE + part % 2 * REGION)),
@@ -548,7 +528,6 @@ struct region {
     {
     }
 
-    /* The lane's row; column: of its i-th pixel. */
     __device__ int32_t row() const
     {
         return y + (int32_t)(lane_index() / LANES<Each>);
@@ -580,7 +559,7 @@ struct region {
     }
 };
 
-/* Sorts lists below 2^Magnitude entries in up to 2^Bits bins. */
+/* Sorts tile lists of fewer than 2^Magnitude splats by depth, in up to 2^Bits bins. */
 template <uint32_t T, uint32_t Magnitude, int Bits>
 struct list_sorter {
     typedef group<T> group_type;
@@ -588,14 +567,13 @@ struct list_sorter {
     uint32_t bins[bins_of<group_keys<1u << Magnitude, Bits>, T>];
     uint32_t turn;
 
-    /* Takes lists by a shared counter, and replaces each list's entries by the sorted ones. */
     __device__ void run(const frame_buffers *f, uint32_t tiles, turns order, uint32_t *counter, group<T> g)
     {
         uint32_t next = g.thread == 0 ? atomicAdd(counter, 1u) : 0;
         for (;;) {
             if (g.thread == 0) {
                 turn = next;
-                next = atomicAdd(counter, 1u);         /* prefetch */
+                next = atomicAdd(counter, 1u);
             }
             g.sync();
             if (turn >= order.all)
@@ -615,7 +593,7 @@ union sort_shared {
     list_sorter<WARP, SHORT_MAGNITUDE, 8> warps[SORT_THREADS / WARP];
 };
 
-/* First blocks sort the medium lists, then their warps the short ones. Also copies the frame's needs to the host. */
+/* Sorts tile lists by depth: medium lists by thread blocks, then short lists by warps. */
 __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __grid_constant__ frame_buffers f,
                                                                         uint32_t tiles)
 {
@@ -641,8 +619,8 @@ struct warp_shared : trace_queues<Pixel, 1> {
 template <class Pixel>
 struct sorted_shared {
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
-    turns order[WARP];                     /* per lane; kept here to save registers */
-    warp_shared<Pixel> warps[1];           /* as many as the block has warps, see sorted_bytes */
+    turns order[WARP];
+    warp_shared<Pixel> warps[1];
 };
 
 template <class Pixel>
@@ -651,8 +629,7 @@ size_t sorted_bytes(uint32_t warps)
     return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
 }
 
-/* Number of regions, one warp each, of tiles with lists of magnitude 31 - lane. In a single frame, tiles with lists
-   longer than half a warp's average load get 8 smaller regions instead of 4. */
+/* Returns the number of warps that blend a tile: 8 for lists longer than half a warp's average load, else 4. */
 __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);
@@ -678,7 +655,7 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view
     r.store(p, view, f, t);
 }
 
-/* Warps take the regions of tiles with sorted lists by a shared counter. alone: no other frame is in flight. */
+/* Blends tiles with sorted lists of splats. alone: no other frame is in flight. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
@@ -698,7 +675,7 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
         const uint32_t i = __shfl_sync(ALL_LANES, next, 0);
         if (i >= shared->order[0].all)
             return;
-        next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;    /* prefetch */
+        next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
         const turns order = shared->order[lane_index()];
         const turn_of_tile turn = tile_of_turn(&f, &order, tiles, i);
         if (turn.turns == 4)
@@ -708,7 +685,6 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
     }
 }
 
-/* Groups take the tiles with long lists by a shared counter. */
 template <class Pixel>
 __global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
 blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
@@ -726,7 +702,7 @@ blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame
     for (;;) {
         if (g.thread == 0) {
             own->turn = next;
-            next = atomicAdd(&f.status->next_long, 1u);    /* prefetch */
+            next = atomicAdd(&f.status->next_long, 1u);
         }
         g.sync();
         if (own->turn >= order.all)

@@ -1,10 +1,9 @@
-/* The CUDA back end (cuda.h): allocates its memory and launches a frame's kernels in order. Several frames may be in
- * flight at once.
+/* The CUDA back end (cuda.h): allocates device memory and launches the kernels of a frame. Several frames may be in
+ * flight, each in a slot with streams, events and device buffers.
  *
- * Each frame runs in a slot: two streams, events and device buffers. Kernel order: find the cut (scenes with a tree
- * and a budget or detail), project, start_lists, fill_lists, sort_lists, blend. Long lists are blended on the slot's
- * second stream while the first one sorts the rest. A frame whose tile lists overflowed is rendered again by
- * fxs_cuda_finish, with larger buffers. */
+ * Kernel order: choose the level of detail of scenes with a tree, project, start_lists, fill_lists, sort_lists,
+ * blend. A second stream blends long tile lists while the first sorts the others. fxs_cuda_finish renders a frame
+ * again with larger buffers if its tile lists overflowed. */
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
@@ -16,19 +15,17 @@
 namespace {
 
 const uint32_t SLOTS = 16;
-const uint64_t ENTRIES_MAX = 0xffffffffu;  /* tile_list counts in 32 bits */
+const uint64_t ENTRIES_MAX = 0xffffffffu;
 
-/* Streams, events and memory of one frame in flight. */
 struct slot {
-    cudaStream_t stream, side;     /* side: high priority, for long lists; its kernels start before other streams'
-                                      waiting ones */
-    cudaStream_t on;               /* `stream`, or the caller's stream for a single frame */
+    cudaStream_t stream, side;
+    cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
-    block objects;                 /* fxs_object_view[], then their crop boxes, then the cut's views and its list of
-                                      drawn chunks */
-    block splats, tiles, larges, entries;   /* divided up by slot_buffers */
-    block cut;                     /* divided up by slot_cut */
-    block pixels;                  /* staging for targets in pinned host memory, copied there at the end of the frame */
+    block objects;                 /* contents: fxs_object_view[], crop boxes, views for the level of detail, list of
+                                      drawn chunks of Gaussians */
+    block splats, tiles, larges, entries;
+    block cut;
+    block pixels;
 };
 
 struct slot_sizes {
@@ -38,48 +35,47 @@ struct slot_sizes {
 enum { PLANES = 7 };
 
 struct frame {
-    fxs_view view;                 /* world to camera; plain frame: object to camera */
-    fxs_scene scene;               /* plain frame: the only scene, with device pointers */
+    fxs_view view;                 /* view of the world; in a frame with one plain object, view of the object */
+    fxs_scene scene;               /* the scene of a frame with one plain object, with device pointers */
     fxs_targets targets;
-    bool hosted[PLANES];           /* rendered to slot.pixels, then copied to pinned host memory */
+    bool hosted[PLANES];           /* true: an image rendered on the device, then copied to pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
-    uint32_t cut_room;             /* capacity of the cut in chunks; 0: no cut, all leaves are drawn */
-    uint32_t cut_chunks, whole_chunks;     /* cut_chunks: chunks and nodes of all objects; whole_chunks: chunks of
-                                              objects without a tree */
-    bool cut_here;                 /* the cut is found on the host, as a scene's tree is invalid */
-    uint64_t staged;               /* offset of its objects in fxs_cuda.staged */
-    bool plain;                    /* one object, not scaled, cropped or tinted; no cut, no pool */
-    bool pooled;                   /* a scene is only partly on the device (pool.cuh) */
+    uint32_t cut_room;             /* most chunks of Gaussians that are drawn; 0: no limit */
+    uint32_t cut_chunks, whole_chunks;
+    bool cut_here;                 /* true: the host chooses the level of detail, because the scene's tree is invalid */
+    uint64_t staged;
+    bool plain;                    /* true: one object, not scaled, cropped or tinted, with all Gaussians drawn */
+    bool pooled;
 };
 
 }
 
-struct fxs_cuda {                  /* in pinned host memory, so that kernels can write `needs` */
+struct fxs_cuda {                  /* allocated in pinned host memory, so that kernels can write `needs` */
     int device, timed;
     float milliseconds;
-    int dense;                     /* 1: blend_dense fits the device and blends the long lists */
+    int dense;                     /* 1: the device has enough shared memory for blend_dense */
     uint32_t processors, slot_count;
-    uint32_t groups, traced_groups;         /* groups per block of blend_tiles */
-    uint32_t warps, traced_warps;           /* warps per block of blend_sorted */
+    uint32_t groups, traced_groups;
+    uint32_t warps, traced_warps;
     budget memory;
     scene_table scenes;
-    host_block staged;             /* objects of the frames in flight */
-    host_block cut;                /* scratch memory for finding a cut on the host */
+    host_block staged;
+    host_block cut;
     block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready, began;
-    bool began_marked;             /* by the first frame in flight */
+    bool began_marked;
     bool early;                    /* programmatic dependent launch: a kernel may start before the previous one ends */
-    uint64_t capacity, large_capacity;      /* entries and large splats per slot, from the next frame on */
-    uint64_t entries_most, split_most;      /* test hook: artificial capacities; 0: none */
+    uint64_t capacity, large_capacity;
+    uint64_t entries_most, split_most;      /* artificial capacities for tests; 0: none */
 
     fxs_options options;
     frame frames[FXS_CUDA_BATCH];
     frame_buffers buffers[FXS_CUDA_BATCH];
     frame_needs needs[FXS_CUDA_BATCH];
     uint32_t frame_count;
-    uint32_t frame_number;         /* number of the last frame started */
-    fxs_cuda_frame device_frames[FXS_CUDA_BATCH];   /* copies that fxs_cuda_render_host renders from */
+    uint32_t frame_number;
+    fxs_cuda_frame device_frames[FXS_CUDA_BATCH];
 };
 
 namespace {
@@ -89,8 +85,8 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* The number of slots that this many frames use. With a pooled scene, frames run one after the other, as each may evict
-   rows that the previous one reads. */
+/* Returns the number of frames in flight: 1 with a pooled scene, as each frame may evict Gaussians that the previous
+   frame reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
@@ -111,9 +107,6 @@ void planes_of(fxs_targets *t, plane planes[PLANES])
     memcpy(planes, all, sizeof all);
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
-
-/* Places the frame's hosted planes in `memory`. Returns their size in bytes. */
 uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -128,7 +121,6 @@ uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Offset of the cut's views in slot.objects; the list of drawn chunks follows them. */
 uint64_t cut_views_at(const frame *of)
 {
     return of->object_count * sizeof(fxs_object_view) + of->crop_count * sizeof(fxs_crop);
@@ -139,8 +131,7 @@ uint64_t drawn_at(const frame *of)
     return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
 }
 
-/* Divides a slot's memory up for a frame. Sets the bytes that it needs of objects, splats and tiles in *sizes. The
-   blocks may be null, to get the sizes only. */
+/* With null blocks, only *sizes is valid. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
@@ -171,7 +162,6 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     return f;
 }
 
-/* Divides slot.cut up for a frame's cut. *bytes: total size; *cleared: size of the first part, which must be zeroed. */
 cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options, uint64_t *cleared, uint64_t *bytes)
 {
     const uint64_t blocks = of->cut_chunks / LIST_CHUNKS + 1;
@@ -215,7 +205,6 @@ void free_slot(fxs_cuda *cuda, slot *s)
         reserve(&cuda->memory, b, 0, nullptr);
 }
 
-/* Frees the memory of all slots; no frame may be in flight. */
 void free_slots(fxs_cuda *cuda)
 {
     for (uint32_t i = 0; i < cuda->slot_count; i++)
@@ -228,15 +217,12 @@ uint64_t missing(const block *b, uint64_t bytes)
     return bytes > b->bytes ? bytes - b->bytes : 0;
 }
 
-/* Initial capacity for large_splat records. With the square cut-off every splat is large. */
 uint64_t likely_larges(const frame *f)
 {
     const uint64_t drawn = (uint64_t)f->chunks * FXS_CHUNK, most = drawn < f->gaussians ? drawn : f->gaussians;
     return (f->view.cutoff == FXS_CUTOFF_SQUARE ? most : 0) + f->gaussians / 16 + 4096;
 }
 
-/* Computes the memory that the frames need in each slot. Returns the total device memory: current, missing, and wanted
-   scenes. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
 {
     const slot none = {};
@@ -270,22 +256,21 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
     return needed;
 }
 
-/* Upper limit of device memory: max_memory, and where scenes are wanted also the free memory. */
 uint64_t memory_most(const fxs_cuda *cuda)
 {
     const budget *memory = &cuda->memory;
     uint64_t most = memory->most ? memory->most : UINT64_MAX;
     size_t left = 0, all = 0;
     if (cuda->scenes.bytes_wanted && !check(nullptr, cudaMemGetInfo(&left, &all))) {
-        const uint64_t there = memory->bytes + left - left / 16;       /* 1/16 kept for modules and fragmentation */
+        const uint64_t there = memory->bytes + left - left / 16;       /* leaves 1/16 of the free device memory for
+                                                                          CUDA modules and fragmentation */
         most = most < there ? most : there;
     }
     return most;
 }
 
-/* Fetches the wanted scenes and allocates memory for the frames. If that exceeds the limit, first frees the slots'
-   memory. If it still does, scenes get pools: together they take three quarters of the memory left beside the frames,
-   and the measured limit becomes the budget's. */
+/* Copies scenes to the device and allocates memory for the frames. If memory is short, keeps only part of a scene on
+   the device. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
@@ -309,13 +294,11 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
     }
     error = fetch_scenes(scenes, memory, rows_most, error, cuda->slots[0].stream, why);
     if (!error && scenes->pools)
-        size_slots(cuda, count, sizes);    /* with pools, all frames share one slot */
+        size_slots(cuda, count, sizes);
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
 }
-
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 int options_valid(const fxs_options *o)
 {
@@ -332,7 +315,6 @@ bool writes_any(fxs_targets targets)
     return false;
 }
 
-/* True if all images are aligned to their pixel size, so kernels can write whole pixels. */
 bool are_aligned(fxs_targets targets)
 {
     plane planes[PLANES];
@@ -349,8 +331,7 @@ bool is_in_host_memory(const void *pointer)
     return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
 }
 
-/* Finds the written planes in pinned host memory. They are rendered on the device and copied, as kernels write rows in
-   small pieces. Kernels write images with a negative stride directly. */
+/* Finds the output images in pinned host memory. These images are rendered on the device and then copied. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];
@@ -361,7 +342,6 @@ void find_hosted(frame *f)
                        is_in_host_memory(planes[k].image->pixels);
 }
 
-/* Counts the Gaussians, chunks and crop boxes of the objects. */
 int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs_options *options)
 {
     uint64_t chunks = 0, gaussians = 0;
@@ -392,7 +372,6 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     return error;
 }
 
-/* Checks a frame like fxs_render, and copies everything except its objects. */
 int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options, fxs_message *why)
 {
     *f = {};
@@ -407,7 +386,6 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
-/* Takes all frames, registers their scenes and reserves one staging area for all their objects. */
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
     int error = 0;
@@ -438,13 +416,11 @@ bool is_plain(const fxs_object_view *object)
            tint_q13[2] == one_q13;
 }
 
-/* The frame's objects in the staging area. */
 fxs_object_view *staged_objects(const fxs_cuda *cuda, const frame *f)
 {
     return (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
 }
 
-/* Converts the objects of frame i to what kernels read, in the staging area. */
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
@@ -476,7 +452,6 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-/* Finds the drawn chunks on the host and writes them to the staging area. */
 int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
 {
     fxs_cut cut = {};
@@ -498,7 +473,6 @@ int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *
     return 0;
 }
 
-/* Stages the views for finding a cut on the device. */
 void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
 {
     fxs_view *views = (fxs_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
@@ -544,7 +518,6 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->on);
 }
 
-/* Records the start of a frame's first kernel. */
 void mark_start(fxs_cuda *cuda, const slot *s)
 {
     if (cuda->timed && !cuda->began_marked)
@@ -593,7 +566,6 @@ void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cuda
     launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
-/* Launches blend and resolve: sorted lists, then long lists if `groups` is not 0. */
 template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
                  const frame_buffers &f, const target &t)
@@ -605,7 +577,6 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
               t);
 }
 
-/* Launches blend and resolve of long lists on the side stream, while the main one sorts the others. */
 void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
@@ -633,7 +604,6 @@ void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const fram
         cudaStreamWaitEvent(s->on, s->dense_done, 0);
 }
 
-/* Copies the staged planes to pinned host memory. */
 cudaError_t copy_hosted(const slot *s, const frame *of, fxs_targets from)
 {
     fxs_targets to = of->targets;
@@ -654,7 +624,6 @@ slot *slot_of_frame(fxs_cuda *cuda, uint32_t i)
     return &cuda->slots[i % slots_of(cuda, SLOTS)];
 }
 
-/* Sets up frame i's buffers and clears them. */
 frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -663,8 +632,8 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
     f.number = ++cuda->frame_number;
-    if (fxs_targets_traced(&of->targets))                    /* traced pixels read depths to the end, so entries must
-                                                                not overwrite them */
+    if (fxs_targets_traced(&of->targets))                    /* pixels with depth or id outputs read depths to the
+                                                                end, so scratch memory must not overwrite depths */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     if (cuda->entries_most) {
         f.capacity = cuda->entries_most;
@@ -675,7 +644,6 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     return f;
 }
 
-/* Uploads the objects of frame i if a kernel reads them. */
 void copy_objects(fxs_cuda *cuda, uint32_t i)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -688,7 +656,6 @@ void copy_objects(fxs_cuda *cuda, uint32_t i)
                         of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, s->on);
 }
 
-/* Launches the cut, if any, and project. */
 void project_frame(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
 {
     if (of->cut_room && !of->cut_here)
@@ -699,7 +666,6 @@ void project_frame(const fxs_cuda *cuda, const frame *of, const slot *s, frame_b
         project<true>(cuda, of, *f, s->on);
 }
 
-/* Launches all kernels after project. */
 int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -725,7 +691,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     const slot *s = slot_of_frame(cuda, i);
     if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
-    /* Only for a single frame: blocks that start early and wait take resources from other frames' kernels. */
+    /* Starts kernels early only in a single frame, as waiting blocks take resources from other frames' kernels. */
     cuda->early = cuda->frame_count == 1;
     frame_buffers f = begin_frame(cuda, i);
     mark_start(cuda, s);
@@ -744,7 +710,6 @@ int wait(fxs_cuda *cuda, fxs_message *why)
     return 0;
 }
 
-/* Marks all frames as ended, after `error` (then waits for the streams) or after the last one. Returns `error`. */
 int end_frames(fxs_cuda *cuda, int error)
 {
     for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && error; i++)
@@ -760,7 +725,6 @@ bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
     return needed->entries <= had->capacity && needed->larges <= had->large_capacity;
 }
 
-/* Renders frame i again with the memory it needed, plus 1/8 where the budget allows. */
 int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;
@@ -781,14 +745,12 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     error = error ? error : wait(cuda, why);
     if (!error && !frame_fitted(cuda, i))
         error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
-    if (error) {                   /* the next frame may be smaller */
+    if (error) {
         cuda->capacity = capacity;
         cuda->large_capacity = large_capacity;
     }
     return error;
 }
-
-/* ---- The renderer ------------------------------------------------------------------------------------------------ */
 
 int slot_init(slot *s, fxs_message *why)
 {
@@ -827,15 +789,12 @@ int allow_shared(Kernel *kernel, size_t bytes, size_t shared_most, fxs_message *
     return check(why, cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes));
 }
 
-/* How many parts of `bytes` bytes fit in a block's shared memory beside `fixed` bytes: 1 to `most`. */
 uint32_t parts_of(size_t shared_most, size_t fixed, size_t bytes, uint32_t most)
 {
     const size_t parts = shared_most < fixed + bytes ? 1 : (shared_most - fixed) / bytes;
     return parts < most ? (uint32_t)parts : most;
 }
 
-/* Sizes the blend kernels for Pixel by the available shared memory: *groups per block of blend_tiles, *warps per block
-   of blend_sorted. */
 template <class Pixel>
 int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_message *why)
 {
@@ -845,8 +804,8 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
     return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 
-/* Shared memory per block: 227 KiB on H100 and H200, 163 on A100, 99 on others. With 99, blend_dense does not fit and
-   blend_tiles takes the long lists. */
+/* Shared memory per thread block is 227 KiB on H100 and H200, 163 on A100, 99 on others. blend_dense does not fit
+   into 99. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
     int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
@@ -888,7 +847,6 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
     return m;
 }
 
-/* Time from the start of the first frame to the end of the last one's blend. */
 float milliseconds_of(const fxs_cuda *cuda)
 {
     float most = 0;
@@ -916,9 +874,6 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
         }
 }
 
-/* ---- Targets in host memory -------------------------------------------------------------------------------------- */
-
-/* Places all targets in `memory`, with dense rows. Returns their size in bytes. */
 uint64_t place_targets(fxs_cuda_frame *frames, uint32_t count, void *memory)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -949,7 +904,7 @@ int copy_image(const fxs_image *to, const fxs_image *from, size_t row, size_t he
     return error;
 }
 
-/* read: copies the input images to the device. Otherwise: copies the output images to the host. */
+/* Copies the input images to the device if `read` is true, otherwise the output images to the host. */
 int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, bool read, fxs_message *why)
 {
     int error = 0;
@@ -1146,8 +1101,7 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         cuda->device_frames[i].targets = frames[i].targets;
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
-    /* A stream of its own, so that other renderers are not blocked by the default one; it waits for the copies
-       there. */
+    /* The default stream would block other renderers. The other stream waits for the copies to the device. */
     error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
     error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);

@@ -1,11 +1,10 @@
-/* Finds the cut of src/core/cut.c on the device, with the same result.
+/* Chooses the level of detail on the device, with the same result as src/core/cut.c. The leaves of a scene's binary
+ * tree are chunks of 256 Gaussians; a node stands for its two children.
  *
- * A child node's key is at most its parent's, and its chunk number is larger. So src/core/cut.c opens nodes in the
- * order of (key descending, chunk ascending), and the opened nodes are a prefix of that order. The kernels compute
- * every node's key in parallel and fill a histogram by key: nodes, and chunks added and removed by opening them.
- * Prefix sums give the key at which the budget ends. The few nodes with that key are sorted and added one by one.
- *
- * A damaged tree, or one deeper than DEPTH_MOST, is cut on the host by src/core/cut.c. */
+ * A node's key is the gain of opening the node, which replaces it by its children. Nodes are opened in descending
+ * order of key until the budget of drawn chunks ends. A child's key is at most its parent's, so the opened nodes are
+ * a prefix of that order. Prefix sums over a histogram of all keys give the key at which the budget ends. The nodes
+ * with that key, the candidates, are sorted and added one by one. */
 #ifndef FXS_CUDA_CUT_CUH
 #define FXS_CUDA_CUT_CUH
 
@@ -17,65 +16,57 @@ namespace {
 const int32_t KEY_MOST_Q8 = (1 << 17) - 1, KEY_LEAST_Q8 = -(1 << 18);
 const uint32_t KEYS = (uint32_t)(KEY_MOST_Q8 - KEY_LEAST_Q8) + 1;
 const uint32_t CUT_THREADS = 256, STOP_THREADS = 512, KEYS_OF_THREAD = 8;
-const uint32_t LIST_CHUNKS = 1024;         /* chunks per block of list_drawn_chunks */
-const uint32_t SORT_MOST = 4096;           /* candidates that are sorted in shared memory; more are sorted in place */
-const uint32_t DEPTH_MOST = 96;            /* deepest tree that is cut on the device */
+const uint32_t LIST_CHUNKS = 1024;
+const uint32_t SORT_MOST = 4096;
+const uint32_t DEPTH_MOST = 96;
 const int16_t UNSEEN = -1;
 
-/* A node seen by the camera: fxs_sight with room_q8 clamped to 16 bits. */
 struct alignas(8) node_sight {
     int32_t key_q8;
-    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8, or UNSEEN */
-    uint16_t seen_children;        /* bits 0 and 1 */
+    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8; UNSEEN: the node is invisible */
+    uint16_t seen_children;        /* bits 0 and 1: the first and second child is visible */
 };
 
-/* Histogram entry: the openable nodes with one key. */
 struct alignas(16) key_count {
-    uint32_t nodes, children;      /* nodes; their visible children */
-    uint32_t no_more;              /* nodes that are not drawn once opened (fxs_drawn_no_more) */
-    uint32_t fewer;                /* of those, nodes without a visible child: opening one reduces the drawn chunks
-                                      by 1 */
+    uint32_t nodes, children;
+    uint32_t no_more;
+    uint32_t fewer;
 };
 
-/* Sums of key_count in the order in which nodes are opened. */
 struct cut_sums {
     uint32_t nodes, children, no_more;
 };
 
 struct cut_status {
-    uint32_t roots;                /* visible roots */
-    uint32_t last_key, first_key;  /* largest and smallest index in `keys` with an openable node; first_key is stored as
-                                      KEYS - 1 - index */
-    uint32_t blocks_done[2];       /* blocks of rank_nodes and of find_stop that have finished */
-    uint32_t stops;                /* 1: the budget may end before all nodes are opened, */
-    uint32_t stop_first, stop_last;        /* at a key from stop_first to stop_last */
-    cut_sums before, all;          /* sums before stop_first; sums of all nodes (valid if all are opened) */
-    uint32_t candidates;           /* nodes with these keys */
-    uint64_t stop;                 /* the first node that is not opened, as order_of; UINT64_MAX: none */
+    uint32_t roots;
+    uint32_t last_key, first_key;  /* largest and smallest index in the histogram `keys`; first_key is stored as KEYS
+                                      - 1 - index */
+    uint32_t blocks_done[2];
+    uint32_t stops;                /* 1: the budget may end before all tree nodes are opened */
+    uint32_t stop_first, stop_last;        /* first and last key index where the budget may end */
+    cut_sums before, all;
+    uint32_t candidates;
+    uint64_t stop;                 /* sort key of the first tree node that is not opened; UINT64_MAX: all are opened */
     fxs_fading fading;
     uint32_t drawn;
 };
 
-/* Device memory of a frame's cut. */
 struct cut_buffers {
-    cut_status *status;            /* the first four arrays are zeroed */
-    uint32_t *block_counts;        /* drawn chunks per LIST_CHUNKS chunks */
-    uint32_t *marks;               /* one bit per chunk of all objects: it is drawn */
-    key_count *keys;               /* one per key, largest key first */
-    uint16_t *shares_q8;           /* share of each drawn chunk */
-    node_sight *sights;            /* one per chunk of all objects */
+    cut_status *status;
+    uint32_t *block_counts;
+    uint32_t *marks;               /* one bit per chunk of Gaussians; 1: the chunk is drawn */
+    key_count *keys;               /* histogram of the nodes' keys, in descending order of key */
+    uint16_t *shares_q8;
+    node_sight *sights;
     uint64_t *candidates;
     fxs_drawn *drawn;
-    const fxs_view *views;         /* one view per object, as for fxs_see */
-    uint32_t chunks;               /* chunks and nodes of all objects */
-    uint32_t whole_chunks;         /* chunks of objects without a tree */
+    const fxs_view *views;
+    uint32_t chunks;
+    uint32_t whole_chunks;
     uint32_t room, detail_q8;
 };
 
-/* ---- Trees ------------------------------------------------------------------------------------------------------- */
-
-/* One thread per chunk: fills in parents (initially FXS_NOTHING). Sets wrong_tree if a header or node is damaged or two
-   nodes share a child. Otherwise every chunk except the root has a parent, as each node has two children. */
+/* Finds the parents of the tree's nodes. Sets wrong_tree if a node is damaged or two nodes share a child. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -96,7 +87,6 @@ __global__ void find_parents(const __grid_constant__ fxs_scene scene)
             head_of(&scene)->wrong_tree = 1;
 }
 
-/* One thread per chunk: sets wrong_tree if it is deeper than DEPTH_MOST. */
 __global__ void measure_depths(const __grid_constant__ fxs_scene scene)
 {
     uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x, depth = 0;
@@ -107,8 +97,6 @@ __global__ void measure_depths(const __grid_constant__ fxs_scene scene)
     if (depth > DEPTH_MOST)
         head_of(&scene)->wrong_tree = 1;
 }
-
-/* ---- Sights ------------------------------------------------------------------------------------------------------ */
 
 __device__ inline fxs_sight sight_of(node_sight s)
 {
@@ -121,7 +109,7 @@ __device__ inline node_sight stored(const fxs_sight *sight, bool seen, uint32_t 
     return {sight->key_q8, (int16_t)room_q8, (uint16_t)seen_children};
 }
 
-/* One 8-byte load, as another thread may be writing it. */
+/* Loads an element by one 8-byte access, as another thread may be writing the element. */
 __device__ inline node_sight load(const node_sight *from)
 {
     const unsigned long long bits = *(const volatile unsigned long long *)from;
@@ -137,19 +125,17 @@ __device__ inline void store(node_sight *to, node_sight s)
     *(volatile unsigned long long *)to = bits;
 }
 
-/* Index of a key in `keys`. */
 __device__ inline uint32_t place_of_key(int32_t key_q8)
 {
     return (uint32_t)(KEY_MOST_Q8 - key_q8);
 }
 
-/* Sort key of a node: nodes are opened in ascending order. */
+/* Returns the sort key of a tree node. Nodes are opened in ascending order of the sort key. */
 __device__ inline uint64_t order_of(int32_t key_q8, uint32_t chunk)
 {
     return (uint64_t)place_of_key(key_q8) << 32 | chunk;
 }
 
-/* One thread per chunk of all objects: computes its fxs_sight. */
 __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {
@@ -168,7 +154,7 @@ __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant_
         atomicAdd(&c.status->roots, 1);
 }
 
-/* True in the last block of a kernel that gets here. The other blocks' writes are visible then. */
+/* Returns true in the last thread block that arrives here. All other blocks' writes are visible then. */
 __device__ inline bool is_last_block(uint32_t *blocks_done)
 {
     __shared__ uint32_t place;
@@ -186,7 +172,7 @@ __device__ inline cut_sums operator+(cut_sums a, cut_sums b)
     return {a.nodes + b.nodes, a.children + b.children, a.no_more + b.no_more};
 }
 
-/* Exclusive prefix sum over a block's threads; *all: the total. */
+/* Returns the exclusive prefix sum over a thread block. */
 __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
 {
     __shared__ cut_sums warps[STOP_THREADS / WARP];
@@ -205,28 +191,25 @@ __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
     return before;
 }
 
-/* Limit of drawn chunks, without the reserve for nodes that fade by the budget. */
 __device__ inline uint32_t most_drawn(const cut_buffers *c)
 {
     return c->room - c->room / FADING;
 }
 
-/* Drawn chunks once the nodes of a sum are opened. */
 __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
 {
     return (int64_t)c->whole_chunks + c->status->roots + s.children - s.no_more;
 }
 
-/* True if these nodes exceed the budget or the visit limit. `fewer`: how many of them may be opened last and take one
-   chunk away. */
+/* Returns true if opening the nodes of a sum exceeds the budget or the limit of visited nodes. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* By one block: finds the keys that may contain the end of the budget, from the first that may exceed it to the first
-   that does. These differ, as nodes that take a chunk away can lower the sum within a key. */
+/* Finds the first key that may exceed the budget, and the first that certainly does. Opening some nodes reduces the
+   number of drawn chunks, so the two keys can differ. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -273,8 +256,7 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* One thread per chunk of all objects: clamps a node's key and room to its ancestors', and counts openable nodes by
-   key. An ancestor may already be clamped by another thread; the minimum is the same. */
+/* Clamps each tree node's key to its ancestors' keys, and counts nodes by key. Clamping a node twice is harmless. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -321,10 +303,7 @@ __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant
         find_keys(&c);
 }
 
-/* ---- Where the budget ends --------------------------------------------------------------------------------------- */
-
-/* By one block: bitonic sort. The first step of each round compares mirrored pairs, so missing elements beyond `count`
-   act as +infinity. */
+/* Bitonic sort in one thread block. Rounds begin with mirrored pairs, so missing elements act as +infinity. */
 __device__ void sort_candidates(uint64_t *values, uint32_t count)
 {
     for (uint32_t size = 2; size < 2 * count; size *= 2)
@@ -342,7 +321,6 @@ __device__ void sort_candidates(uint64_t *values, uint32_t count)
     __syncthreads();
 }
 
-/* By one block: index of the first candidate that exceeds the budget, or `count`. */
 __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candidates, uint32_t count)
 {
     __shared__ uint32_t over;
@@ -367,8 +345,8 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
     return over;
 }
 
-/* By one block: the width of the fade, as find_fade in src/core/cut.c. `opened`: number of opened nodes; `of_last`:
-   those with the last key; `last`: index of that key; `all`: all nodes were opened. */
+/* Computes the width of the fade between levels of detail, in units of the key. of_last: number of opened nodes with
+   the last key. last: index of the last key. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;
@@ -378,8 +356,6 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
     if (threadIdx.x == 0)
         width = count ? FXS_FADE_MOST_Q8 : 0;
     __syncthreads();
-    /* The largest width such that at most `count` nodes have a key less than that width above the last one. Thread i
-       counts the nodes up to i - 1 above it. */
     uint32_t key = 0;
     if (threadIdx.x > 0 && threadIdx.x < FXS_FADE_MOST_Q8 && threadIdx.x <= last)
         key = c->keys[last - threadIdx.x].nodes;
@@ -393,7 +369,6 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
         c->status->fading.width_q8 = (int32_t)width;
 }
 
-/* By one block: finds the first candidate that is not opened. */
 __device__ void find_end(const cut_buffers *c)
 {
     __shared__ uint64_t few[SORT_MOST];
@@ -422,7 +397,6 @@ __device__ void find_end(const cut_buffers *c)
     }
 }
 
-/* One thread per chunk of all objects: collects the nodes with keys from stop_first to stop_last. */
 __global__ void __launch_bounds__(STOP_THREADS) find_stop(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {
@@ -441,8 +415,6 @@ __global__ void __launch_bounds__(STOP_THREADS) find_stop(const __grid_constant_
         find_end(&c);
 }
 
-/* ---- Drawn chunks ------------------------------------------------------------------------------------------------ */
-
 __device__ inline bool is_opened(const cut_buffers *c, node_sight s, uint32_t chunk)
 {
     return s.room_q8 > 0 && order_of(s.key_q8, chunk) < c->status->stop;
@@ -457,8 +429,8 @@ __device__ inline void add_drawn(const cut_buffers *c, uint32_t chunk, uint32_t 
     atomicAdd(&c->block_counts[chunk / LIST_CHUNKS], 1);
 }
 
-/* Share passed down to a node: the product of its ancestors' faded_q8, from the top down. An ancestor with 256 ends the
-   walk: all above it have 256 too. */
+/* Returns the share of optical depth that a tree node inherits: the product of its ancestors' faded_q8. An ancestor
+   with 256 ends the walk, as its ancestors have 256 too. */
 __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, const node_sight *sights, uint32_t own)
 {
     uint8_t faded[DEPTH_MOST + 1];
@@ -475,7 +447,6 @@ __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, c
     return share_q8;
 }
 
-/* Marks a node that the cut has reached, and its visible leaves. */
 __device__ void share_node(const cut_buffers *c, const fxs_object_view *o, uint32_t own)
 {
     const uint32_t *parents = parents_of(&o->scene), above = parents[own], first = o->first_chunk;
@@ -497,7 +468,6 @@ __device__ void share_node(const cut_buffers *c, const fxs_object_view *o, uint3
             add_drawn(c, first + node.children[i], share_q8 * faded_q8 >> 8);
 }
 
-/* One thread per chunk of all objects: marks the drawn chunks and their shares. */
 __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constant__ frame_buffers f,
                                                             const __grid_constant__ cut_buffers c)
 {
@@ -512,7 +482,6 @@ __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constan
         share_node(&c, o, chunk - o->first_chunk);
 }
 
-/* One block per LIST_CHUNKS chunks: lists the drawn ones in order. */
 __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_constant__ frame_buffers f,
                                                                  const __grid_constant__ cut_buffers c)
 {

@@ -1,10 +1,9 @@
-/* blend_dense: blends long lists, which mostly consist of small splats.
+/* Blends tiles with long lists of mostly small splats (projected Gaussians). A thread block has a tile of 16x16
+ * pixels, or one part of a tile that several blocks share.
  *
- * A block has a tile, or one part of a tile that several blocks share (share.cuh). It puts the list into bins by
- * depth. Bin after bin, it collects the splats that can touch an open pixel. Once enough are collected, it sorts
- * them; each thread marks the pixels that its splat can touch (a bit matrix); then each pixel takes its marked
- * splats in order. Four lanes (a quad) blend one pixel. If at most FEW pixels are open, a warp computes each pixel's
- * alphas, a single lane the weights, which depend on the order, and the warp sums the colours. */
+ * The block puts the list into bins of depth. Bin after bin, it collects splats that can touch an open pixel, one
+ * that is not opaque yet. A full collection is sorted by depth. Each thread marks the pixels of one splat in a bit
+ * matrix; then four lanes, a quad, blend the marked splats of one pixel. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -12,47 +11,46 @@
 
 namespace {
 
-const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* pairs of rows: 32 pixels each */
+const uint32_t ROW_PAIRS = FXS_TILE / 2;
 typedef group_keys<960> dense_keys;
-const uint32_t FULL = 512;                 /* stop collecting above this count */
-const uint32_t REACH_MOST = 8192;          /* most keys examined at a time if few are kept */
+const uint32_t FULL = 512;                 /* no more splats are collected above this number */
+const uint32_t REACH_MOST = 8192;
 const uint32_t WORDS = dense_keys::room / WARP;
-const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes per pixel; FEW: limit of open pixels for blend_few */
+const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes per pixel; FEW: most pixels for blend_few */
 const uint32_t STEPS_MOST = 15360;
 
 struct dense_shared {
     dense_keys keys;
-    uint32_t entries[dense_keys::room];    /* sorted */
-    uint32_t ends[dense_keys::bins];       /* bin ends of the list */
-    uint4 shapes[dense_keys::room];        /* dense_splat of each sorted key, near to far */
+    uint32_t entries[dense_keys::room];
+    uint32_t ends[dense_keys::bins];
+    uint4 shapes[dense_keys::room];
     uint4 shades[dense_keys::room];
     union {
-        uint32_t masks[ROW_PAIRS][dense_keys::room];    /* per splat: pixels that it can touch */
-        uint16_t steps[STEPS_MOST];        /* blend_few: step k of pixel i is at k all + i */
+        uint32_t masks[ROW_PAIRS][dense_keys::room];    /* per splat, one bit for each pixel that the splat can touch */
+        uint16_t steps[STEPS_MOST];        /* 1 - alpha of step k of pixel i, later the weight, is at index k all + i */
     };
     struct {
-        uint32_t n, count;                 /* index in the tile; number of steps */
+        uint32_t n, count;
     } few[FEW];
     union {
         uint32_t bins[dense_keys::bins];
-        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* per pixel: splats that can touch it, one bit each; + 1
-                                                            against bank conflicts */
+        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* per pixel, one bit for each splat that can touch the
+                                                            pixel; + 1 against bank conflicts */
     };
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
     uint64_t *room;
     uint32_t turn, collected;
     pixel pixels[FXS_TILE_PIXELS];
-    uint32_t open[ROW_PAIRS];              /* one bit per pixel */
+    uint32_t open[ROW_PAIRS];              /* one bit per pixel; 1: not opaque yet */
 };
 
 static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
 static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
 
-/* A splat as two 16-byte words, so that neighbouring splats are in different banks. */
 struct dense_splat {
-    uint32_t u_q24, ux_q24, uy_q24, v_q24; /* shape; u and v at the tile's first pixel */
+    uint32_t u_q24, ux_q24, uy_q24, v_q24;
     uint32_t vy_q24, offset_red, green_blue;
-    int limit;                             /* of the level, as float bits */
+    int limit;                     /* largest level that is drawn, as the bits of a float */
 
     __device__ dense_splat(const uint4 &shape, const uint4 &shade)
         : u_q24(shape.x), ux_q24(shape.y), uy_q24(shape.z), v_q24(shape.w), vy_q24(shade.x), offset_red(shade.y),
@@ -60,7 +58,6 @@ struct dense_splat {
     {
     }
 
-    /* alpha at a pixel of the tile; 0 beyond the limit. */
     __device__ int alpha_at(const uint16_t *alpha_q15, uint32_t x, uint32_t y) const
     {
         const queued_row row = {u_q24 + y * uy_q24, row_level(v_q24 + y * vy_q24, (int)(offset_red & 0xffff))};
@@ -74,10 +71,9 @@ struct dense_splat {
     }
 };
 
-/* A list of keys, or of indices into keys. */
 struct dense_list {
     uint64_t *keys;
-    uint32_t *places;                      /* indices; null: all keys in order */
+    uint32_t *places;                      /* indices into keys; null: all keys */
     uint32_t count;
 
     __device__ dense_list from(uint32_t first, uint32_t some) const
@@ -97,13 +93,11 @@ struct dense_list {
         return __ldcg(&keys[place]);
     }
 
-    /* visit as a function of (key) only, for sort.cuh. */
     __device__ auto all(const dense_group *g) const
     {
         return [this, g](auto visit_key) { visit(g, [&](uint64_t key, uint32_t) { visit_key(key); }); };
     }
 
-    /* Calls visit(key, index) for each key that is not cut off. */
     template <class Visit>
     __device__ void visit(const dense_group *g, Visit visit) const
     {
@@ -125,7 +119,6 @@ struct dense_list {
     }
 };
 
-/* The first and last row with an open pixel. */
 __device__ span open_rows(const uint32_t open[ROW_PAIRS])
 {
     const uint32_t pair = open[lane_index() % ROW_PAIRS], row = 2 * (lane_index() % ROW_PAIRS);
@@ -133,7 +126,6 @@ __device__ span open_rows(const uint32_t open[ROW_PAIRS])
     return {rows ? __ffs((int)rows) - 1 : FXS_TILE, 31 - __clz((int)rows)};
 }
 
-/* True if a splat can touch an open pixel within `rows`. */
 __device__ bool touches_open(const tile_splats *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS], span rows)
 {
     const int32_t first = max((int32_t)s->first_row - t->y, rows.first);
@@ -158,7 +150,6 @@ __device__ inline uint32_t transpose(uint32_t x)
     return x;
 }
 
-/* Marks the pixels that splat i, one per thread, can touch, then transposes the marks. */
 __device__ void mark_pixels(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i, bool listed)
 {
     const span rows = open_rows(shared->open);
@@ -174,7 +165,6 @@ __device__ void mark_pixels(dense_shared *shared, const tile_splats *t, const fx
             shared->touching[i / WARP][pair * WARP + lane_index()] = transpose(shared->masks[pair][i]);
 }
 
-/* Stores a splat as dense_splat i. */
 __device__ void place_splat(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i)
 {
     const row_walk at(t, s, 0);
@@ -189,19 +179,17 @@ __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
     return dense_splat(shared->shapes[i], shared->shades[i]);
 }
 
-/* T - fxs_weight_q15(alpha, T), as T (1 - alpha) + 1/2 rounded down, with an exact half rounded down too. Two dependent
-   operations: this is the critical path of a pixel. */
+/* Returns the transmittance T after a splat, T (1 - alpha), rounded to nearest with ties downwards. Two dependent
+   operations only, as they form a pixel's critical path. */
 __device__ inline int left_q15(int transmittance_q15, int rest_q15)
 {
     return (transmittance_q15 * rest_q15 + 16383) >> 15;
 }
 
-/* Iterates over a pixel's marks, four at a time, from one word. */
 struct mark_walk {
     const dense_shared *shared;
-    uint32_t n, words, word, marks, next_word, next_marks;   /* words: bit set of the non-empty words still to fetch */
+    uint32_t n, words, word, marks, next_word, next_marks;
 
-    /* By the four lanes of a quad. */
     __device__ mark_walk(const dense_shared *of, uint32_t pixel, uint32_t lane)
         : shared(of), n(pixel), words(0), next_word(0), next_marks(0)
     {
@@ -223,7 +211,7 @@ struct mark_walk {
         words &= words - 1;
     }
 
-    /* Index of this lane's splat among the next four; WORDS * WARP if none. */
+    /* Returns the index of this lane's splat among the next four marked splats; WORDS * WARP: none. */
     __device__ uint32_t next(uint32_t lane)
     {
         uint32_t own = 0;
@@ -239,13 +227,12 @@ struct mark_walk {
     }
 };
 
-/* Blends the marked splats at pixel n of the tile. Each quad of the warp has its own pixel: four splats at a time, one
-   alpha per lane, then their weights in sequence. Inactive quads have no pixel. */
+/* Blends the marked splats at pixel n of the tile: one alpha per lane of a quad, then the four weights in sequence. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
     const pixel before = active ? shared->pixels[n] : pixel{};
-    pixel p = {before.transmittance, 0, 0};                /* colour sums are per lane until the end */
+    pixel p = {before.transmittance, 0, 0};                /* each lane sums the colours of its own splats */
     mark_walk walk(shared, n, lane);
     while (__any_sync(ALL_LANES, active && walk.marks)) {
         const uint32_t place = walk.next(lane);
@@ -270,9 +257,8 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
     return {p.transmittance, before.red_green + p.red_green, before.blue + p.blue};
 }
 
-/* The open pixels of a tile; lane i holds row pair i. */
 struct open_pixels {
-    uint32_t open, start, end, all;        /* one bit per pixel; open pixels before this pair and including it; total */
+    uint32_t open, start, end, all;
 
     __device__ explicit open_pixels(const dense_shared *shared)
     {
@@ -282,7 +268,7 @@ struct open_pixels {
         all = __shfl_sync(ALL_LANES, end, WARP - 1);
     }
 
-    /* Index in the tile of the i-th open pixel; any pixel if i >= all. */
+    /* Returns the index in the tile of the i-th pixel that is not opaque yet; any pixel if i >= all. */
     __device__ uint32_t place(uint32_t i) const
     {
         uint32_t pair = 0;
@@ -294,7 +280,6 @@ struct open_pixels {
     }
 };
 
-/* Stores a pixel after a round and clears its open bit if it is closed. */
 __device__ inline void keep_pixel(dense_shared *shared, uint32_t n, const pixel &p)
 {
     shared->pixels[n] = p;
@@ -302,7 +287,6 @@ __device__ inline void keep_pixel(dense_shared *shared, uint32_t n, const pixel 
         atomicAnd(&shared->open[n / WARP], ~(1u << n % WARP));
 }
 
-/* Blends the open pixels, one quad each. */
 __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     for (uint32_t i = g->thread / QUAD; i - lane_index() / QUAD < pixels.all; i += DENSE_THREADS / QUAD) {
@@ -314,8 +298,7 @@ __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, con
     }
 }
 
-/* By a warp, one word per lane: calls visit(step, splat index) for the marks of pixel n in words `first` to first +
-   words - 1. Returns the number of steps. */
+/* Calls visit(step, splat index) for each splat that a bit mask of pixel n marks. Returns the number of steps. */
 template <class Visit>
 __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
@@ -327,8 +310,7 @@ __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t
     return __shfl_sync(ALL_LANES, end, WARP - 1);
 }
 
-/* By one lane: replaces a pixel's 1 - alpha by the weights, AT_ONCE at a time while it stays open. Returns the number
-   of steps until it closes. */
+/* Replaces the 1 - alpha of a pixel's steps by the weights. Returns the number of steps until the pixel is opaque. */
 __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, int *transmittance)
 {
     enum { AT_ONCE = 16 };
@@ -353,8 +335,8 @@ __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, 
     return i;
 }
 
-/* Blends at most FEW open pixels, for as many words of marks at a time as fit in `steps`: a warp computes 1 - alpha of
-   a pixel's splats, one lane their weights in sequence, and the warp sums their colours. */
+/* Blends at most FEW pixels: a warp computes the alphas of a pixel, one lane the weights, and the warp sums the
+   colours. */
 __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP, all = pixels.all, words = min(STEPS_MOST / (all * WARP), WARP);
@@ -393,8 +375,8 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
     }
 }
 
-/* Blends `count` keys in shared->keys. Returns whether any pixel is still open. Not inlined, to leave registers to the
-   callers' loops; hence the compiler must be told that `shared` is shared memory and which barrier the group uses. */
+/* Blends the splats of shared->keys. Returns true if a pixel is not opaque yet. Not inlined, to leave registers to
+   the callers' loops. */
 __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
 {
     const tile_splats *t = &tile;
@@ -415,7 +397,7 @@ __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats t
         shared->collected = 0;
     g->sync();
     const open_pixels pixels(shared);
-    g->sync();                                 /* all threads have read `open` */
+    g->sync();                                 /* waits until all threads have read shared->open */
     if (pixels.all > FEW)
         blend_quads(shared, pixels, g);
     else if (pixels.all)
@@ -424,7 +406,6 @@ __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats t
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(key, index, whether its splat can touch an open pixel) for all keys of a list, by all threads. */
 template <class Keep>
 __device__ void visit_open(const dense_shared *shared, const tile_splats *t, const dense_list &list,
                            const dense_group *g, Keep keep)
@@ -452,7 +433,6 @@ __device__ void visit_open(const dense_shared *shared, const tile_splats *t, con
     g->sync();
 }
 
-/* Number of collected keys, read before any thread adds more. */
 __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
 {
     const uint32_t count = shared->collected;
@@ -460,7 +440,8 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
     return count;
 }
 
-/* Appends a list's keys to shared->keys, as far as they fit. Returns the total, which may exceed the room. */
+/* Appends keys of splats that can touch a pixel to shared->keys. Returns the total number of keys, which may exceed
+   the capacity. */
 __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
     const tile_splats *t = &tile;
@@ -474,14 +455,13 @@ __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile,
     return collected(shared, g);
 }
 
-/* Moves the keys whose splats can touch an open pixel to the start of the list. Returns their number. Requires
-   collected = 0. */
+/* Moves the keys of splats that can touch a pixel to the start of the list. Returns their number. */
 __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
     visit_open(shared, t, list, g, [&](uint64_t key, uint32_t place, bool kept) {
         const uint32_t to = take_number(&shared->collected, 0, kept);
-        g->sync();                         /* all threads have read the old entries */
+        g->sync();                         /* waits until all threads have read the entries that are overwritten next */
         if (kept && list.places)
             list.places[to] = place;
         else if (kept)
@@ -494,7 +474,6 @@ __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, cons
     return left;
 }
 
-/* Sum over all threads. Requires collected = 0. */
 __device__ uint32_t sum_of(dense_shared *shared, uint32_t own, const dense_group *g)
 {
     own = __reduce_add_sync(ALL_LANES, own);
@@ -508,8 +487,6 @@ __device__ uint32_t sum_of(dense_shared *shared, uint32_t own, const dense_group
     return sum;
 }
 
-/* Blends a list without bins, in rounds of next_round. Returns whether any pixel is still open. Requires collected =
-   0. */
 __device__ bool blend_rounds(dense_shared *shared, const tile_splats *t, const dense_list &list, const dense_group *g)
 {
     const auto visit_all = list.all(g);
@@ -526,7 +503,6 @@ __device__ bool blend_rounds(dense_shared *shared, const tile_splats *t, const d
     return open;
 }
 
-/* Takes `count` entries of scratch memory; null if too few are left. */
 __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uint32_t count, const dense_group *g)
 {
     if (g->thread == 0)
@@ -535,8 +511,6 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
     return shared->room;
 }
 
-/* Puts the keys of a list or part into bins, or their indices if Moved is 32 bits; `ends` gets the bin ends. Returns
-   the number moved. */
 template <class List, class Moved>
 __device__ uint32_t split_list(Moved *room, uint32_t *ends, dense_shared *shared, const List &list, key_range r,
                                const dense_group *g)
@@ -553,11 +527,10 @@ template <bool Finer>
 __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const uint32_t *ends, const dense_group *g);
 
-/* Splits a bin into finer bins and blends it. Returns whether any pixel is still open. */
 __device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const dense_group *g)
 {
-    const uint32_t words = dense_keys::bins / 2;           /* 64-bit words of the ends */
+    const uint32_t words = dense_keys::bins / 2;
     uint64_t *room = take_room(shared, f, words + (list.places ? (list.count + 1) / 2 : list.count), g);
     if (!room)
         return blend_rounds(shared, t, list, g);
@@ -573,12 +546,12 @@ __device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const 
     return blend_split<true>(shared, f, t, finer, (const uint32_t *)room, g);
 }
 
-/* Blends a list in bins with ends `ends`; a bin that does not fit is split. Returns whether any pixel is still open. */
+/* Blends a list of splats in bins of depth. A bin that does not fit into shared memory is split. */
 template <bool Finer>
 __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const uint32_t *ends, const dense_group *g)
 {
-    uint32_t have = 0, reach = 0;              /* keys collected; keys to examine next if few are kept */
+    uint32_t have = 0, reach = 0;
     for (uint32_t first = 0, end; first < list.count; first = end) {
         const uint32_t room = dense_keys::room - have;
         end = have > FULL ? first : bins_end<dense_keys>(ends, first, max(room, reach));
@@ -596,14 +569,14 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
                 have = all;
                 continue;
             }
-            if (g->thread == 0)                /* too many were kept: undo and retry with less */
+            if (g->thread == 0)                /* too many splats were kept: discards them and retries with fewer */
                 shared->collected = have;
             g->sync();
             reach = 0;
             end = first;
             continue;
         }
-        end = bin_end<dense_keys>(ends, first);    /* the next bin alone exceeds the room */
+        end = bin_end<dense_keys>(ends, first);
         const dense_list left = list.from(first, drop_closed(shared, t, list.from(first, end - first), g));
         if (left.count <= dense_keys::room)
             have = collect(shared, *t, left);
@@ -613,7 +586,7 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
     return !have || blend_collected(shared, *t, have);
 }
 
-/* Puts a tile's list (split_tile) or a part's indices (split_part) into bins; keys is null if memory is short. */
+/* Puts a tile's list of splats into bins of depth. Returns keys = null if scratch memory is short. */
 __device__ dense_list split_tile(dense_shared *shared, const frame_buffers *f, const dense_list &all,
                                  const dense_group *g)
 {
@@ -635,7 +608,6 @@ __device__ dense_list split_part(dense_shared *shared, const frame_buffers *f, c
     return {part.keys, room, count};
 }
 
-/* Blends a tile's list over the open pixels of the tile, or of one part. `parts`: from parts_of_tiles. */
 __device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, const tile_splats *t,
                                  const turn_of_tile &turn, uint32_t parts, const dense_group *g)
 {

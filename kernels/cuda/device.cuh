@@ -1,4 +1,4 @@
-/* Host side of the CUDA back ends: runtime errors and device memory. */
+/* Converts CUDA errors to messages, and allocates device memory and pinned host memory. */
 #ifndef FXS_CUDA_DEVICE_CUH
 #define FXS_CUDA_DEVICE_CUH
 
@@ -11,17 +11,17 @@
 
 namespace {
 
-struct block {                     /* device memory */
+struct block {
     void *data;
     uint64_t bytes;
 };
 
-struct host_block {                /* pinned host memory */
+struct host_block {
     void *data;
     uint64_t bytes;
 };
 
-/* Device memory in bytes: the limit (0: none) and the amount allocated. */
+/* Device memory in bytes. most = 0: no limit. */
 struct budget {
     uint64_t most, bytes;
 };
@@ -54,13 +54,13 @@ const char *words(cudaError_t error)
     return cudaGetErrorString(error);
 }
 
-/* Converts the first of two runtime errors to an FXS_ERR_*. */
+/* Converts the first of two CUDA errors that is set to an FXS_ERR_* code. */
 int check(fxs_message *why, cudaError_t error, cudaError_t second = cudaSuccess)
 {
     error = error ? error : second;
     if (!error)
         return 0;
-    cudaGetLastError();            /* clears it, so that other code does not see it */
+    cudaGetLastError();
     return failed(why, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
 }
 
@@ -69,7 +69,6 @@ cudaError_t first_of(cudaError_t a, cudaError_t b)
     return a ? a : b;
 }
 
-/* Makes a device current for its scope. */
 struct on_device {
     int device, before = 0;
     explicit on_device(int device_) : device(device_)
@@ -91,8 +90,7 @@ int too_large(const budget *allowed, uint64_t needed, fxs_message *why)
                ? failed(why, FXS_ERR_MEMORY, "the device memory allowed is too small", needed) : 0;
 }
 
-/* Grows a block to at least `bytes` bytes, contents undefined; 0 frees it. cudaFree waits for frames that use the old
-   block. */
+/* Grows a device block to at least `bytes` bytes and discards its contents. 0 bytes frees the block. */
 int reserve(budget *taken, block *b, uint64_t bytes, fxs_message *why)
 {
     if (bytes && bytes <= b->bytes)
@@ -113,7 +111,6 @@ int reserve(budget *taken, block *b, uint64_t bytes, fxs_message *why)
     return 0;
 }
 
-/* Grows a block of pinned host memory to at least `bytes` bytes and keeps its contents. */
 int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
 {
     void *data;
@@ -130,7 +127,7 @@ int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
     return 0;
 }
 
-/* Takes the next `count` Ts from *memory, padded to 64 bytes. */
+/* Takes `count` elements of type T from *memory, padded to a multiple of 64 bytes. */
 template <class T>
 T *cut(unsigned char **memory, uint64_t count)
 {

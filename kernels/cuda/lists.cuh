@@ -1,7 +1,6 @@
-/* project, shade and bin: from packed scenes to an unsorted list of splats per tile.
- *
- * A plain frame passes its view and scene as kernel parameters; otherwise objects are in device memory (template
- * parameter Many). */
+/* Fills the list of splats (projected Gaussians) of each tile of 16x16 pixels, unsorted. A thread block projects and
+ * shades one chunk of 256 packed Gaussians. A frame with one plain object passes view and scene as kernel
+ * parameters. Otherwise (Many) objects are in device memory. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -18,7 +17,6 @@ const int LARGE_ROWS = 8;
 const int BOX_COLUMNS = 6, BOX_ROWS = 7, BOX_TILES = BOX_COLUMNS * BOX_ROWS;
 const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
 
-/* fxs_chunk_view_init with grown sigmas; returns 0 also if the crop boxes exclude the whole chunk. */
 __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
                                       uint32_t grow_q8)
 {
@@ -34,8 +32,7 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
     return error ? error : fxs_object_has_chunk(object, &header);
 }
 
-/* One thread per chunk: writes the views of chunks that the camera can see, and sets `damaged` for an invalid
-   header. */
+/* Writes the views of chunks of Gaussians that the camera sees. Sets status->damaged for an invalid chunk header. */
 template <bool Many>
 __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
                               const __grid_constant__ frame_buffers f, uint32_t chunks)
@@ -68,8 +65,7 @@ __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __gri
     }
 }
 
-/* A splat's tiles: bit BOX_COLUMNS r + c is tile `base` + r tiles_x + c. `base` has 22 bits; frames have fewer than
-   2^20 tiles. */
+/* Packs the tiles of a small splat: bit BOX_COLUMNS r + c of `mask` is tile base + r tiles_x + c. */
 __device__ inline uint64_t box_of(uint32_t base, uint64_t mask)
 {
     return (uint64_t)base << BOX_TILES | mask;
@@ -80,20 +76,18 @@ __device__ inline uint64_t box_mask(uint64_t box)
     return box & (((uint64_t)1 << BOX_TILES) - 1);
 }
 
-/* Shared memory of a block: its chunk and splats. */
 struct block_splats {
     alignas(64) unsigned char rows[CHUNK_BYTES_MOST];
     alignas(16) fxs_chunk header;
     alignas(16) fxs_chunk_view view;
-    uint64_t arrived[2];                   /* mbarriers of the two parts that are fetched */
+    uint64_t arrived[2];
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
-    uint32_t row_ends[FXS_CHUNK];          /* inclusive prefix sum of the splats' tile rows */
+    uint32_t row_ends[FXS_CHUNK];          /* inclusive prefix sum of the splats' numbers of tile rows */
     uint8_t masks[FXS_CHUNK][BOX_ROWS];
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
 
-/* Starts an asynchronous copy of `bytes` bytes, a multiple of 16, for one part. */
 __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, const void *from, uint32_t bytes)
 {
 #if __CUDA_ARCH__ >= 900
@@ -106,8 +100,8 @@ __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, con
 #endif
 }
 
-/* Starts to fetch a chunk in two parts: first its view, header and rows up to the SH, then the SH. From compute
-   capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
+/* Starts to copy a chunk of Gaussians to shared memory: part 1 is the spherical harmonics, part 0 the rest. From
+   compute capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
 __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
                                    const unsigned char *rows, uint32_t bytes)
 {
@@ -132,12 +126,11 @@ __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, 
     __pipeline_commit();
 }
 
-/* Waits for a part, by all threads. */
 __device__ inline void await_part(block_splats *b, uint32_t part)
 {
 #if __CUDA_ARCH__ >= 900
     if (part == 0)
-        __syncthreads();                   /* the barriers are initialised */
+        __syncthreads();                   /* makes the initialised memory barriers visible to all threads */
     while (!cuda::ptx::mbarrier_try_wait_parity(&b->arrived[part], 0)) {
     }
 #else
@@ -149,7 +142,7 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
 #endif
 }
 
-/* Computes row_ends from the number of tile rows of each thread's splat. Returns the total. */
+/* Computes row_ends from the number of tile rows that each thread's splat covers. Returns the total number of rows. */
 __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
 {
     const uint32_t sum = warp_sum(rows), warp = threadIdx.x / WARP;
@@ -166,7 +159,6 @@ __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
     return all;
 }
 
-/* The splat that tile row number `item` of the block belongs to. */
 __device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
 {
     uint32_t splat = 0;
@@ -181,15 +173,15 @@ __device__ bool is_large(const ellipse *e, const fxs_view *view)
            e->rows.last - e->rows.first >= BOX_ROWS;
 }
 
-/* True for a narrow splat on a single tile row that is not cut by the picture's edge: fxs_bin_c lists all its
-   columns. */
+/* True for a narrow splat on a single tile row that the picture's edge does not cut. */
 __device__ bool is_whole(const ellipse *e, const fxs_view *view)
 {
     return view->cutoff != FXS_CUTOFF_SQUARE && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* Adds 1 at the first tile of a span and -1 after its last. start_lists sums these differences along each row. */
+/* Counts a splat in a span of tiles: adds 1 at the first tile and -1 after the last. start_lists sums these
+   differences along each row. */
 __device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
@@ -203,7 +195,6 @@ __device__ uint32_t mask_of_span(span s, int32_t first_column)
     return s.first <= s.last ? (2u << (s.last - first_column)) - (1u << (s.first - first_column)) : 0;
 }
 
-/* One tile row of a splat per thread: fills in the masks and counts. */
 __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t items)
 {
     for (uint32_t first = 0; first < items; first += FXS_CHUNK) {
@@ -211,7 +202,7 @@ __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_vi
         span s = {0, -1};
         int32_t row = 0;
         if (first + threadIdx.x - lane_index() >= items)
-            break;                         /* no items for this warp */
+            break;
         if (item < items) {
             const uint32_t i = splat_of_row(b, item);
             ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
@@ -227,7 +218,6 @@ __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_vi
     __syncthreads();
 }
 
-/* Writes the records of a thread's large splat, if it has one. */
 __device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, uint32_t index, span rows)
 {
     const uint32_t records = (uint32_t)(rows.last - rows.first + LARGE_ROWS) / LARGE_ROWS, end = warp_sum(records);
@@ -240,7 +230,6 @@ __device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, ui
             f->larges[place] = {*bounds, index, first};
 }
 
-/* Bins the splats of a block, one per thread if `visible`: writes boxes or large records, and counts list entries. */
 __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
                             const ellipse *e, bool visible)
 {
@@ -262,7 +251,6 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-/* One block per visible chunk: projects, shades and bins its splats. */
 template <bool Many>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
                                                               const __grid_constant__ fxs_scene only_scene,
@@ -271,7 +259,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     __shared__ block_splats b;
     wait_for_last_kernel();
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
-    const uint32_t place = cv->chunk;      /* loaded before the check, so that both loads overlap */
+    const uint32_t place = cv->chunk;      /* loaded before the test, so that both loads overlap */
     if (blockIdx.x >= f.status->chunks)
         return;
     const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
@@ -309,16 +297,13 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
         atomicAdd(&f.status->visible, (uint32_t)of_block);
 }
 
-const uint32_t START_ROWS = 8;             /* tile rows per block of start_lists, one per warp */
+const uint32_t START_ROWS = 8;
 
-/* Shared memory of start_lists. */
 struct started {
-    uint32_t classes[WARP], class_entries[WARP], first[WARP];   /* counts as in frame_status; the block's first place
-                                                                   per class */
-    uint64_t sums[START_ROWS];             /* entries per row, then the start of each row's entries */
+    uint32_t classes[WARP], class_entries[WARP], first[WARP];
+    uint64_t sums[START_ROWS];
 };
 
-/* By a warp: calls visit(tile, list count, inside) along a tile row. */
 template <class Visit>
 __device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t tiles_x, Visit visit)
 {
@@ -326,12 +311,12 @@ __device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t 
     uint32_t next = lane_index() < tiles_x ? list_of(f, first + lane_index())->count : 0;
     for (uint32_t column = lane_index(); column - lane_index() < tiles_x; column += WARP) {
         const uint32_t x = next;
-        next = column + WARP < tiles_x ? list_of(f, first + column + WARP)->count : 0;   /* prefetch */
+        next = column + WARP < tiles_x ? list_of(f, first + column + WARP)->count : 0;
         visit(first + column, x, column < tiles_x);
     }
 }
 
-/* Computes each list's length and start, and sorts the tiles into classes by list_magnitude. */
+/* Computes the length and start of each tile's list of splats, and sorts the tiles by floor(log2(length)). */
 __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_constant__ frame_buffers f,
                                                                 uint32_t tiles_x, uint32_t tiles_y)
 {
@@ -351,7 +336,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
             if (!inside)
                 return;
             atomicAdd(&s.class_entries[magnitude], along);
-            *list_of(&f, tile) = {along, place};   /* place in its class, within the block */
+            *list_of(&f, tile) = {along, place};
             sum += along;
         });
     sum = __shfl_sync(ALL_LANES, warp_sum(sum), WARP - 1);
@@ -384,8 +369,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
         });
 }
 
-/* By a warp: the entries of one large_splat record. Each of LARGE_ROWS lanes finds the span of a tile row; then all
-   lanes share the tiles. */
+/* Enters one large splat into the lists of its tiles, by one warp. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
@@ -408,7 +392,7 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
     });
 }
 
-/* Writes the list entries: LARGE_BLOCKS blocks for large splats, then one block per visible chunk. */
+/* Enters all splats into the lists of their tiles. The first LARGE_BLOCKS thread blocks take the large splats. */
 __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_view view,
                                                         const __grid_constant__ frame_buffers f)
 {

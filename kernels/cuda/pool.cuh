@@ -1,8 +1,6 @@
-/* Pools, for scenes that do not fit on the device.
- *
- * All rows are in pinned host memory that the device can read; the pool has places for some chunks. A drawn chunk
- * that is not in the pool evicts a chunk that this frame does not draw; if none is found, its rows are read from
- * host memory. scene_head and the tree's parents precede a scene's headers on the device. */
+/* Streams scenes that do not fit into device memory. All chunks (256 packed Gaussians each) stay in pinned host
+ * memory, which the device can read. A pool on the device has places for some chunks. A visible chunk outside the
+ * pool evicts a chunk that the current frame does not draw. */
 #ifndef FXS_CUDA_POOL_CUH
 #define FXS_CUDA_POOL_CUH
 
@@ -10,15 +8,16 @@
 
 namespace {
 
-const uint32_t BUSY = FXS_NOTHING - 1;     /* marks a chunk that is being fetched */
-const uint32_t TURNS_MOST = 64;            /* places tried per chunk */
+const uint32_t BUSY = FXS_NOTHING - 1;     /* marks a chunk of Gaussians that is being copied into the pool */
+const uint32_t TURNS_MOST = 64;
 const uint32_t FETCH_THREADS = 128;
 
 struct alignas(64) scene_head {
-    uint32_t wrong_tree;           /* nonzero: the cut is found on the host */
+    uint32_t wrong_tree;           /* nonzero: the host chooses the level of detail */
     uint32_t place_count, next_place;
-    uint32_t *owners, *stamps;     /* per place: its chunk or FXS_NOTHING; the number of the last frame that drew it */
-    const unsigned char *rows;     /* rows of all chunks, in host memory */
+    uint32_t *owners, *stamps;     /* per place of the pool: chunk of Gaussians or FXS_NOTHING; number of the last
+                                      frame that drew the chunk */
+    const unsigned char *rows;
 };
 
 uint64_t padded(uint64_t bytes)
@@ -26,7 +25,6 @@ uint64_t padded(uint64_t bytes)
     return (bytes + 63) / 64 * 64;
 }
 
-/* Size of the parents array of a scene with a tree: each chunk's parent, FXS_NOTHING for the root. */
 __host__ __device__ inline uint64_t parents_bytes(const fxs_scene *scene)
 {
     return scene->nodes ? ((2 * (uint64_t)scene->chunk_count - 1) * sizeof(uint32_t) + 63) / 64 * 64 : 0;
@@ -37,7 +35,7 @@ __host__ __device__ inline uint32_t *parents_of(const fxs_scene *there)
     return (uint32_t *)(there->chunks - parents_bytes(there));
 }
 
-/* Valid for a scene with a tree or a pool. */
+/* Valid only for a scene with a level-of-detail tree or a pool. */
 __host__ __device__ inline scene_head *head_of(const fxs_scene *there)
 {
     return (scene_head *)((unsigned char *)parents_of(there) - sizeof(scene_head));
@@ -48,21 +46,18 @@ __device__ inline const unsigned char *rows_in_host(const fxs_scene *scene, uint
     return fxs_aligned(head_of(scene)->rows + (size_t)chunk * scene->chunk_bytes);
 }
 
-/* A chunk's rows: in the pool, or else in host memory. */
 __device__ inline const unsigned char *rows_of(const fxs_scene *scene, uint32_t chunk)
 {
     return scene->places && scene->places[chunk] == FXS_NOTHING ? rows_in_host(scene, chunk) : fxs_rows(scene, chunk);
 }
 
-/* Marks a chunk's place as used by frame `number`, so that it is not evicted. */
 __device__ inline void keep_place(const fxs_scene *scene, uint32_t chunk, uint32_t number)
 {
     if (scene->places && scene->places[chunk] != FXS_NOTHING)
         head_of(scene)->stamps[scene->places[chunk]] = number;
 }
 
-/* Gives `chunk`, which is not in the pool, a place that frame `number` does not use. Returns FXS_NOTHING after
-   TURNS_MOST failed tries. */
+/* Takes a place in the pool that frame `number` does not use. Returns FXS_NOTHING after TURNS_MOST failed tries. */
 __device__ inline uint32_t take_place(const fxs_scene *scene, uint32_t *places, uint32_t chunk, uint32_t number)
 {
     scene_head *head = head_of(scene);
@@ -79,7 +74,7 @@ __device__ inline uint32_t take_place(const fxs_scene *scene, uint32_t *places, 
     return FXS_NOTHING;
 }
 
-/* One block per visible chunk: copies its rows into its scene's pool, if it gets a place. */
+/* Copies visible chunks of Gaussians into the pools of their scenes, one chunk per thread block. */
 __global__ void __launch_bounds__(FETCH_THREADS) fetch_chunks(const __grid_constant__ frame_buffers f)
 {
     __shared__ uint32_t place;

@@ -1,5 +1,5 @@
-/* PTX instructions, dynamic shared memory and kernel launches: everything without a C++ equivalent.
- * tests/gpu/emulated/ptx.h replaces this file, so that the kernels can run on a CPU. */
+/* Wraps PTX instructions, dynamic shared memory and kernel launches. tests/gpu/emulated/ptx.h replaces this file to
+ * run the kernels on a CPU. */
 #ifndef FXS_CUDA_PTX_CUH
 #define FXS_CUDA_PTX_CUH
 
@@ -9,7 +9,6 @@
 
 namespace {
 
-/* Launches a kernel on a stream. */
 template <class... Parameters>
 void start(void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared, cudaStream_t stream,
            const Parameters &...parameters)
@@ -17,14 +16,13 @@ void start(void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, siz
     kernel<<<blocks, threads, shared, stream>>>(parameters...);
 }
 
-/* The block's dynamic shared memory. */
 __device__ inline unsigned char *shared_memory()
 {
     extern __shared__ __align__(16) unsigned char memory[];
     return memory;
 }
 
-/* a b + c as one mad, which nvcc would not emit. */
+/* Returns a b + c by one mad instruction, which nvcc would not emit. */
 __device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t sum;
@@ -32,7 +30,7 @@ __device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
     return sum;
 }
 
-/* sqrt(x) for x >= 1, relative error at most 2^-22. */
+/* Returns sqrt(x) for x >= 1, with a relative error of at most 2^-22. */
 __device__ inline float approximate_root(float x)
 {
     float root;
@@ -40,9 +38,8 @@ __device__ inline float approximate_root(float x)
     return root;
 }
 
-/* alpha T + 1/2 in Q30; 0 where level > limit or T < Closed. alpha_q15: the table in shared memory, two bytes per
-   level. Inline PTX, as nvcc would not choose this order: the load does not wait for T and reuses its address
-   register. */
+/* Returns alpha T + 1/2 in Q30 for a transmittance T; 0 if level > limit or T < Closed. alpha is the 16-bit element
+   of alpha_q15 at byte offset level & 0xfffe. */
 template <int Closed>
 __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
 {
@@ -57,7 +54,7 @@ __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int l
     return product;
 }
 
-/* Keeps x in a register; nvcc would recompute it in every loop iteration. */
+/* Keeps x in a register; nvcc would compute x again in every loop iteration. */
 __device__ inline uint32_t kept(uint32_t x)
 {
     asm volatile("" : "+r"(x));
@@ -72,13 +69,11 @@ __device__ inline T *kept_shared(T *x)
     return x;
 }
 
-/* Barrier for `threads` threads of a block. */
 __device__ inline void wait_at(uint32_t barrier, uint32_t threads)
 {
     asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "r"(threads) : "memory");
 }
 
-/* The same barrier; returns true if `x` holds in any of the threads. */
 __device__ inline bool any_at(uint32_t barrier, uint32_t threads, bool x)
 {
     uint32_t result;

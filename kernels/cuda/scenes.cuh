@@ -1,5 +1,5 @@
-/* Host side of the CUDA back end: the table of packed scenes on the device. A scene that exceeds the memory left gets a
-   pool (pool.cuh). */
+/* Keeps packed scenes on the device. A scene that exceeds the remaining device memory gets a pool for part of its
+ * chunks (pool.cuh). */
 #ifndef FXS_CUDA_SCENES_CUH
 #define FXS_CUDA_SCENES_CUH
 
@@ -11,18 +11,18 @@ namespace {
 
 struct scene_copy {
     const fxs_scene *key;
-    fxs_scene here, there;         /* as given by the caller; with device pointers */
-    block data;                    /* null: wanted, not copied yet */
-    bool wrong_tree;               /* the tree is invalid, so its cuts are found on the host */
-    bool pooled;                   /* only part of the rows is on the device */
-    void *rows;                    /* pooled: all rows, in pinned host memory that the device reads */
+    fxs_scene here, there;         /* the scene as given by the caller; the same scene with device pointers */
+    block data;                    /* null: not copied to the device yet */
+    bool wrong_tree;               /* true: the tree is invalid, so the host chooses the level of detail */
+    bool pooled;
+    void *rows;                    /* all Gaussians of a scene that the device holds only in part, in pinned host
+                                      memory */
 };
 
-/* scene_copies sorted by key. */
 struct scene_table {
     host_block memory;
     uint32_t count;
-    uint64_t bytes_wanted, least_wanted;   /* bytes of the wanted scenes: complete; without rows */
+    uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes to be copied: with and without their Gaussians */
     uint32_t pools;
 };
 
@@ -31,7 +31,6 @@ scene_copy *copies_of(const scene_table *t)
     return (scene_copy *)t->memory.data;
 }
 
-/* Index of a scene, or where it would be inserted. */
 uint32_t place_of(const scene_table *t, const fxs_scene *scene)
 {
     uint32_t low = 0, high = t->count;
@@ -45,14 +44,12 @@ uint32_t place_of(const scene_table *t, const fxs_scene *scene)
     return low;
 }
 
-/* A scene's copy, or null. */
 scene_copy *find_scene(const scene_table *t, const fxs_scene *scene)
 {
     const uint32_t place = place_of(t, scene);
     return place < t->count && copies_of(t)[place].key == scene ? &copies_of(t)[place] : nullptr;
 }
 
-/* Byte offsets of the parts of a scene's copy. */
 struct copy_layout {
     uint64_t parents, chunks, nodes, places, owners, stamps, rows, bytes;
 };
@@ -62,7 +59,6 @@ uint64_t all_rows(const fxs_scene *scene)
     return (uint64_t)fxs_scene_chunks(scene) * scene->chunk_bytes;
 }
 
-/* Layout of a complete scene. */
 copy_layout lay_out_whole(const fxs_scene *scene)
 {
     const unsigned char *end = scene->nodes ? scene->node_rows + (scene->chunk_count - 1) * (uint64_t)scene->chunk_bytes
@@ -77,7 +73,6 @@ copy_layout lay_out_whole(const fxs_scene *scene)
     return l;
 }
 
-/* Layout of a pooled scene: headers and palette, the tree, and `places` places for rows. */
 copy_layout lay_out_pooled(const fxs_scene *scene, uint64_t places)
 {
     copy_layout l;
@@ -104,7 +99,7 @@ void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
     t->count--;
 }
 
-/* Adds a scene to the table as wanted. If the fxs_scene has changed since it was added, its old copy is dropped. */
+/* Adds a scene to the table, to be copied later. Drops the old copy of a scene that has changed. */
 int want_scene(scene_table *t, budget *taken, const fxs_scene *scene, fxs_message *why)
 {
     const scene_copy *found = find_scene(t, scene);
@@ -132,7 +127,6 @@ uint32_t wanted_scenes(const scene_table *t)
     return wanted;
 }
 
-/* Drops the copies of pooled scenes and marks them as wanted. */
 int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
 {
     int error = 0;
@@ -145,7 +139,6 @@ int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
     return error;
 }
 
-/* Computes the parents of a scene's chunks on the device, and checks that the nodes form a tree. */
 int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
 {
     const uint32_t blocks = fxs_scene_chunks(&copy->there) / CUT_THREADS + 1;
@@ -159,7 +152,6 @@ int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
     return error;
 }
 
-/* Copies a complete scene to `data`. */
 cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t stream)
 {
     const copy_layout l = lay_out_whole(&copy->here);
@@ -175,8 +167,7 @@ cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t strea
     return first_of(cleared, cudaMemcpyAsync(data + l.chunks, start, bytes, cudaMemcpyHostToDevice, stream));
 }
 
-/* Copies a scene's rows to pinned host memory. The caller's memory is not pinned itself: if it is a mapped file, that
-   may take arbitrarily long. */
+/* Copies a scene's packed Gaussians to pinned host memory. Pinning a mapped file itself could take long. */
 int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -193,7 +184,6 @@ int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
     return found;
 }
 
-/* Copies everything except the rows of a scene to `data`, and sets up an empty pool with `places` places. */
 int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -224,7 +214,6 @@ int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStre
     return check(why, first_of(copied, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* Copies a scene to the device; if its rows exceed `rows_most` bytes, with a pool of that size. */
 int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -245,7 +234,8 @@ int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* Copies all wanted scenes, with at most `rows_most` bytes of rows each. After an error, drops the wanted scenes. */
+/* Copies all new scenes to the device, with at most `rows_most` bytes of Gaussians each. After an error, drops the
+   new scenes. */
 int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {

@@ -1,5 +1,5 @@
-/* Load balance of blend_dense: a tile with a long list is split into parts (groups of columns), each blended by its
- * own block. share_lists finds the splats of a list that can touch each part; its blocks work on segments of lists. */
+/* Balances the load of blend_dense. A tile with a long list of splats is split into parts, groups of pixel columns,
+ * each with its own thread block. share_lists finds the splats of each part, in segments of the list. */
 #ifndef FXS_CUDA_SHARE_CUH
 #define FXS_CUDA_SHARE_CUH
 
@@ -8,23 +8,20 @@
 namespace {
 
 const uint32_t DENSE_THREADS = 1024;
-const uint32_t SHARE_THREADS = 512;                    /* half of a full block: hides memory latency better */
-const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;     /* blocks per multiprocessor */
-const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the least entries of a part, and of the most
-                                                                  of a segment */
+const uint32_t SHARE_THREADS = 512;
+const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;
+const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the fewest list entries of a part, and of
+                                                                  the most of a segment */
 typedef group<DENSE_THREADS> dense_group;
 typedef group<SHARE_THREADS> share_group;
 
-/* Number of segments of a list of this magnitude: each has at most 2^SEGMENT_MAGNITUDE entries. */
 __device__ inline uint32_t segments_of(uint32_t magnitude)
 {
     return magnitude < SEGMENT_MAGNITUDE ? 1 : 2u << (magnitude - SEGMENT_MAGNITUDE);
 }
 
-/* Number of parts, a power of two, of tiles with lists of magnitude 31 - lane; 0 if not long. A tile is split further
-   while a part has more than half of a block's average load, or more than a quarter if the split adds few entries;
-   parts keep at least 2^PART_MAGNITUDE entries. Each doubling of the parts is estimated to need `more` scratch entries.
-   If memory is short, tiles with the largest parts are split first. */
+/* Returns into how many parts a tile is split, a power of two. A tile is split while a part has more than half of a
+   thread block's average load, or a quarter if the split adds few entries. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];
@@ -51,26 +48,22 @@ __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t block
     }
 }
 
-/* Turns of the segments of shared lists. `parts`: from parts_of_tiles. */
 __device__ inline turns segment_turns(const frame_buffers *f, uint32_t parts)
 {
     return turns_of(f, parts > 1 ? segments_of(WARP - 1 - lane_index()) : 0);
 }
 
-/* Start of segment n of `all` in a list of `count` entries. */
 __device__ inline uint32_t segment_start(uint32_t count, uint32_t n, uint32_t all)
 {
     return (uint32_t)((uint64_t)count * n / all);
 }
 
-/* The entries of a tile's list that one part needs, over all segments. */
 struct part_list {
-    uint64_t *keys;                        /* the tile's list, `count` entries */
+    uint64_t *keys;
     uint32_t count, part;
     const list_segment *segments;
     uint32_t segment_count;
 
-    /* `parts`: from parts_of_tiles. */
     __device__ part_list(const frame_buffers *f, const turn_of_tile &turn, uint32_t parts)
         : part(turn.number)
     {
@@ -94,7 +87,6 @@ struct part_list {
         return __ldcg(&segments[segment].ends[part]);
     }
 
-    /* Number of entries in this thread's segments; *missing: a segment had no memory for its places. */
     __device__ uint32_t count_own(bool *missing, const dense_group *g) const
     {
         uint32_t own = 0;
@@ -106,8 +98,6 @@ struct part_list {
         return own;
     }
 
-    /* Calls visit(key, index in the list). Each segment is visited by one warp, or by several if there are more
-       warps. */
     template <class Visit>
     __device__ void visit(const dense_group *g, Visit visit) const
     {
@@ -135,33 +125,31 @@ struct part_list {
     }
 };
 
-/* The key range of a shared list. */
 __device__ inline key_range range_of_shared(const frame_buffers *f, const turn_of_tile &turn)
 {
     const shared_range *range = &f->status->shared[turn.place];
     return {(uint64_t)~__ldcg(&range->not_least) << 32, (uint64_t)__ldcg(&range->most) << 32 | UINT32_MAX};
 }
 
-/* A segment of a shared list. */
 struct segment_of_list {
     const uint64_t *keys;
-    uint32_t count;                        /* at most 2^SEGMENT_MAGNITUDE */
-    uint32_t columns;                      /* columns per part */
+    uint32_t count;
+    uint32_t columns;
 };
 
 struct share_shared {
-    uint32_t parts[PARTS_MOST];            /* entries per part, then their starts */
+    uint32_t parts[PARTS_MOST];
     uint16_t *places;
 };
 
-/* Finds the segment's entries for each part, and widens the list's depth range. */
+/* Finds, for each part of a tile, the splats of a list segment that can touch the part. Also widens the list's depth
+   range. */
 __device__ void share_segment(list_segment *out, shared_range *range, share_shared *shared, const frame_buffers *f,
                               const tile_splats *t, const segment_of_list &s, const share_group *g)
 {
     enum { EACH = (1 << SEGMENT_MAGNITUDE) / SHARE_THREADS };
     const uint32_t lane = lane_index(), parts = FXS_TILE / s.columns, of_part = (1u << s.columns) - 1;
-    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: entries of this lane's part that
-                                                                          precede the warp's */
+    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;
     if (g->thread < PARTS_MOST)
         shared->parts[g->thread] = 0;
 #pragma unroll
@@ -217,7 +205,6 @@ __device__ void share_segment(list_segment *out, shared_range *range, share_shar
     g->sync();
 }
 
-/* dense_blocks: number of blocks of blend_dense. */
 __global__ void __launch_bounds__(SHARE_THREADS, SHARE_BLOCKS)
 share_lists(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f, uint32_t dense_blocks)
 {

@@ -1,5 +1,5 @@
-/* Sorting by a group of threads. A list is not sorted as a whole: the group sorts the nearest keys that fit in
- * shared memory, and the next ones only if a pixel is still open. */
+/* Sorts keys (depth in the upper 32 bits, index in the lower) in shared memory, by a group of threads. A group sorts
+ * the nearest keys of a long list that fit, and further keys only while a pixel is not opaque. */
 #ifndef FXS_CUDA_SORT_CUH
 #define FXS_CUDA_SORT_CUH
 
@@ -9,21 +9,19 @@ namespace {
 
 const uint32_t GROUP_WARPS_MOST = 32;
 
-/* Shared memory of a group that sorts up to Room keys at a time in 2^Bits bins. */
 template <uint32_t Room, int Bits = 11>
 struct group_keys {
     static constexpr uint32_t room = Room, bins = 1u << Bits;
     static constexpr int bits = Bits;
-    uint64_t keys[Room];                   /* unsorted */
-    uint16_t places[Room];                 /* indices into keys, bin by bin */
-    uint2 bounds[GROUP_WARPS_MOST];        /* least and most depth per warp */
+    uint64_t keys[Room];
+    uint16_t places[Room];                 /* indices into keys, in the order of the bins of depth */
+    uint2 bounds[GROUP_WARPS_MOST];
     uint32_t sums[GROUP_WARPS_MOST];
-    uint32_t segments[WARP];               /* of the key range, see segmented */
+    uint32_t segments[WARP];
     uint32_t count, bin;
 };
 
-/* If a thread has more than two bins, one unused bin follows them, so that the threads' n-th bins are in different
-   banks. */
+/* If a thread has more than two bins, an unused bin follows the thread's bins, to avoid bank conflicts. */
 template <class K, uint32_t T>
 constexpr bool has_gaps = K::bins / T > 2;
 
@@ -36,25 +34,22 @@ __device__ inline uint32_t slot_of(uint32_t bin)
     return has_gaps<K, G::threads> ? bin + bin / (K::bins / G::threads) : bin;
 }
 
-/* A group of T threads. */
 template <uint32_t T>
 struct group {
     static constexpr uint32_t threads = T;
-    uint32_t number, thread;               /* group in the block; thread in the group */
+    uint32_t number, thread;
 
     __device__ void sync() const
     {
         wait_at(number + 1, T);
     }
 
-    /* True if `x` holds in any thread; also synchronises. */
     __device__ bool any(bool x) const
     {
         return any_at(number + 1, T, x);
     }
 };
 
-/* A group of one warp. */
 template <>
 struct group<WARP> {
     static constexpr uint32_t threads = WARP;
@@ -66,7 +61,6 @@ struct group<WARP> {
     }
 };
 
-/* Calls visit(key) for every key of a list, with several loads in flight. */
 template <class G, class Visit>
 __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Visit visit)
 {
@@ -83,12 +77,11 @@ __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Vis
     }
 }
 
-/* Inclusive. */
 struct key_range {
     uint64_t low, high;
 };
 
-/* The key range of the depths that all threads' ranges span. */
+/* Returns the key range that covers the depths of all threads. */
 template <class K, class G>
 __device__ key_range range_of(K *shared, uint32_t least, uint32_t most, const G *g)
 {
@@ -118,7 +111,7 @@ __device__ key_range range_of_list(K *shared, const G *g, VisitAll visit_all)
     return range_of(shared, least, most, g);
 }
 
-/* log2 of a bin's width, so that K::bins cover `low` to `high`. */
+/* Returns log2 of the width of a bin, such that K::bins bins cover `low` to `high`. */
 template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
@@ -126,7 +119,8 @@ __device__ inline int bin_shift(uint64_t low, uint64_t high)
     return bits > K::bits ? bits - K::bits : 0;
 }
 
-/* Number of keys in the bins before this thread's; *own: in its own. */
+/* Returns the number of keys in all bins before this thread's bins. *own receives the number in the thread's own
+   bins. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
@@ -142,7 +136,6 @@ __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, 
     return end - *own;
 }
 
-/* Replaces bin sizes by bin starts. */
 template <class K, class G>
 __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
 {
@@ -163,8 +156,8 @@ __device__ void clear_bins(uint32_t *bins, const G *g)
         bins[i] = 0;
 }
 
-/* Finds the largest prefix of bins with at most K::room keys. shared->bin: the first bin after it, K::bins if none;
-   shared->count: its keys. */
+/* Finds the longest prefix of bins with at most K::room keys. shared->bin receives the first bin after the prefix,
+   shared->count the number of keys in the prefix. */
 template <class K, class G>
 __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
@@ -181,8 +174,8 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
     g->sync();
 }
 
-/* Moves the smallest keys from r->low on, at most K::room, to shared->keys, and advances r->low. Returns their number.
-   At least one key must be left. */
+/* Moves the smallest keys from r->low on, at most K::room, to shared->keys, and advances r->low. Returns the number
+   of moved keys. At least one key must be left. */
 template <class K, class G, class VisitAll>
 __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G *g, VisitAll visit_all)
 {
@@ -202,7 +195,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
         const uint64_t bin = shared->bin, width = (uint64_t)1 << shift;
         if (found) {
             last = bin < K::bins ? first + bin * width - 1 : last;
-        } else {                           /* the first bin holds too many: refine it */
+        } else {                           /* the first bin holds too many keys: refines it */
             first += bin * width;
             last = first + width - 1;
         }
@@ -220,16 +213,14 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
     return found;
 }
 
-/* Bins of different widths for clustered depths: the range is divided into 32 segments, and each gets bins in
-   proportion to its keys. */
+/* Bins of different widths, for clustered depths: the key range has 32 segments with bins in proportion to their
+   keys. */
 template <class K, class G>
 struct segmented {
     const uint32_t *segments;              /* per segment: first bin << 16 | number of bins */
     uint64_t low;
-    int shift;                             /* log2 of a segment's keys; at least 27, as indices are in the low 32
-                                              bits */
+    int shift;                             /* log2 of a segment's width; at least 27, as the low 32 bits are indices */
 
-    /* Counts each segment's keys and assigns its bins. */
     __device__ segmented(K *shared, key_range r, uint32_t count, const G *g) : segments(shared->segments), low(r.low)
     {
         shift = 64 - __clzll((long long)(r.high - r.low)) - 5;
@@ -253,8 +244,8 @@ struct segmented {
     }
 };
 
-/* Counting sort by bin of the keys within r: visit_all(visit) calls visit(key, value), and the values are written to
-   `sorted` bin by bin. Afterwards `bins` holds the bins' ends. */
+/* Writes values to `sorted` bin by bin, by counting sort. visit_all(visit) calls visit(key, value). Afterwards
+   `bins` holds the ends of the bins. */
 template <class Moved, class K, class G, class VisitAll>
 __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
@@ -272,7 +263,6 @@ __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range
     g->sync();
 }
 
-/* By a warp: number of bin ends <= `most`. */
 template <class K>
 __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
@@ -284,7 +274,7 @@ __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
     return count;
 }
 
-/* The last bin end within `room` keys after `first`; `first` if there is none. */
+/* Returns the last bin end within `room` keys after `first`, or `first`. */
 template <class K>
 __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
 {
@@ -292,15 +282,14 @@ __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room
     return bins ? max(ends[bins - 1], first) : first;
 }
 
-/* The end of the bin that starts at `first`. */
 template <class K>
 __device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
 {
     return ends[ends_within<K>(ends, first)];
 }
 
-/* Writes the low halves of shared->keys, near to far. Counting sort by depth, then within a bin each key counts the
-   smaller ones. */
+/* Writes the indices of shared->keys in ascending order of depth. Within a bin, a key's rank is the number of
+   smaller keys. */
 template <class K, class G>
 __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
@@ -319,7 +308,7 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     place_bins(shared, bins, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
         shared->places[atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u)] = (uint16_t)i;
-    g->sync();                             /* bins now holds ends */
+    g->sync();                             /* bins[i] is now the end of bin i */
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         const uint64_t key = shared->keys[shared->places[i]];
         const uint32_t bin = s.bin_of(key);
@@ -332,7 +321,6 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     g->sync();
 }
 
-/* The same, with a quarter of the bins for up to Room / 4 keys. */
 template <uint32_t Room, int Bits, class G>
 __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *shared, uint32_t *bins, uint32_t count,
                                    const G *g)
@@ -343,8 +331,8 @@ __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *sh
         sort_keys(entries, (group_keys<Room, Bits - 2> *)shared, bins, count, g);
 }
 
-/* Calls take(count) for batches of a list's keys, near to far, until it returns false. The batch is in shared->keys,
-   unsorted. take must return the same value in all threads. ends: bin ends if the list is in bins, else null. */
+/* Calls take(count) for batches of keys in ascending order of depth, until take returns false. A batch is in
+   shared->keys, unsorted. ends: ends of the bins of the list; null: no bins. */
 template <class K, class G, class Take>
 __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
                           const G *g, Take take)
@@ -353,7 +341,7 @@ __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint3
     for (uint32_t first = 0, end = count; first < count && more; first = end, end = count) {
         if (ends)
             end = bins_end<K>(ends, first, K::room);
-        if (end == first)                  /* the next bin exceeds K::room */
+        if (end == first)
             end = bin_end<K>(ends, first);
         const uint32_t own = end - first;
         auto visit_all = [&](auto visit) { visit_keys(list + first, own, g, visit); };

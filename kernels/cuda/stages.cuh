@@ -1,5 +1,5 @@
-/* The C stages as device code: the sources of src/core are compiled for the device, so all integers are the same.
- * Also the device buffers of a frame. */
+/* Compiles the C sources of src/core for the device, so that all integers equal the processor's. Defines the device
+ * buffers of a frame. */
 #ifndef FXS_CUDA_STAGES_CUH
 #define FXS_CUDA_STAGES_CUH
 
@@ -39,84 +39,81 @@ __device__ const uint16_t offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "src/core/opacity.inc"
 };
 
-/* A splat that does not fit in BOX_COLUMNS x BOX_ROWS tiles; with the square cut-off, any splat. */
+/* A splat (projected Gaussian) that covers more than BOX_COLUMNS x BOX_ROWS tiles; with the square cut-off, any
+   splat. */
 struct large_splat {
     fxs_bounds bounds;
     uint32_t index;
-    int32_t first;                 /* first of the LARGE_ROWS tile rows of this record */
+    int32_t first;
 };
 
-const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* LISTS_APART: see list_step. MANY_GAUSSIANS: mean per tile
-                                                              above which lists are spread */
-const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;    /* parts of a tile; shared tiles */
+const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* above MANY_GAUSSIANS Gaussians per tile, list_step is
+                                                              LISTS_APART */
+const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 
-/* Memory that a frame needed. If it exceeds the capacities, the frame is not blended. */
+/* Memory that a frame needs. A frame that exceeds its buffers is not blended. */
 struct frame_needs {
     uint64_t entries;
     uint32_t larges, visible;
-    uint32_t damaged;              /* 1: a chunk's header is out of range */
+    uint32_t damaged;              /* 1: the header of a chunk of Gaussians is out of range */
 };
 
-/* Depth range of a list that several blocks of blend_dense share. The minimum is stored as ~minimum, so zeroed memory
-   and atomicMax serve for both. */
+/* Depth range of a tile's list that several thread blocks share. The minimum is stored as ~minimum, so that
+   atomicMax works on zeroed memory. */
 struct shared_range {
     uint32_t not_least, most;
 };
 
-/* A segment of such a list, with the entries that each part of the tile needs; written by share_lists. */
+/* A segment of a tile's list, with the splats that can touch each part of the tile. */
 struct list_segment {
-    uint16_t *places;              /* indices in the segment, part by part; null: out of memory */
-    uint16_t ends[PARTS_MOST];     /* end of each part in `places` */
+    uint16_t *places;              /* indices of list entries, part after part; null: out of memory */
+    uint16_t ends[PARTS_MOST];
 };
 
 struct frame_status : frame_needs {
     uint32_t chunks;
-    uint32_t classes[32];          /* tiles per class */
-    uint32_t class_entries[32];    /* their list entries */
-    uint32_t next_sort[2], next_turn, next_long, next_dense;   /* work counters of sort_lists, blend_sorted, blend_tiles
-                                                                  and blend_dense */
-    uint64_t split_taken[2];       /* entries taken from split_entries; from the free end of `entries` */
-    shared_range shared[SHARED_MOST];          /* of the shared lists, in the order of turns */
+    uint32_t classes[32];
+    uint32_t class_entries[32];
+    uint32_t next_sort[2], next_turn, next_long, next_dense;
+    uint64_t split_taken[2];
+    shared_range shared[SHARED_MOST];
 };
 
 struct tile_list {
-    uint32_t count;                /* list length; before start_lists: difference to the previous tile in the row */
-    uint32_t next;                 /* where its next entry goes; after fill_lists: its end */
+    uint32_t count;                /* length of the tile's list; before start_lists: difference to the previous tile
+                                      in the row */
+    uint32_t next;                 /* index of the list's next entry; after fill_lists: end of the list */
 };
 
-/* Device memory of a frame. */
 struct frame_buffers {
     frame_status *status;
-    frame_needs *needs;            /* in host memory; written by sort_lists */
-    const fxs_object_view *objects;   /* with device pointers; not uploaded for a plain frame */
+    frame_needs *needs;
+    const fxs_object_view *objects;
     uint32_t object_count;
-    uint32_t number;               /* frame number, from 1 */
-    const fxs_drawn *drawn;        /* chunks of the cut; null: all leaves are drawn */
-    const uint32_t *drawn_count;   /* length of `drawn`, if found on the device; else null */
-    uint32_t *chunk_objects;       /* object of each visible chunk; status->chunks of them */
-    fxs_chunk_view *chunk_views;   /* view of each visible chunk; `chunk` is its index among the drawn ones */
-    fxs_splat *splats;             /* indexed by drawn chunk and Gaussian, like boxes and depths; written where
-                                      visible */
-    uint64_t *boxes;               /* tiles of each splat (box_of); written for visible chunks */
+    uint32_t number;
+    const fxs_drawn *drawn;        /* null: all chunks of Gaussians are drawn */
+    const uint32_t *drawn_count;
+    uint32_t *chunk_objects;
+    fxs_chunk_view *chunk_views;
+    fxs_splat *splats;             /* valid only for visible splats */
+    uint64_t *boxes;
     uint32_t *depths;
     union {
-        large_splat *larges;       /* until fill_lists has read them; boxes[index] is 0 */
-        list_segment *segments;    /* after fill_lists */
+        large_splat *larges;
+        list_segment *segments;    /* shares memory with larges; valid after fill_lists */
     };
-    tile_list *lists;              /* tile i has lists[i list_step]. Atomics on one memory sector are serialised, so
-                                      with many Gaussians per tile each list gets a sector of its own */
-    uint32_t list_step;            /* 1 or LISTS_APART */
-    uint32_t *classes;             /* tiles by list_magnitude: one row of all tiles per class */
-    uint64_t *entries;             /* the lists: depth in the upper half; index and FXS_ENTRY_CUT_OFF in the lower;
-                                      unsorted. After sort_lists, sorted lists have only the lower halves, near to
-                                      far */
-    uint64_t *split_entries;       /* scratch for long lists in bins: reuses boxes and, if pixels are not traced,
-                                      depths */
+    tile_list *lists;              /* the list of tile i is lists[i list_step]. With many Gaussians per tile, each
+                                      list has its own memory sector, as atomics on one sector are serialised */
+    uint32_t list_step;            /* distance between the lists of two tiles: 1 or LISTS_APART */
+    uint32_t *classes;
+    uint64_t *entries;             /* tile lists; an entry is depth << 32 | splat index, with the flag
+                                      FXS_ENTRY_CUT_OFF. sort_lists leaves only the low halves, sorted by depth */
+    uint64_t *split_entries;
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
 };
 
-/* Loads a splat as two 16-byte words; nvcc would use eight of 4 bytes, as a splat has only that alignment. */
+/* Loads a splat as two 16-byte words; nvcc would load eight 4-byte words. */
 __device__ inline fxs_splat load_splat(const fxs_splat *from)
 {
     const uint4 halves[2] = {((const uint4 *)from)[0], ((const uint4 *)from)[1]};
@@ -139,7 +136,6 @@ __host__ __device__ inline tile_list *list_of(const frame_buffers *f, uint32_t t
     return f->lists + f->list_step * tile;
 }
 
-/* Index of a tile's list for add_at and take_number, in words. */
 __device__ inline uint32_t number_of(const frame_buffers *f, uint32_t tile)
 {
     return sizeof(tile_list) / sizeof(uint32_t) * f->list_step * tile;
@@ -156,7 +152,6 @@ __device__ inline tile_entries entries_of(const frame_buffers *f, uint32_t tile)
     return {f->entries + (own.y - own.x), own.x};
 }
 
-/* The chunk (of all objects) at an index among the drawn ones. */
 __device__ inline uint32_t chunk_at(const frame_buffers *f, uint32_t place)
 {
     return f->drawn ? f->drawn[place].chunk : place;
@@ -167,13 +162,12 @@ __device__ inline bool fits(const frame_buffers *f)
     return f->status->entries <= f->capacity && f->status->larges <= f->large_capacity;
 }
 
-/* Free entries at the end of `entries`; scratch in addition to split_entries. */
 __device__ inline uint64_t spare_entries(const frame_buffers *f)
 {
     return f->capacity - f->status->entries;
 }
 
-/* By one thread: takes `count` scratch entries. Returns null if too few are left. */
+/* Takes `count` 64-bit words of scratch memory. Returns null if too few are left. */
 __device__ inline uint64_t *take_entries(const frame_buffers *f, uint64_t count)
 {
     unsigned long long *taken = (unsigned long long *)f->status->split_taken;

@@ -1,4 +1,5 @@
-/* Finds which pixels of a tile a splat can touch. Conservative: rounding errors are covered by margins. */
+/* Finds the pixels of a 16x16 tile that a splat (a projected Gaussian) can touch. A pixel's level is u^2 + v^2 +
+ * offset in the splat's coordinates u and v; larger levels are fainter. Margins cover rounding errors. */
 #ifndef FXS_CUDA_TILE_WALK_CUH
 #define FXS_CUDA_TILE_WALK_CUH
 
@@ -6,7 +7,6 @@
 
 namespace {
 
-/* A frame's splats relative to a tile; (x, y): the tile's first pixel. */
 struct tile_splats {
     const fxs_splat *splats;
     int cut_q11;
@@ -18,7 +18,6 @@ struct tile_splats {
     {
     }
 
-    /* The splat of a key; for a cut-off key, any splat. */
     __device__ fxs_splat splat_of(uint64_t key) const
     {
         __builtin_assume(__isGlobal(splats));
@@ -26,19 +25,18 @@ struct tile_splats {
     }
 };
 
-/* x clamped to 0..31 and rounded down. */
 __device__ inline uint32_t whole(float x)
 {
     return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
 }
 
-/* Largest |u| with a level within `left`, plus a margin above the rounding error of u. */
+/* Returns the largest |u| with u^2 <= left, plus a margin above the rounding error. */
 __device__ inline float reach_of(float left)
 {
     return approximate_root(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
 }
 
-/* The pixels of a row that a splat can touch, one bit each. */
+/* Returns a bit mask of the pixels in a row that a splat can touch. */
 __device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float left)
 {
     const float u = coordinate_q6(u_q24), reach = reach_of(left);
@@ -47,9 +45,8 @@ __device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float le
     return left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
 }
 
-/* A splat's u and v while walking down the rows of a tile. */
 struct row_walk {
-    uint32_t u_q24, v_q24;                 /* at the row's first pixel */
+    uint32_t u_q24, v_q24;
     float inverse, limit;
 
     __device__ row_walk(const tile_splats *t, const fxs_splat *s, int32_t row)
@@ -61,7 +58,6 @@ struct row_walk {
         limit = __int_as_float(limit_bits(s, t->cut_q11));
     }
 
-    /* Returns the pixels of this row that the splat can touch, and moves to the next row. */
     __device__ uint32_t next(const fxs_splat *s)
     {
         const uint32_t pixels = pixels_of_row(u_q24, inverse, limit - row_level(v_q24, s->offset_q11));
@@ -71,9 +67,8 @@ struct row_walk {
     }
 };
 
-/* The columns of a tile that a splat can touch, one bit each; conservative. Takes the bounding box over the splat's
-   rows in the tile: u is linear, so its extremes are at the first or last row; the reach is that of the row with least
-   |v|. The margin of 5 exceeds the rounding error of the level. */
+/* Returns a bit mask of the tile's columns that a splat can touch. u is linear, so its extremes lie in the first or
+   last row. The margin of 5 exceeds the rounding error of the level. */
 __device__ inline uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
 {
     const int32_t first_row = max((int32_t)s->first_row - t->y, 0);

@@ -1,4 +1,4 @@
-/* Warp-wide operations (sums, shared counters, load balance), and programmatic dependent launch. */
+/* Operations of a warp (32 threads): reductions, prefix sums, shared counters, load balance. */
 #ifndef FXS_CUDA_WARP_CUH
 #define FXS_CUDA_WARP_CUH
 
@@ -14,7 +14,6 @@ __device__ inline uint32_t lane_index()
     return threadIdx.x % WARP;
 }
 
-/* Replaces the reduce instructions of compute capability 8.0 by a butterfly of five shuffles. */
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
 #define REDUCE(name, reduced)                                            \
     template <typename T> __device__ inline T name(unsigned lanes, T own) \
@@ -32,7 +31,7 @@ REDUCE(__reduce_max_sync, own > other ? own : other)
 #undef REDUCE
 #endif
 
-/* Inclusive prefix sum over the lanes. */
+/* Returns the inclusive prefix sum over the threads of a warp. */
 template <class T>
 __device__ inline T warp_sum(T x)
 {
@@ -43,7 +42,8 @@ __device__ inline T warp_sum(T x)
     return x;
 }
 
-/* Increments counters[i] for each active lane and returns the old value. Lanes with the same i share one atomic. */
+/* Increments counters[i] for each active thread of a warp and returns the old value. Threads with equal i share one
+   atomic operation. */
 __device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool active)
 {
     const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
@@ -57,7 +57,6 @@ __device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool acti
     return place;
 }
 
-/* Adds `by` to counters[i] for each active lane. */
 __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool active)
 {
     const unsigned lanes = __ballot_sync(ALL_LANES, active);
@@ -68,8 +67,8 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
     }
 }
 
-/* Load balance: each lane brings `own` items, and the warp visits all of them 32 at a time. All lanes call visit(lane,
-   item of that lane, active). */
+/* Balances work: each lane has `own` items, and the warp visits all items, 32 per step. All lanes call visit(owner
+   lane, index of the item, active). */
 template <class Visit>
 __device__ inline void share_out(uint32_t own, Visit visit)
 {
@@ -83,7 +82,7 @@ __device__ inline void share_out(uint32_t own, Visit visit)
     }
 }
 
-/* Position of the n-th set bit, n from 0. */
+/* Returns the position of the n-th set bit of mask. n counts from 0. */
 __device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
 {
     const uint32_t low_bits = (uint32_t)__popc((uint32_t)mask), high = n >= low_bits ? 32 : 0;
@@ -98,7 +97,8 @@ __device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
     return high + place;
 }
 
-/* Lets the next kernel start early, then waits for the end of the previous one. No-op below compute capability 9.0. */
+/* Lets the next kernel start early, then waits until the previous kernel has finished. Does nothing before compute
+   capability 9.0. */
 __device__ inline void wait_for_last_kernel()
 {
 #if __CUDA_ARCH__ >= 900

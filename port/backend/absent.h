@@ -1,4 +1,4 @@
-/* Stubs of a back end that was built without its library. ABSENT: their message. */
+/* Stubs of a back end that was built without its library. ABSENT is the error message. */
 #ifndef FXS_ABSENT_H
 #define FXS_ABSENT_H
 

@@ -1,4 +1,4 @@
-/* Back end that renders whole frames in compute shaders of OpenGL ES (kernels/compute), with a context by EGL. */
+/* Back end that renders whole frames in compute shaders of OpenGL ES (kernels/compute), with a context from EGL. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,9 +17,9 @@
 typedef struct compute_backend {
     void *port;
     fxs_compute *compute;
-    fxs_compute_scene *scenes;     /* scenes uploaded to the device */
+    fxs_compute_scene *scenes;
     uint32_t scene_count, scene_room;
-    const fxs_compute_scene **copies;          /* for each object of a request, its scene's copy */
+    const fxs_compute_scene **copies;
     uint32_t copy_room;
     void *memory;
     size_t memory_bytes;
@@ -113,7 +113,7 @@ static int grow_scenes(compute_backend *b, fxs_message *why)
     return 0;
 }
 
-/* Finds the device copy of a scene and sets *place to its index. Uploads the scene if it is new or changed. */
+/* Finds a scene on the device. Uploads a new or changed scene first. */
 static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *place, fxs_message *why)
 {
     for (*place = 0; *place < b->scene_count; ++*place)
@@ -133,8 +133,7 @@ static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *plac
     return 0;
 }
 
-/* Finds the copies of all objects' scenes. The first loop uploads, which may move the array; the second takes
-   addresses. */
+/* Takes addresses in a second loop, because an upload may move the array. */
 static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     uint32_t place = 0;

@@ -1,4 +1,4 @@
-/* The processor's back end: every stage by the fastest kernels that the processor supports. */
+/* Back end that runs every stage on the processor. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -42,7 +42,7 @@ static int pick(void *self, const fxs_request *request, int32_t x, int32_t y, fx
 
 static void forget(void *self, const fxs_scene *scene)
 {
-    (void)self, (void)scene;       /* the processor keeps no copies of scenes */
+    (void)self, (void)scene;
 }
 
 static const char *version(const void *self, enum fxs_stage stage)

@@ -1,4 +1,4 @@
-/* The CUDA back end (kernels/cuda). */
+/* Back end of the CUDA renderer (kernels/cuda). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,11 +12,11 @@
 
 #ifdef FXS_WITH_CUDA
 
-#define EYES 2u                    /* slots: both eyes are rendered concurrently */
+#define EYES 2u                    /* two slots render both eyes of a stereo frame concurrently */
 
 typedef struct cuda_backend {
     fxs_cuda *cuda;
-    uint64_t nanoseconds;          /* device time of the last frame */
+    uint64_t nanoseconds;
 } cuda_backend;
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
@@ -40,8 +40,7 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-/* Divides the device time of the frame in proportion to the stages' times, because the stages of two eyes overlap.
-   shade is part of project, resolve part of blend. */
+/* Divides the device time of a frame in proportion to the stages' times, because the stages of two eyes overlap. */
 static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
     static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};

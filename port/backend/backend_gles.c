@@ -1,6 +1,6 @@
-/* The OpenGL back ends. The processor runs the stages up to the tile lists; OpenGL replaces blend and resolve. Contexts
- * come from EGL or OSMesa. Drawing is by lists or framebuffer fetch, with the same bytes. gles and osmesa time both in
- * their first frames, then use the faster. If fetch is missing or fails, lists draw. */
+/* OpenGL back ends. The processor makes the tile lists; OpenGL draws the pixels, from tile lists or by framebuffer
+ * fetch. Both ways give identical pixels. The back ends gles and osmesa time both ways in their first frames and
+ * then use the faster. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,11 +27,10 @@ typedef int fxs_gl_load_fn;
 #define OSMESA 0, 0, 0, 0
 #endif
 
-/* FASTER chooses one of the other two. */
 enum way { LISTS, FETCH, FASTER };
 
 typedef struct kind {
-    const char *name, *without;                /* without: the message of a build that cannot open it */
+    const char *name, *without;                /* without: error message of a build without the library */
     enum way way;
     int (*open)(void **port, fxs_message *why);
     fxs_gl_load_fn *load;
@@ -43,7 +42,7 @@ static const kind faster = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev
 static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
-/* Frames that FASTER measures: two to warm up (lists, fetch), then one timed frame of each. */
+/* Frames that FASTER draws first: one to warm up and one to measure, for each of LISTS and FETCH. */
 enum { MEASURED = 4 };
 
 typedef struct gl_backend {
@@ -52,9 +51,9 @@ typedef struct gl_backend {
     struct fxs_gles *gles;
     fxs_processor processor;
     int processor_open;
-    unsigned frames;               /* frames drawn by FASTER, up to MEASURED */
-    uint64_t times[2];             /* nanoseconds of a frame: LISTS, FETCH */
-    char lost[512];                /* why fetch is unavailable or failed; empty: it works */
+    unsigned frames;
+    uint64_t times[2];
+    char lost[512];                /* why framebuffer fetch is unavailable; empty: available */
 } gl_backend;
 
 #ifdef FXS_WITH_GLES
@@ -200,7 +199,7 @@ static int is_of_device(int error)
     return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
 }
 
-/* With FASTER, if fetch fails on the device, draws this frame and all later ones by lists. */
+/* If framebuffer fetch fails, draws this frame and all later frames from tile lists. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     gl_backend *b = self;
@@ -224,11 +223,8 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     return error;
 }
 
-/* ---- Trial: the way that `gles` chooses -------------------------------------------------------------------------- */
-
 enum { TRIAL = 4096, TRIAL_WIDTH = 640, TRIAL_HEIGHT = 360 };
 
-/* Makes Gaussians spread over a box by a linear congruence. */
 static long read_trial(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
 {
     (void)argument;
@@ -257,7 +253,6 @@ static int pack_trial(fxs_packed_scene *packed, fxs_message *why)
     return error;
 }
 
-/* Draws MEASURED frames, so that way_of knows the faster way. */
 static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *why)
 {
     static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
@@ -279,7 +274,6 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     return error;
 }
 
-/* Appends the way that FASTER chooses, and why, to `name`. Appends nothing if the trial cannot run. */
 static void say_way(const kind *k, char *name, size_t size)
 {
     static const fxs_backend_options options = {.size = sizeof(fxs_backend_options)};
@@ -323,7 +317,7 @@ static int pick(void *self, const fxs_request *request, int32_t x, int32_t y, fx
 
 static void forget(void *self, const fxs_scene *scene)
 {
-    (void)self, (void)scene;       /* splats are uploaded for each frame, scenes are not */
+    (void)self, (void)scene;
 }
 
 static const char *version(const void *self, enum fxs_stage stage)

@@ -1,4 +1,4 @@
-/* Chooses the first view of a scene without cameras, with threads on all processors. */
+/* Chooses the first view of a scene without cameras. */
 #include <string.h>
 
 #include <fixsplat/renderer.h>

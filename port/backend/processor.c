@@ -1,5 +1,5 @@
-/* Renders and picks on the processor for all back ends that need it: owns the context, the thread pool, and working
-   memory that grows as frames need it. */
+/* Renders and picks on the processor. Owns the context, the thread pool, and working memory that grows as frames
+ * need it. */
 #include "processor_internal.h"
 
 #include <inttypes.h>
@@ -42,10 +42,9 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
     return 0;
 }
 
-/* Provides `bytes` bytes of working memory, or max_memory if that is less. */
 static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, fxs_message *why)
 {
-    bytes = bytes ? bytes : 64;    /* 0: an argument is out of range; fxs_render reports it */
+    bytes = bytes ? bytes : 64;
     if (p->max_memory && p->max_memory < bytes)
         bytes = p->max_memory;
     if (bytes <= p->memory_bytes)
@@ -78,7 +77,6 @@ int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stat
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%" PRIu32 " eyes: expected 1 or 2", q->eyes);
     stats = stats ? stats : &own;
     memset(stats, 0, sizeof *stats);
-    /* 0 if an argument is out of range: fxs_render then returns the error. */
     const size_t bytes = fxs_request_bytes(&p->context, q, 0);
     if (make_room(p, bytes, q->cameras, why))
         return FXS_ERR_MEMORY;

@@ -1,4 +1,4 @@
-/* The part common to all back ends that use the processor: context, threads, working memory. */
+/* Context, threads and working memory of back ends that use the processor. */
 #ifndef FXS_PROCESSOR_INTERNAL_H
 #define FXS_PROCESSOR_INTERNAL_H
 
@@ -11,17 +11,16 @@ typedef struct fxs_processor {
     fxs_context context;
     fxs_kernels kernels;
     fxs_pool *pool;                /* null: one thread */
-    void *memory, *allocation;     /* memory: aligned, memory_bytes bytes; grows as frames need it */
+    void *memory, *allocation;
     size_t memory_bytes;
     size_t max_memory;             /* 0: no limit */
 } fxs_processor;
 
-/* Starts the threads and chooses the fastest kernels, without the instruction sets that the options exclude. Takes
-   draw, draw_argument and draw_unlisted from `drawing`. After an error, nothing needs to be closed. */
+/* Starts the threads and chooses the fastest kernels. Takes the draw functions from `drawing`. After an error,
+   nothing needs to be closed. */
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
                        fxs_message *why);
 
-/* The functions render and pick of fxs_backend. */
 int fxs_processor_render(fxs_processor *p, const fxs_request *request, fxs_stats *stats, fxs_message *why);
 int fxs_processor_pick(fxs_processor *p, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
                        fxs_message *why);

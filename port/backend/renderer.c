@@ -1,5 +1,4 @@
-/* The functions of fxs_renderer call the chosen back end. A back end without pick gets the processor's, opened at the
-   first pick. */
+/* Implements fxs_renderer by the chosen back end. The processor picks for a back end without a pick function. */
 #include <fixsplat/renderer.h>
 
 #include <stdio.h>
@@ -11,8 +10,8 @@
 
 struct fxs_renderer {
     const fxs_backend *backend;
-    void *self;                    /* the back end's own data */
-    fxs_backend_options picking;   /* options of the processor's back end, which picks if `backend` cannot */
+    void *self;
+    fxs_backend_options picking;
     void *picker;                  /* null until the first pick */
 };
 

@@ -1,4 +1,4 @@
-/* The message of a back end that was built without the headers of these Debian packages. */
+/* Error message of a back end that was built without the headers of some Debian packages. */
 #ifndef FXS_WITHOUT_H
 #define FXS_WITHOUT_H
 

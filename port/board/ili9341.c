@@ -1,4 +1,4 @@
-/* Commands of an ILI9341: a sequence to wake it, then three per strip. */
+/* Drives a display panel with the controller ILI9341. */
 #include "ili9341.h"
 
 enum {
@@ -6,9 +6,9 @@ enum {
     MEMORY_ACCESS = 0x36, PIXEL_FORMAT = 0x3a, FRAME_RATE = 0xb1, POWER_1 = 0xc0, POWER_2 = 0xc1, VCOM_1 = 0xc5,
     VCOM_2 = 0xc7
 };
-enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };        /* MEMORY_ACCESS */
+enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-#define WAKE_MILLISECONDS 120      /* after RESET and after SLEEP_OUT */
+#define WAKE_MILLISECONDS 120      /* wait after the commands RESET and SLEEP_OUT */
 
 static void send(const fxs_ili9341 *panel, uint8_t command, const uint8_t *data, size_t count)
 {
@@ -28,11 +28,11 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
     static const struct {
         uint8_t command, count, data[2];
     } settings[] = {
-        {POWER_1, 1, {0x23}},              /* 4.6 V for the gamma voltages */
+        {POWER_1, 1, {0x23}},
         {POWER_2, 1, {0x10}},
-        {VCOM_1, 2, {0x3e, 0x28}},         /* 4.25 V and -1.5 V */
+        {VCOM_1, 2, {0x3e, 0x28}},
         {VCOM_2, 1, {0x86}},
-        {FRAME_RATE, 2, {0x00, 0x18}},     /* 79 Hz */
+        {FRAME_RATE, 2, {0x00, 0x18}},     /* frame rate 79 Hz */
         {PIXEL_FORMAT, 1, {0x55}},         /* 16 bits per pixel */
     };
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
@@ -50,7 +50,6 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
     return 0;
 }
 
-/* Sends the first and last column or page of the next write. */
 static void send_range(const fxs_ili9341 *panel, uint8_t command, int32_t first, int32_t last)
 {
     const uint8_t range[4] = {(uint8_t)(first >> 8), (uint8_t)first, (uint8_t)(last >> 8), (uint8_t)last};

@@ -2,11 +2,10 @@
  * V1.11), over SPI with a D/C line or any other bus of bytes.
  *
  *     static fxs_ili9341 panel = {.bus = {send_command, send_data, wait}};
- *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16, .format = FXS_FORMAT_RGB565_SWAPPED,
+ *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16,
+ *                               .format = FXS_FORMAT_RGB565_SWAPPED,
  *                               .rows_done = fxs_ili9341_rows, .argument = &panel};
- *     fxs_ili9341_init(&panel, 320, 240);
- *
- * For the rest see strip.h. */
+ *     fxs_ili9341_init(&panel, 320, 240); */
 #ifndef FXS_ILI9341_H
 #define FXS_ILI9341_H
 
@@ -18,10 +17,10 @@ extern "C" {
 
 /* Functions that the board provides. Bytes are sent in the order of the calls, highest bit first. */
 typedef struct fxs_ili9341_bus {
-    void (*command)(void *argument, uint8_t command);                   /* one byte with D/C low */
-    /* Sends bytes with D/C high. Up to 4 bytes are parameters and must be sent before it returns. More bytes are pixels
-       of the strip. If the panel has a second buffer, DMA may continue to send pixels after the return; the next call
-       of `command` or `data` must wait for its end. */
+    void (*command)(void *argument, uint8_t command);
+    /* Sends bytes with D/C high. Up to 4 bytes must be sent before the return. More bytes are pixels of the strip;
+       with a second buffer, DMA may send them after the return. The next call of `command` or `data` then waits for
+       the end. */
     void (*data)(void *argument, const uint8_t *bytes, size_t count);
     void (*wait)(void *argument, uint32_t milliseconds);
     void *argument;
@@ -29,16 +28,16 @@ typedef struct fxs_ili9341_bus {
 
 typedef struct fxs_ili9341 {
     fxs_ili9341_bus bus;
-    void *other;                   /* second buffer of the strip's size, for double buffering; null: none */
-    int32_t width, height;         /* of the picture; set by fxs_ili9341_init */
+    void *other;                   /* second buffer of the strip's size; null: none */
+    int32_t width, height;
 } fxs_ili9341;
 
-/* Resets the controller, wakes the panel and turns it on. Pictures start at its upper left corner: upright up to
-   240x320, otherwise on its side up to 320x240. Takes 240 ms. Returns 0 or FXS_ERR_SIZE. */
+/* Resets the controller, wakes the panel and turns it on, in 240 ms. Pictures start at the upper left corner:
+   upright up to 240x320, otherwise sideways up to 320x240. Returns 0 or FXS_ERR_SIZE. */
 int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height);
 
-/* For fxs_strip.rows_done, with the panel as argument: sends the strip to its place. Returns 0, or FXS_ERR_TARGET if
-   the strip's format is not RGB565_SWAPPED or the rows are outside the panel. */
+/* Sends a strip, as fxs_strip.rows_done with the panel as argument. Returns 0, or FXS_ERR_TARGET for another format
+   than RGB565_SWAPPED or rows outside the panel. */
 int fxs_ili9341_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows);
 
 #ifdef __cplusplus

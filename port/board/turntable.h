@@ -1,5 +1,4 @@
-/* Turns a scene in front of a camera that frames it, in integers only. Used by the boards' firmware and by the tests,
- * which compare its pictures with the host's. */
+/* Turns a scene in front of a camera that frames the scene, in integers only. */
 #ifndef FXS_TURNTABLE_H
 #define FXS_TURNTABLE_H
 
@@ -15,15 +14,14 @@ typedef struct fxs_turntable {
     fxs_scene scene;
     fxs_object object;
     fxs_camera camera;
-    int64_t middle_q32[3];         /* middle of the visible part of the scene */
+    int64_t middle_q32[3];
 } fxs_turntable;
 
-/* Opens the packed scene of `bytes` bytes at `data` and frames it for a picture of this size. `data` must stay in
- * place. Returns 0, an error of fxs_scene_open, FXS_ERR_SIZE, or FXS_ERR_SCENE if the box of the visible part is not
- * valid. *t must not move in memory, because it points into itself. */
+/* Opens a packed scene and frames it for a picture of this size. `data` and *t must stay in place. Returns 0, an
+ * error of fxs_scene_open, FXS_ERR_SIZE, or FXS_ERR_SCENE for an invalid box of the visible part. */
 int fxs_turntable_open(fxs_turntable *t, const void *data, size_t bytes, int32_t width, int32_t height);
 
-/* Turns the object by step / FXS_TURNTABLE_STEPS of a turn around the y axis. Step 0 is the scene's own orientation. */
+/* Turns the object around the y axis by step / FXS_TURNTABLE_STEPS of a turn. */
 void fxs_turntable_turn(fxs_turntable *t, uint32_t step);
 
 #ifdef __cplusplus

@@ -21,7 +21,7 @@ typedef struct fxs_egl {
     EGLContext context;
 } fxs_egl;
 
-/* dlsym returns a data pointer; POSIX allows to use it as a function pointer. */
+/* dlsym returns a data pointer; POSIX allows its use as a function pointer. */
 static function *symbol(void *library, const char *name)
 {
     function *found = 0;
@@ -37,7 +37,6 @@ void (*fxs_egl_load(void *argument, const char *name))(void)
     return found ? found : e->get_address(name);
 }
 
-/* Finds a function of EGL: functions of version 1.4 in the library, extensions with eglGetProcAddress. */
 static function *egl_function(const fxs_egl *e, const char *name)
 {
     function *found = symbol(e->egl_library, name);
@@ -45,8 +44,7 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
-/* Releases the context first. EGL ignores a call for the context that it believes to be current, but Mesa's other
-   libraries (OSMesa, GLX) may have replaced it without EGL's knowledge. */
+/* Releases the context first, because EGL ignores a call for the context that it believes to be current. */
 int fxs_egl_use(void *egl)
 {
     const fxs_egl *e = egl;
@@ -65,7 +63,6 @@ static int make_surface(fxs_egl *e, EGLConfig config)
     return e->surface && fxs_egl_use(e) == 0;
 }
 
-/* Makes a context of OpenGL ES 3 on a display, and makes it current. */
 static int make_context(fxs_egl *e, EGLDisplay display)
 {
     static const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT,
@@ -93,7 +90,6 @@ static int make_context(fxs_egl *e, EGLDisplay display)
     return 0;
 }
 
-/* EGL lists devices of drivers first and Mesa's software device last. */
 static int try_devices(fxs_egl *e)
 {
     PFNEGLQUERYDEVICESEXTPROC query_devices = CALL(EGLQUERYDEVICESEXT, eglQueryDevicesEXT);

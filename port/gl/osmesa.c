@@ -14,10 +14,9 @@ typedef struct fxs_osmesa {
     void *library;
     OSMesaContext context;
     function *(*get_address)(const char *name);
-    unsigned char pixel[4];        /* the context's own framebuffer */
+    unsigned char pixel[4];
 } fxs_osmesa;
 
-/* dlsym returns a data pointer; POSIX allows to use it as a function pointer. */
 static function *symbol(const fxs_osmesa *o, const char *name)
 {
     function *found = 0;

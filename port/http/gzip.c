@@ -15,7 +15,6 @@ struct fxs_http_gzipped {
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Returns the number of bytes in `out`, or 0 if memory ran out. */
 static size_t compress_all(unsigned char *out, size_t room, const unsigned char *in, size_t size)
 {
     z_stream stream;
@@ -33,7 +32,7 @@ static size_t compress_all(unsigned char *out, size_t room, const unsigned char 
 
 static struct MHD_Response *compress_file(int descriptor, size_t size)
 {
-    const size_t room = compressBound((uLong)size) + 32;   /* plus the gzip header */
+    const size_t room = compressBound((uLong)size) + 32;
     unsigned char *in = malloc(size), *out = malloc(room);
     size_t bytes = 0;
     struct MHD_Response *response = NULL;
@@ -55,7 +54,6 @@ static struct MHD_Response *compress_file(int descriptor, size_t size)
 }
 #endif
 
-/* Returns the list entry of a file, created if missing, or null if memory ran out. */
 static fxs_http_gzipped *place_of(fxs_http_gzipped **list, const char *name)
 {
     fxs_http_gzipped *place = *list;
@@ -80,7 +78,7 @@ struct MHD_Response *fxs_http_gzip(fxs_http_gzipped **list, const char *name, co
     if (!*is_new)
         return place ? place->response : NULL;
     if (place->response)
-        MHD_destroy_response(place->response);   /* libmicrohttpd keeps it while it is being sent */
+        MHD_destroy_response(place->response);   /* libmicrohttpd keeps a response while it is being sent */
     place->response = compress_file(descriptor, size);
     strcpy(place->tag, tag);
     return place->response;

@@ -1,5 +1,4 @@
-/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew and sends it from the
-   descriptor, or from the list of gzip answers. */
+/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew. */
 #include "server.h"
 
 #include "gzip.h"
@@ -16,27 +15,25 @@
 
 #include "src/base/os_calls.h"
 
-/* timeouts of a connection without a request, and during an answer */
+/* timeouts of a connection in seconds, without a request and during a response */
 enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };
-enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* connections in all, and per client address; each needs
-                                                                two descriptors (socket, file) of the usual 1024 */
+enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* most connections in all and per client address; a
+                                                                connection takes two of the usual 1024 descriptors */
 enum { GZIP_LEAST = 1 << 10, GZIP_MOST = 1 << 23, PEM_BYTES_MOST = 1 << 20 };
 
 struct fxs_http_server {
     const fxs_http_site *site;
     struct MHD_Daemon *daemon;
     fxs_http_address bound;
-    char *certificate, *key;                /* texts of the .pem files, or null */
-    const char *host;                       /* another name that requests may use, or null */
+    char *certificate, *key;
+    const char *host;
     char own_name[256];
     fxs_http_waiting waiting;
     fxs_http_gzipped *gzipped;
-    char said[256];                         /* last log message of libmicrohttpd */
+    char said[256];
 };
 
-/* ---- Names ------------------------------------------------------------------------------------------------------- */
-
-/* Returns 1 if all parts of a name consist of letters, digits, . _ and -, and none begins with a dot. Such a name
+/* Returns 1 if all parts of a name consist of letters, digits, . _ and -, without a dot at the start. Such a name
    cannot leave the folder. */
 static int is_inside(const char *name)
 {
@@ -69,7 +66,6 @@ static int open_file(const fxs_http_file *file)
          : file->path ? fxs_descriptor_open(file->path) : fxs_descriptor_again(file->descriptor);
 }
 
-/* Opens a regular file by its name. Returns a descriptor for the caller to close, or -1. */
 static int open_named(const fxs_http_site *site, const char *name, fxs_file_facts *facts)
 {
     int descriptor = -2;
@@ -85,7 +81,7 @@ static int open_named(const fxs_http_site *site, const char *name, fxs_file_fact
     return descriptor;
 }
 
-/* Returns the target of a short address ("/" the first, "/1" the second, ...), or null. */
+/* Returns the target of a short address ("/" is the first, "/1" the second); null: no such address. */
 static const char *start_of(const fxs_http_site *site, const char *name)
 {
     char shorter[16] = "/";
@@ -97,7 +93,7 @@ static const char *start_of(const fxs_http_site *site, const char *name)
 
 typedef struct kind {
     const char *ending, *type;
-    int shrinks;                            /* worth compressing by gzip */
+    int shrinks;                            /* 1: files of this type are worth compressing */
 } kind;
 
 static const kind *kind_of(const char *name)
@@ -116,15 +112,13 @@ static const kind *kind_of(const char *name)
     return k;
 }
 
-/* Leaves an address with an escaped 0 unchanged, because unescaping would cut off its rest. */
+/* Leaves an address with an escaped zero unchanged, because unescaping would cut off the text after the zero. */
 static size_t unescape(void *self, struct MHD_Connection *connection, char *text)
 {
     (void)self;
     (void)connection;
     return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
 }
-
-/* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
 static enum MHD_Result complete(struct MHD_Response *response)
 {
@@ -139,7 +133,6 @@ static enum MHD_Result complete(struct MHD_Response *response)
     return done;
 }
 
-/* Also frees the response. */
 static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
 {
     enum MHD_Result done = complete(response);
@@ -150,7 +143,7 @@ static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned s
     return done;
 }
 
-/* `text` must be constant. */
+/* `text` must be a string constant. */
 static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned status, const char *text,
                                   const char *header, const char *value)
 {
@@ -164,7 +157,6 @@ static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned st
     return send_answer(connection, status, response);
 }
 
-/* Reads a decimal number. Returns the text after it, or null without digits. */
 static const char *take_digits(const char *text, uint64_t *value)
 {
     char *end;
@@ -173,8 +165,8 @@ static const char *take_digits(const char *text, uint64_t *value)
     return *text >= '0' && *text <= '9' && !errno ? end : 0;
 }
 
-/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the range; 0 for the whole
-   file, also if the header is not understood, for example with several ranges; -1 if the file has no such bytes. */
+/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the range; 0 for the
+   whole file; -1 if the file has no such bytes. */
 static int take_range(const char *range, uint64_t size, uint64_t *first, uint64_t *length)
 {
     uint64_t from = 0, last = UINT64_MAX;
@@ -204,7 +196,6 @@ static const char *header_of(struct MHD_Connection *connection, const char *name
     return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
 }
 
-/* Returns 1 if the client accepts gzip. A weight that begins with 0 counts as no. */
 static int takes_gzip(struct MHD_Connection *connection)
 {
     const char *taken = header_of(connection, "Accept-Encoding"), *gzip = taken ? strstr(taken, "gzip") : 0;
@@ -279,8 +270,8 @@ static int is_name(const char *host, size_t length, const char *name, const char
            !strncasecmp(host + first, behind, length - first);
 }
 
-/* Accepts numeric addresses, localhost, options.host and, if the server is not local, this machine's names. This
-   prevents DNS rebinding: a foreign page may point any other name at this machine to read from it. */
+/* Prevents DNS rebinding. Accepts numeric addresses, localhost, options.host and, unless the server is local, this
+   machine's names. */
 static int is_own_host(const fxs_http_server *server, const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;
@@ -301,12 +292,12 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
     (void)body;
     if (strcmp(method, "GET") && strcmp(method, "HEAD"))
         return send_words(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET and HEAD\n", "Allow", "GET, HEAD");
-    if (!*state) {   /* libmicrohttpd calls twice; an answer in the first call would end the connection */
+    if (!*state) {   /* libmicrohttpd's first call for a request must not send a response */
         *state = server;
         return MHD_YES;
     }
     if (*body_bytes) {
-        *body_bytes = 0;   /* the body is read and ignored */
+        *body_bytes = 0;
         return MHD_YES;
     }
     fxs_http_note_request(&server->waiting, connection);
@@ -321,8 +312,6 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
         return send_words(connection, MHD_HTTP_NOT_FOUND, "there is no such file here\n", 0, 0);
     return send_file(server, connection, name, descriptor, &facts);
 }
-
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
 static int parse_address(fxs_http_address *out, const fxs_http_options *o, fxs_message *message)
 {
@@ -345,7 +334,6 @@ static socklen_t size_of(const fxs_http_address *a)
     return a->any.sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4;
 }
 
-/* Returns a listening socket; writes its port to `address`. */
 static MHD_socket listen_at(fxs_http_address *address, const fxs_http_options *o, fxs_message *message)
 {
     const int off = 0;
@@ -476,8 +464,6 @@ void fxs_http_close(fxs_http_server *server)
     free(server);
 }
 
-/* ---- Addresses --------------------------------------------------------------------------------------------------- */
-
 static int is_any(const fxs_http_address *a)
 {
     return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_UNSPECIFIED(&a->v6.sin6_addr)
@@ -503,8 +489,7 @@ typedef struct telling {
     void *self;
 } telling;
 
-/* Reports the address of an interface if the server listens on it and a URL can name it; excludes link-local IPv6
-   addresses. */
+/* Skips link-local IPv6 addresses, which URLs cannot name. */
 static void tell_interface(void *self, const fxs_http_address *a)
 {
     const telling *t = self;

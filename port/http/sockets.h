@@ -1,21 +1,19 @@
-/* Network functions that differ between systems, in addition to libmicrohttpd: port/posix/http and port/win32/http. The
-   socket functions that all systems share are called directly. Only this header includes the system's socket
-   headers. */
+/* Network functions that differ between POSIX and Windows. Only this header includes the system's socket headers. */
 #ifndef FXS_HTTP_SOCKETS_H
 #define FXS_HTTP_SOCKETS_H
 
-#include <microhttpd.h>                     /* MHD_socket */
+#include <microhttpd.h>
 #include <stddef.h>
 
 #ifdef _WIN32
 #include <winsock2.h>
 #include <ws2tcpip.h>
-enum { FXS_HTTP_BOTH_WAYS = SD_BOTH };      /* for shutdown */
+enum { FXS_HTTP_BOTH_WAYS = SD_BOTH };      /* argument of shutdown that ends both directions */
 #else
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>                         /* gethostname */
+#include <unistd.h>
 enum { FXS_HTTP_BOTH_WAYS = SHUT_RDWR };
 #endif
 
@@ -25,24 +23,24 @@ typedef union fxs_http_address {
     struct sockaddr_in6 v6;
 } fxs_http_address;
 
-/* Call first. Returns 0, or -1 without a network. */
+/* Must be called first. Returns 0, or -1 without a network. */
 int fxs_http_sockets_begin(void);
 
-/* Prepares a socket for listening: child processes do not inherit it, a recently used port can be used again, and no
-   other server can share the port. */
+/* Prepares a socket for listening. Child processes do not inherit the socket, a recently used port can be reused,
+   and no other server can share the port. */
 void fxs_http_socket_claim(MHD_socket s);
 
 void fxs_http_socket_close(MHD_socket s);
 
-/* Error of the last call. */
+/* Error of the last network call. */
 typedef struct fxs_http_fault {
-    int is_in_use;                          /* the address is in use */
+    int is_in_use;
     char words[128];
 } fxs_http_fault;
 
 void fxs_http_socket_fault(fxs_http_fault *fault);
 
-/* Calls a function with each IPv4 and IPv6 address of the interfaces that are up. */
+/* Calls `each` with each IPv4 and IPv6 address of the active interfaces. */
 void fxs_http_each_interface(void (*each)(void *self, const fxs_http_address *address), void *self);
 
 #endif

@@ -1,5 +1,5 @@
-/* Connections that wait for a request or for the rest of one. At most 64 may wait: a new one ends the one that has
- * waited longest, so unfinished requests cannot block other clients. */
+/* Limits connections without a complete request to 64. A further connection ends the one that has waited longest, so
+ * unfinished requests cannot block other clients. */
 #ifndef FXS_HTTP_WAITING_H
 #define FXS_HTTP_WAITING_H
 
@@ -10,14 +10,15 @@ typedef struct fxs_http_waiting {
     int count;
 } fxs_http_waiting;
 
-/* For MHD_OPTION_NOTIFY_CONNECTION, with an fxs_http_waiting. */
+/* Registers new connections and removes closed ones. MHD_OPTION_NOTIFY_CONNECTION takes this function, with an
+   fxs_http_waiting as argument. */
 void fxs_http_note_connection(void *waiting, struct MHD_Connection *connection, void **socket_context,
                               enum MHD_ConnectionNotificationCode event);
 
-/* Call when a request is complete and will be answered. */
+/* Must be called when a request is complete. */
 void fxs_http_note_request(fxs_http_waiting *waiting, struct MHD_Connection *connection);
 
-/* For MHD_OPTION_NOTIFY_COMPLETED, with an fxs_http_waiting: the connection waits again. */
+/* Marks a connection as waiting after a response. MHD_OPTION_NOTIFY_COMPLETED takes this function. */
 void fxs_http_note_answered(void *waiting, struct MHD_Connection *connection, void **state,
                             enum MHD_RequestTerminationCode why);
 

@@ -13,17 +13,17 @@
 
 #include "src/base/opened.h"
 
-/* The mapped ranges, searched by the SIGBUS handler: reading a page of a file that was cut short raises SIGBUS. A
-   signal may come at any time, so all fields are accessed atomically and without a lock. */
+/* The SIGBUS handler searches the mapped ranges at any time. All fields are therefore accessed atomically and
+   without a lock. */
 enum { RANGES = 64 };
 static struct range {
-    uintptr_t start, end;          /* end 0: nothing mapped; set last, cleared first */
-    int lost;                      /* the handler replaced pages by zeros */
+    uintptr_t start, end;          /* end = 0: nothing is mapped. end is set last and cleared first. */
+    int lost;
     int taken;
 } ranges[RANGES];
 
 static int guarded;
-static struct sigaction before;    /* written once, before the handler is installed */
+static struct sigaction before;
 
 static uintptr_t load(const uintptr_t *number)
 {
@@ -51,7 +51,7 @@ static void note_range(const fxs_mapping *mapping)
     __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
 }
 
-/* Maps zeros from the page of the fault to the end of the range. Returns 0 if the address lies in no range. */
+/* Replaces pages by zeros, from the page of the fault to the end of the mapped file. */
 static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {
@@ -71,14 +71,15 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
         before.sa_sigaction(signal_number, info, context);
     else if (before.sa_handler == SIG_DFL) {
         signal(signal_number, SIG_DFL);
-        raise(signal_number);      /* delivered when this handler returns */
+        raise(signal_number);
     } else if (before.sa_handler != SIG_IGN)
         before.sa_handler(signal_number);
 }
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, fault = info->si_code > 0;   /* 0: sent by a process */
+    const int error = errno, fault = info->si_code > 0;   /* si_code is not positive if another process sent the
+                                                             signal */
     if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
         handle_as_before(signal_number, info, context);
     errno = error;
@@ -98,7 +99,8 @@ void fxs_map_guard(void)
 static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     struct stat status;
-    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* does not block on a FIFO */
+    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* O_NONBLOCK: does not wait for the
+                                                                              writer of a FIFO */
     if (mapping->descriptor < 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     if (fstat(mapping->descriptor, &status) || !S_ISREG(status.st_mode) || status.st_size < 1 ||

@@ -1,4 +1,5 @@
-/* Opens scenes for rendering: maps .fxs files, or opens them with a pager, and packs all other formats. */
+/* Opens scenes for rendering. Files in the packed format .fxs are mapped or read in part; all other formats are
+ * packed. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@ typedef struct open_scene {
     fxs_scene scene;
     fxs_scene_file_info info;
     fxs_pack_report report;
-    fxs_packed_scene packed;       /* all 0 if the bytes are mapped or the caller's */
+    fxs_packed_scene packed;
     fxs_mapping mapping;
     char name[];
 } open_scene;
@@ -57,7 +58,6 @@ static int create(const char *name, open_scene **made, fxs_opened **opened, fxs_
     return 0;
 }
 
-/* After an error, frees the scene. */
 static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_opened **opened, fxs_message *message)
 {
     if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
@@ -68,8 +68,6 @@ static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_
         fxs_close(&s->shown);
     return error;
 }
-
-/* ---- Packed scenes ----------------------------------------------------------------------------------------------- */
 
 static void describe(open_scene *s, const void *data)
 {
@@ -133,7 +131,6 @@ static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **open
     return error;
 }
 
-/* Copies the bytes only if they are not aligned to 64. */
 static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                       fxs_message *message)
 {
@@ -147,8 +144,6 @@ static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_o
     memcpy(s->packed.data, data, bytes);
     return take_packed(s, s->packed.data, bytes, o, opened, message);
 }
-
-/* ---- Other formats ----------------------------------------------------------------------------------------------- */
 
 static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, fxs_message *message)
 {
@@ -164,7 +159,6 @@ static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, 
     return error;
 }
 
-/* Packs and closes the file. `error`: the result of opening it. */
 static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_open_options *o, fxs_opened **opened,
                      fxs_message *message)
 {

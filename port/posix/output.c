@@ -1,5 +1,5 @@
-/* Writes output files: into a locked temporary file in the target's folder, which is synced and renamed to the target
-   when it is complete. A signal handler removes unfinished files. */
+/* Writes output files. Data goes to a locked temporary file in the target's folder. When complete, the file is
+ * synced and renamed to the target. A signal handler removes unfinished files. */
 #include "src/base/output_internal.h"
 
 #include <errno.h>
@@ -17,16 +17,14 @@
 #include <fixsplat/system.h>
 #include "src/base/opened.h"
 
-enum { LINKS_MOST = 40,        /* the limit of Linux */
-       NAME_ROOM = 64,         /* bytes for the name of a temporary file, without its folder */
-       WRITERS_MOST = 100 };   /* simultaneous writers of one file */
+enum { LINKS_MOST = 40,
+       NAME_ROOM = 64,
+       WRITERS_MOST = 100 };
 
-/* ---- Unfinished outputs ---------------------------------------------------------------------------------------- */
-
-static fxs_output *under_way;   /* list; read by the signal handler, changed only between enter and leave */
+static fxs_output *under_way;   /* list of unfinished outputs, which the signal handler reads */
 static char taken;
 
-/* Takes a spin lock. Signals are blocked from enter to leave, so the handler can wait for another thread. */
+/* Takes a spin lock. Signals are blocked while the lock is held, so the handler can wait for another thread. */
 static void enter(sigset_t *before)
 {
     sigset_t all;
@@ -54,8 +52,7 @@ static void forget(fxs_output *output)
     leave(&before);
 }
 
-/* Signal handler: removes the temporary files and ends the process. It keeps `taken`, so that other threads and further
-   handlers wait until the process ends. The raised signal is delivered when this handler returns. */
+/* Signal handler that removes the temporary files and ends the process. Keeps the lock, so that other threads wait. */
 static void remove_and_end(int signal_number)
 {
     while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
@@ -77,8 +74,6 @@ void fxs_output_remove_at_signals(void)
         if (!sigaction(signals[i], NULL, &old) && old.sa_handler == SIG_DFL)
             sigaction(signals[i], &action, NULL);
 }
-
-/* ---- Names ----------------------------------------------------------------------------------------------------- */
 
 static size_t folder_length(const char *path)
 {
@@ -118,9 +113,7 @@ char *fxs_output_target(const char *path)
     return name;
 }
 
-/* ---- Open ------------------------------------------------------------------------------------------------------ */
-
-static char standard_output[] = "standard output";   /* stands for the path "-" in messages */
+static char standard_output[] = "standard output";
 
 static void release(fxs_output *output)
 {
@@ -135,15 +128,15 @@ static void release(fxs_output *output)
 static void name_temporary(fxs_output *output, int i)
 {
     const size_t folder = folder_length(output->target);
-    uint32_t hash = 0x811c9dc5u;                                       /* FNV-1a */
+    uint32_t hash = 0x811c9dc5u;
     for (const char *c = output->target + folder; *c; c++)
         hash = (hash ^ (unsigned char)*c) * 0x01000193u;
     snprintf(output->temporary, folder + NAME_ROOM, "%.*s.fixsplat-%08" PRIx32 "-%d.tmp", (int)folder, output->target,
              hash, i);
 }
 
-/* Removes a temporary file that an ended process left. A writer holds a lock on its temporary file until the rename; if
-   the lock is free, the writer has ended. Returns 0 if no such file exists. */
+/* Removes a temporary file that an ended process left. Writers lock their temporary files, so a free lock means that
+   the writer has ended. Returns 0 if no such file exists. */
 static int remove_left(const char *name)
 {
     struct stat own, there;
@@ -160,8 +153,6 @@ static int remove_left(const char *name)
     return 1;
 }
 
-/* Creates and locks a file, with the permissions of `old` if it is not null. Returns a descriptor, or -1 and errno.
-   EEXIST: the name is taken, or another process was about to remove the new file as abandoned. */
 static int create(const char *name, const struct stat *old)
 {
     struct stat own;
@@ -175,12 +166,10 @@ static int create(const char *name, const struct stat *old)
         return -1;
     }
     if (old)
-        fchmod(descriptor, mode);   /* if this fails, umask may leave fewer permissions */
+        fchmod(descriptor, mode);
     return descriptor;
 }
 
-/* Creates a temporary file in the folder of output->target, so that a rename can replace the target. Also removes files
-   abandoned by earlier writers of the same target. Returns a descriptor, or -1 and errno. */
 static int create_beside(fxs_output *output, const struct stat *old)
 {
     int descriptor = -1, own = 0;
@@ -210,7 +199,8 @@ static int create_beside(fxs_output *output, const struct stat *old)
     return descriptor;
 }
 
-/* Returns 1 if a symbolic link such as /dev/stdout names standard output. Opening it again would truncate the file. */
+/* Returns 1 if a symbolic link such as /dev/stdout names standard output. Opening the link again would truncate the
+   file. */
 static int is_standard_output(const char *path, const struct stat *status)
 {
     struct stat own, out;
@@ -255,7 +245,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* the descriptor is read-only */
+    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;
     const int error = fxs_output_fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
@@ -265,15 +255,13 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     return error;
 }
 
-/* ---- Write and close ------------------------------------------------------------------------------------------- */
-
-/* Some file systems do not support fsync (EINVAL, EROFS). That is not an error here. */
+/* Some file systems do not support fsync, which is no error. */
 static int sync_file(FILE *file)
 {
     return !fsync(fileno(file)) || errno == EINVAL || errno == EROFS ? 0 : -1;
 }
 
-/* Writes the new name to the disk. A failure is ignored, because the file itself is complete. */
+/* Ignores a failure, because the file itself is complete. */
 static void sync_folder(fxs_output *output)
 {
     const size_t folder = folder_length(output->target);

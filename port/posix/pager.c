@@ -1,7 +1,6 @@
-/* Renders a packed scene from a pool that holds some of its chunks. Two threads: the caller's thread draws from
- * `places` and the pool; the reader thread fills free places of the pool. The lock guards the data that both use: the
- * queue of chunks to read, the free places and the chunks that arrived. Only fxs_pager_turn, called between frames,
- * assigns a place to a chunk or takes it away. */
+/* Renders a packed scene that is larger than memory. A pool has places for some of the scene's chunks of 256
+ * Gaussians. The caller's thread draws from the pool, while a reader thread fills free places. Only fxs_pager_turn,
+ * called between frames, assigns a place to a chunk or evicts a chunk. */
 #include <fixsplat/pager.h>
 
 #include <pthread.h>
@@ -24,24 +23,23 @@
 
 enum {
     PLACES_LEAST = 16,
-    KEPT_SHARE = 8, KEPT_MOST = 256,   /* share of the pool (1/8) and number of chunks that always stay: the coarsest */
-    HEAD_PIECE = 1 << 20,              /* bytes of one read of header, palette and tree */
-    READ_MOST = 1 << 20,               /* bytes of one read of rows; one chunk at least */
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes at a time */
-    BATCH_APART = 64,                  /* minimum and start value for a source with a gap, such as a server */
+    KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks of Gaussians always stay: 1/8 of the pool, 256 at most */
+    HEAD_PIECE = 1 << 20,
+    READ_MOST = 1 << 20,
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* least and most chunks of Gaussians that one batch reads */
+    BATCH_APART = 64,
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
-    ROOM_LEAST = 256,                  /* places that one turn frees at most; or an eighth of the pool if that is
-                                          more */
-    TRIES = 3,                         /* failures until a chunk is lost; failed reads in a row until an error is
-                                          reported */
-    PAUSE_MS = 100, PAUSE_MOST = 20    /* pause after a failed read: PAUSE_MS times the failures in a row, 20 at most */
+    ROOM_LEAST = 256,
+    TRIES = 3,                         /* failures of a chunk until it is lost; failed reads in a row until an error
+                                          is reported */
+    PAUSE_MS = 100, PAUSE_MOST = 20
 };
 
-/* A place of the pool. Places of chunks that may be evicted form a ring, ordered by last use. */
+/* A place of the pool. Chunks that may be evicted form a linked list in the order of last use. */
 typedef struct place {
-    uint32_t chunk;                    /* FXS_NOTHING: free, or being filled */
-    uint32_t drawn;                    /* number of the turn that last drew it */
-    uint32_t newer, older;             /* neighbours in the ring; FXS_NOTHING at its ends */
+    uint32_t chunk;                    /* FXS_NOTHING: the place is free or being filled */
+    uint32_t drawn;
+    uint32_t newer, older;
 } place;
 
 typedef struct arrival {
@@ -57,35 +55,32 @@ struct fxs_pager {
     char *name;
     unsigned char *head, *tree, *pool, *stage;
     size_t memory, stage_bytes;
-    uint32_t chunks, room, kept;       /* tree nodes 0 to kept - 1 are never evicted */
+    uint32_t chunks, room, kept;       /* kept: number of tree nodes that are never evicted */
 
-    /* Used by the caller's thread only. */
-    uint32_t *places;                  /* place of each chunk, or FXS_NOTHING */
-    uint32_t *asked;                   /* for each chunk: the last turn that wanted it while it was missing */
+    /* Fields for the caller's thread only. */
+    uint32_t *places;                  /* place of each chunk of Gaussians in the pool; FXS_NOTHING: none */
+    uint32_t *asked;
     place *in_pool;
     uint32_t newest, oldest, there;
-    uint32_t turn;                     /* number of the current turn; all frames between two calls of fxs_pager_turn
-                                          share it */
-    int has_asked;                     /* fxs_pager_want was called since the last call of fxs_pager_turn */
-    uint32_t *wanted, wanted_count;    /* chunks wanted in this turn, most needed first; capacity: room */
+    uint32_t turn;
+    int has_asked;
+    uint32_t *wanted, wanted_count;    /* chunks that the current frames lack, most needed first */
 
-    pthread_mutex_t lock;              /* guards the fields below */
+    pthread_mutex_t lock;              /* guards all fields below */
     pthread_cond_t work, done;
     pthread_t reader;
     int has_reader, stop, reading;
-    uint8_t *tries;                    /* for each chunk: failed reads */
-    uint8_t *taken;                    /* for each chunk: being read, or read and not yet settled */
+    uint8_t *tries;
+    uint8_t *taken;
     uint32_t *queue, queue_count, queue_next;
-    uint32_t *spare, spare_count;      /* free places */
+    uint32_t *spare, spare_count;
     arrival *arrived;
     uint32_t arrived_count, batch_least, batch_most, lost;
     uint64_t bytes_read;
-    int error;                         /* the last error and its message */
+    int error;
     fxs_message why;
-    uint32_t failures;                 /* reads in a row that failed in the source */
+    uint32_t failures;
 };
-
-/* ---- Ring of places by last use ---------------------------------------------------------------------------------- */
 
 static void leave_ring(fxs_pager *p, uint32_t number)
 {
@@ -117,7 +112,7 @@ static void note_drawn(fxs_pager *p, uint32_t number)
     enter_ring(p, number);
 }
 
-/* Assigns its place to a chunk that arrived. The caller holds the lock, or the reader has not started. */
+/* The caller holds the lock. */
 static void settle(fxs_pager *p, arrival a)
 {
     p->in_pool[a.place] = (place){a.chunk, p->turn, FXS_NOTHING, FXS_NOTHING};
@@ -128,8 +123,7 @@ static void settle(fxs_pager *p, arrival a)
         enter_ring(p, a.place);
 }
 
-/* Evicts the least recently drawn chunk, unless the current turn drew it. Returns 1 if it freed a place. The caller
-   holds the lock. */
+/* Evicts the least recently drawn chunk, except chunks of the current turn. The caller holds the lock. */
 static int free_place(fxs_pager *p)
 {
     const uint32_t number = p->oldest;
@@ -142,8 +136,6 @@ static int free_place(fxs_pager *p)
     p->there--;
     return 1;
 }
-
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 static uint64_t offset_of(const fxs_pager *p, uint32_t chunk)
 {
@@ -158,7 +150,6 @@ static int by_chunk(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns how many chunks of the list, sorted by chunk, one read covers. */
 static uint32_t run_of(const fxs_pager *p, const arrival *list, uint32_t count)
 {
     const uint64_t start = offset_of(p, list[0].chunk), size = p->scene.chunk_bytes;
@@ -174,7 +165,6 @@ static unsigned char *place_at(const fxs_pager *p, uint32_t number)
     return p->pool + (size_t)number * p->scene.chunk_bytes;
 }
 
-/* Calls source.read. Makes sure that an error is negative and has a message. */
 static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t size, fxs_message *why)
 {
     why->text[0] = 0;
@@ -184,8 +174,7 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Reads a run of chunks and copies the valid ones to their places. Returns the last error. good[i]: chunk i passed its
-   checks. *unread: the source failed. */
+/* Reads consecutive chunks of Gaussians. good[i] = 1: chunk i is valid. *unread = 1: the source failed. */
 static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
@@ -205,8 +194,7 @@ static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *
     return result;
 }
 
-/* Resets the failure count. After TRIES failures in a row, also gives lost chunks new attempts. The caller holds the
-   lock. */
+/* After TRIES failures in a row, a success gives lost chunks new attempts. The caller holds the lock. */
 static void note_success(fxs_pager *p)
 {
     if (p->failures >= TRIES) {
@@ -258,7 +246,7 @@ static void tell_arrived(fxs_pager *p)
     pthread_mutex_lock(&p->lock);
 }
 
-/* Called with the lock, which it releases during each read. Adapts batch_most to the time that the batch took. */
+/* Releases the caller's lock during each read. Adapts batch_most to the time that the batch took. */
 static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
 {
     const uint64_t start = fxs_clock(0);
@@ -317,8 +305,6 @@ static void *read_wanted(void *pager)
     return 0;
 }
 
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
-
 static void *allocate(fxs_pager *p, uint64_t count, size_t size)
 {
     const int fits = count <= (SIZE_MAX - 64) / size;
@@ -327,8 +313,7 @@ static void *allocate(fxs_pager *p, uint64_t count, size_t size)
     return block;
 }
 
-/* Reads in pieces, so that a source that claims too large a size costs no physical memory: the system allocates pages
-   only as they are written. */
+/* Reads in pieces, so that a false size in a damaged file costs no physical memory. */
 static int read_head(fxs_pager *p, uint64_t offset, unsigned char *out, uint64_t size, fxs_message *message)
 {
     for (uint64_t done = 0; done < size;) {
@@ -411,11 +396,10 @@ static int make_room(fxs_pager *p, fxs_message *message)
         p->spare[p->spare_count] = p->room - 1 - p->spare_count;
     p->scene.rows = p->pool;
     p->scene.places = p->places;
-    p->turn = 1;                       /* above every entry of `asked` */
+    p->turn = 1;
     return 0;
 }
 
-/* Reads the root of the tree, so that the first frame can draw the scene. */
 static int read_root(fxs_pager *p, fxs_message *message)
 {
     const arrival root = {p->scene.chunk_count, p->spare[--p->spare_count]};
@@ -526,8 +510,6 @@ void fxs_pager_close(fxs_pager *p)
     free(p);
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
 const fxs_scene *fxs_pager_scene(const fxs_pager *pager)
 {
     return &pager->scene;
@@ -562,8 +544,7 @@ void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int the
     }
 }
 
-/* Fills the queue: wanted chunks first, then the coarsest chunks, which later views will need. The caller holds the
-   lock. */
+/* Fills the queue of chunks to read: wanted chunks first, then the coarsest. The caller holds the lock. */
 static void fill_queue(fxs_pager *p)
 {
     const uint32_t leaves = p->scene.chunk_count;
@@ -584,8 +565,7 @@ static uint32_t left_in_queue(const fxs_pager *p)
     return p->queue_count - p->queue_next;
 }
 
-/* Frees places for the next chunks of the queue. The number is limited, because a chunk evicted too early may be wanted
-   again before its replacement arrives. The caller holds the lock. */
+/* Limits the number of evicted chunks, because an evicted chunk may be wanted again soon. The caller holds the lock. */
 static void free_places(fxs_pager *p)
 {
     const uint32_t share = p->room / KEPT_SHARE > ROOM_LEAST ? p->room / KEPT_SHARE : ROOM_LEAST;
@@ -616,7 +596,7 @@ int fxs_pager_turn(fxs_pager *p, fxs_pager_state *state, fxs_message *message)
     const int error = p->lost || p->failures >= TRIES ? p->error : 0;
     if (error && message)
         *message = p->why;
-    p->reading |= left > 0 && p->spare_count > 0;       /* assumed until the reader has looked at the queue */
+    p->reading |= left > 0 && p->spare_count > 0;
     pthread_cond_signal(&p->work);
     pthread_mutex_unlock(&p->lock);
     return error;

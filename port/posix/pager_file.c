@@ -1,4 +1,5 @@
-/* A pager source that reads a file with pread. Each read also checks that size and modification time did not change. */
+/* Reads parts of a scene from a file, as a source of the pager. Each read also checks that size and modification
+ * time have not changed. */
 #include <fixsplat/pager.h>
 
 #include <errno.h>
@@ -14,7 +15,7 @@
 
 typedef struct paged_file {
     int descriptor;
-    struct stat opened;                /* its state when it was opened */
+    struct stat opened;
     char path[];
 } paged_file;
 
@@ -60,7 +61,7 @@ int fxs_pager_file(const char *path, fxs_pager_source *source, fxs_message *mess
     if (!f)
         return fxs_fail_memory(message, path, sizeof *f + length);
     memcpy(f->path, path, length);
-    f->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);        /* a FIFO does not block */
+    f->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     int error = 0;
     if (f->descriptor < 0 || fstat(f->descriptor, &f->opened))
         error = fxs_fail_errno(message, path, errno);

@@ -1,5 +1,5 @@
-/* A pager source that reads a file on a server by HTTP range requests (RFC 9110, section 14). libcurl brings about
-   thirty libraries, so dlopen loads it at the first use. */
+/* Reads parts of a scene from a server by HTTP range requests (RFC 9110, section 14), as a source of the pager.
+ * libcurl is loaded at the first use, because libcurl brings about thirty libraries. */
 #include <fixsplat/pager.h>
 
 #include <string.h>
@@ -32,11 +32,9 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 
 #include "src/base/try_internal.h"
 
-/* A request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. GAP, VALIDATOR, HEADERS_MOST: bytes. */
+/* A request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. */
 enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144,
        VALIDATOR = 200 };
-
-/* ---- The library ------------------------------------------------------------------------------------------------- */
 
 static struct {
     CURLcode (*global_init)(long flags);
@@ -51,7 +49,6 @@ static struct {
     int is_here;
 } lib;
 
-/* Looks up a function. POSIX allows the conversion of dlsym's result to a function pointer. */
 static int find(void *library, const char *name, void *function)
 {
     void *address = dlsym(library, name);
@@ -74,27 +71,25 @@ static void load_library(void)
                   find(library, "curl_easy_strerror", &lib.error) && !lib.global_init(CURL_GLOBAL_DEFAULT);
 }
 
-/* ---- A request --------------------------------------------------------------------------------------------------- */
-
-/* Validators and size of the file, from the headers of an answer. */
+/* Headers of a response that identify the version of the file. */
 typedef struct validators {
-    char tag[VALIDATOR], modified[VALIDATOR];      /* ETag and Last-Modified; empty: none */
+    char tag[VALIDATOR], modified[VALIDATOR];      /* values of the headers ETag and Last-Modified; empty: none */
     uint64_t size;
 } validators;
 
 typedef struct paged_url {
     CURL *handle;
     char *url;
-    int cancelled;                     /* accessed atomically */
-    int is_open;                       /* `file` holds the validators of the first answer */
+    int cancelled;                     /* 1: the request is cancelled; accessed atomically */
+    int is_open;
     validators file;
 
     unsigned char *out;
-    uint64_t first;                    /* offset in the file */
-    size_t size, got, headers;         /* bytes */
-    long status;                       /* HTTP status of the answer being received */
+    uint64_t first;
+    size_t size, got, headers;
+    long status;
     int has_range, too_long;
-    uint64_t from, to;                 /* first and last byte, from Content-Range */
+    uint64_t from, to;                 /* first and last byte of the response, from the header Content-Range */
     validators said;
 } paged_url;
 
@@ -105,7 +100,7 @@ static int is_cancelled(void *argument, curl_off_t a, curl_off_t b, curl_off_t c
     return __atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE);
 }
 
-/* Accepts only the bytes of status 206. Any other content, or too much of it, ends the request. */
+/* Accepts only the bytes of status 206. Any other content ends the request. */
 static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -121,7 +116,6 @@ static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
     return length;
 }
 
-/* Copies the value of a header without surrounding spaces. Ignores a value that does not fit. */
 static void take_value(const char *line, const char *name, char value[VALIDATOR])
 {
     const size_t length = strlen(name);
@@ -133,7 +127,7 @@ static void take_value(const char *line, const char *name, char value[VALIDATOR]
         snprintf(value, VALIDATOR, "%.*s", (int)end, line);
 }
 
-/* After redirects, only the last answer counts. */
+/* After redirects, only the last response counts. */
 static size_t take_header(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -157,7 +151,7 @@ static size_t take_header(char *bytes, size_t size, size_t count, void *argument
     return length;
 }
 
-/* Returns the validator for If-Range. Weak ETags are excluded, because they may stay the same when bytes change. */
+/* Weak ETags are excluded, because they may stay the same when bytes change. */
 static const char *validator_of(const paged_url *u)
 {
     return *u->file.tag == '"' ? u->file.tag : *u->file.tag ? "" : u->file.modified;
@@ -168,14 +162,13 @@ static int differ(const char *a, const char *b)
     return *a && *b && strcmp(a, b) != 0;
 }
 
-/* Compares only headers that are present: an answer to If-Range may omit some (RFC 9110, 15.3.7). */
+/* Compares only headers that are present: a response to If-Range may omit some (RFC 9110, 15.3.7). */
 static int has_changed(const paged_url *u)
 {
     return u->said.size != u->file.size || differ(u->said.tag, u->file.tag) ||
            differ(u->said.modified, u->file.modified);
 }
 
-/* Returns 0 for a valid answer, else an error and a message. */
 static int judge(const paged_url *u, CURLcode code, fxs_message *message)
 {
     const uint64_t last = u->first + u->size - 1;
@@ -228,8 +221,6 @@ static int fetch(void *argument, uint64_t offset, void *out, size_t size, fxs_me
     return judge(u, code, message);
 }
 
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
-
 static void cancel(void *argument)
 {
     paged_url *u = argument;
@@ -245,7 +236,7 @@ static void close_url(void *argument)
     free(u);
 }
 
-/* Sets all options. An https address is never redirected to http. */
+/* An https address is never redirected to http. */
 static int prepare(paged_url *u)
 {
     CURL *h = u->handle;
@@ -262,7 +253,6 @@ static int prepare(paged_url *u)
            lib.setopt(h, CURLOPT_XFERINFODATA, u);
 }
 
-/* The first request reads the scene's header; its answer tells the file's size. */
 static int open_url(paged_url *u, fxs_message *message)
 {
     unsigned char header[192];

@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE            /* madvise */
+#define _DEFAULT_SOURCE            /* declares madvise */
 #include <stdint.h>
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -17,7 +17,7 @@ void fxs_aligned_free(void *block)
     free(block);
 }
 
-/* glibc reports no error if the last growth of such a stream fails, so fxs_print_end also checks text and size. */
+/* glibc reports no error if the last growth of a memory stream fails, so fxs_print_end also checks text and size. */
 int fxs_print_begin(fxs_printed *printed)
 {
     *printed = (fxs_printed){.text = NULL};

@@ -17,8 +17,7 @@ static void make_folders(char *path)
     }
 }
 
-/* Relative paths are ignored, as the XDG Base Directory Specification demands:
-   https://specifications.freedesktop.org/basedir-spec */
+/* Ignores relative paths, as the XDG Base Directory Specification demands. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
@@ -36,7 +35,7 @@ int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 
 int fxs_font_find(char *path, size_t room, fxs_message *message)
 {
-    /* Debian, Fedora, Arch, openSUSE, Alpine, macOS. */
+    /* Paths of Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
     static const char *const fonts[] = {
         "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
         "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/DejaVuSans.ttf",

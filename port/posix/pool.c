@@ -5,21 +5,20 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-/* The jobs of one call of fxs_pool_run; lives on its stack. */
 typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
-    uint32_t jobs, next;                   /* `next` is incremented atomically */
-    uint32_t helpers;                      /* pool threads working on this batch */
+    uint32_t jobs, next;                   /* next: index of the next job, incremented atomically */
+    uint32_t helpers;
     struct batch *after;
 } batch;
 
 struct fxs_pool {
     pthread_mutex_t lock;
     pthread_cond_t start, done;
-    uint32_t threads;                      /* pool threads, not counting callers */
+    uint32_t threads;                      /* number of pool threads, without callers */
     int stop;
-    batch *first;                          /* batches with jobs not yet taken, oldest first */
+    batch *first;
     pthread_t handles[64];
 };
 
@@ -31,7 +30,7 @@ static void append(fxs_pool *pool, batch *b)
     *end = b;
 }
 
-/* Runs jobs of the batch until all are taken, then removes it from the list. Releases the lock while jobs run. */
+/* Runs jobs of the batch until none is left. Releases the lock while jobs run. */
 static void work(fxs_pool *pool, batch *b)
 {
     pthread_mutex_unlock(&pool->lock);

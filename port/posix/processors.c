@@ -1,5 +1,5 @@
 #ifdef __linux__
-#define _GNU_SOURCE                        /* sched_getaffinity */
+#define _GNU_SOURCE                        /* declares sched_getaffinity */
 #include <sched.h>
 #endif
 

@@ -18,14 +18,12 @@
 
 extern char **environ;
 
-/* ---- This program ------------------------------------------------------------------------------------------------ */
-
-/* Opens a closed standard file in the wrong direction: no other file then gets its descriptor by chance, and every use
-   of it fails. */
+/* Opens a closed standard file in the wrong direction, so that no other file gets its descriptor and every use
+   fails. */
 void fxs_program_begin(int *argc, char ***argv)
 {
     (void)argc, (void)argv;
-    signal(SIGXFSZ, SIG_IGN);          /* a write beyond the file size limit then fails, and the error is reported */
+    signal(SIGXFSZ, SIG_IGN);          /* makes a write beyond the file size limit fail with an error */
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
         if (fcntl(i, F_GETFD) < 0)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -72,9 +70,6 @@ void fxs_program_become(const char *path, char **argv)
     execvp(path, argv);
 }
 
-/* ---- Others ------------------------------------------------------------------------------------------------------ */
-
-/* The program gets its own process group and this signal mask. */
 static int start(const char *const *arguments, int output, int log, const sigset_t *mask, pid_t *child)
 {
     posix_spawn_file_actions_t actions;
@@ -100,9 +95,7 @@ static int start(const char *const *arguments, int output, int log, const sigset
     return error;
 }
 
-/* Starts a process that kills the program's group if the write end of `life` closes before a byte arrives, which
-   happens when this process ends, even by SIGKILL. The caller has blocked all signals, so the guard has too; it has its
-   own process group. */
+/* Starts a guard process, which kills the program's group when this process ends, even by SIGKILL. */
 static pid_t start_guard(const int life[2], pid_t group)
 {
     char byte;
@@ -120,9 +113,9 @@ static pid_t start_guard(const int life[2], pid_t group)
     _exit(0);
 }
 
-static volatile sig_atomic_t running;  /* process group of the program that runs */
+static volatile sig_atomic_t running;
 
-/* Handles Ctrl-Z: stops the program and this process, then continues the program. */
+/* Handles Ctrl-Z: stops the program and this process, and later continues the program. */
 static void stop_both(int number)
 {
     const int error = errno;
@@ -166,7 +159,6 @@ static int wait_for(pid_t child)
     return WIFEXITED(status) ? WEXITSTATUS(status) : FXS_PROGRAM_SIGNAL + WTERMSIG(status);
 }
 
-/* Makes a pipe that other programs do not inherit. */
 static int make_pipe(int ends[2])
 {
     if (pipe(ends))
@@ -182,7 +174,6 @@ static void close_pipe(const int ends[2])
     close(ends[1]);
 }
 
-/* Passes the program's output on until it ends. Returns its exit status. */
 static int attend(pid_t child, pid_t guard, const int life[2], int from, fxs_program_said_fn *said, void *argument)
 {
     struct sigaction before;
@@ -209,11 +200,11 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
         close_pipe(ends);
         return -1;
     }
-    /* A signal that ends this process waits until the guard is there to end the program. */
+    /* A signal that ends this process waits until the guard can end the program. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = start(arguments, ends[1], fileno(log), &before, &child);
-    close(ends[1]);                    /* the guard would keep it open */
+    close(ends[1]);
     const pid_t guard = error ? -1 : start_guard(life, child);
     pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)
@@ -224,7 +215,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
 
-/* Starts the browser in its own session, so that Ctrl-C does not end it, with no output in the terminal. */
+/* A session of its own protects the browser from Ctrl-C. */
 static void run_browser(const char *address)
 {
     sigset_t none;
@@ -253,8 +244,6 @@ int fxs_browse(const char *address)
         run_browser(address);
     return 0;
 }
-
-/* ---- Being asked to end ------------------------------------------------------------------------------------------ */
 
 static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
 enum { SIGNALS = sizeof signals / sizeof *signals };
@@ -297,7 +286,7 @@ void fxs_end_as_asked(void)
     raise(asked);
 }
 
-static sigset_t mask_to_wait;          /* as it was before fxs_end_hold */
+static sigset_t mask_to_wait;
 
 static void note_held(int number)
 {

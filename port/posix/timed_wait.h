@@ -1,5 +1,5 @@
-/* Waits for a condition variable with a deadline on fxs_clock. Windows and macOS have such waits only for the time of
-   day, so setting that clock during a wait lengthens or shortens the wait. */
+/* Waits for a condition variable until a time of fxs_clock. On Windows and macOS, setting the time of day changes
+ * the length of the wait. */
 #ifndef TIMED_WAIT_H
 #define TIMED_WAIT_H
 

@@ -1,4 +1,4 @@
-/* Shared by the files of port/win32. */
+/* Functions that the files of port/win32 share. */
 #ifndef WIN32_H
 #define WIN32_H
 
@@ -9,33 +9,30 @@
 
 #include "src/base/os_calls.h"
 
-/* Converts a UTF-8 path to UTF-16 for Windows, for free(). Paths of more than about 240 characters become absolute and
-   get the prefix \\?\. Returns null and errno on failure. */
+/* Converts a UTF-8 path to UTF-16, for free(). Long paths become absolute and get the prefix \\?\. Returns null and
+   errno on failure. */
 wchar_t *win32_path(const char *path);
 
-/* The same, but always absolute and with the prefix. */
+/* Converts a UTF-8 path to an absolute UTF-16 path with the prefix \\?\. */
 wchar_t *win32_whole_path(const char *path);
 
 /* Convert between UTF-16 and UTF-8, for free(). Return null and errno on failure. */
 char *win32_narrow(const wchar_t *text);
 wchar_t *win32_wide(const char *text);
 
-/* Replaces the arguments by the command line in UTF-8, with wildcards expanded. Out of memory: leaves them
-   unchanged. */
+/* Replaces the arguments by the command line in UTF-8, with wildcards expanded. */
 void win32_arguments(int *argc, char ***argv);
 
 /* Sets errno from GetLastError. Returns -1. */
 int win32_failed(void);
 
-/* Returns the kind and facts of an open file. */
 enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts);
 
-/* Opens an existing file and lets other programs read, write and replace it. Returns INVALID_HANDLE_VALUE and errno on
+/* Opens an existing file that other programs may read, write and replace. Returns INVALID_HANDLE_VALUE and errno on
    failure. */
 HANDLE win32_open(const char *path, DWORD access, DWORD flags);
 
-/* Makes a stream from a handle; closing the stream closes the handle. Out of memory: closes the handle and returns null
-   and errno. `mode`: "rb", "wb", "w+b" or "ab". */
+/* Makes a stream that owns the handle. On failure closes the handle and returns null and errno. */
 FILE *win32_stream(HANDLE handle, const char *mode);
 
 #endif

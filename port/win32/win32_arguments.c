@@ -6,12 +6,11 @@
 #include <string.h>
 #include <wctype.h>
 
-/* Stand for a quoted * and ?, which are not wildcards, until the line is split. Both are Unicode noncharacters. */
+/* Placeholders for a quoted * and ?, which are not wildcards. Both characters are Unicode noncharacters. */
 enum { QUOTED_STAR = 0xfdd0, QUOTED_QUESTION = 0xfdd1 };
 
-/* Copies a command line and replaces quoted * and ?. `to` has room for twice its length. Normally \" is a quote inside
-   an argument. With `closes`, such a quote ends the argument instead, as in "C:\a folder\". Returns 1 if a quote stays
-   open. */
+/* Copies a command line and replaces quoted * and ? by placeholders. closes: \" ends a quoted argument, as in "C:\a
+   folder\". Returns 1 if a quote stays open. */
 static int mark_quoted(wchar_t *to, const wchar_t *line, int closes)
 {
     int is_quoted = 0;
@@ -32,10 +31,9 @@ static int mark_quoted(wchar_t *to, const wchar_t *line, int closes)
 typedef struct word_list {
     wchar_t **words;
     size_t count, room;
-    int incomplete;                /* memory ran out for a word */
+    int incomplete;
 } word_list;
 
-/* Takes ownership of the word, which is null if memory ran out. */
 static void add_word(word_list *list, wchar_t *word)
 {
     if (word && list->count == list->room) {
@@ -59,12 +57,10 @@ static void free_words(word_list *list)
     free(list->words);
 }
 
-/* ---- Wildcards --------------------------------------------------------------------------------------------------- */
-
 /* Matches * with any characters and ? with one. Ignores case. */
 static int matches(const wchar_t *name, const wchar_t *pattern)
 {
-    const wchar_t *star = NULL, *from = NULL;      /* pattern after the last *, and the name position it is tried at */
+    const wchar_t *star = NULL, *from = NULL;
     while (*name)
         if (*pattern == L'*') {
             star = ++pattern;
@@ -91,11 +87,11 @@ static const wchar_t *name_of(const wchar_t *path)
 }
 
 typedef struct search {
-    const wchar_t *path;           /* its last component is a pattern */
+    const wchar_t *path;
     word_list found;
 } search;
 
-/* Adds a matching file. A name that begins with - gets ./ before it, so that it is not read as an option. */
+/* Puts ./ before a name that begins with -, so that the name is not read as an option. */
 static void take_name(void *search_, const char *text)
 {
     search *s = search_;
@@ -138,8 +134,6 @@ static void find(search *s)
     free(wide);
 }
 
-/* ---- Arguments --------------------------------------------------------------------------------------------------- */
-
 static wchar_t *unmarked(const wchar_t *word)
 {
     wchar_t *copy = _wcsdup(word);
@@ -148,7 +142,7 @@ static wchar_t *unmarked(const wchar_t *word)
     return copy;
 }
 
-/* Replaces a word with wildcards, unless it begins with -, by the matching files; without a match, keeps the word. */
+/* Keeps a word that begins with - or matches no file. */
 static void take_word(word_list *list, const wchar_t *word)
 {
     search s = {.path = word};

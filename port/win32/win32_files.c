@@ -12,8 +12,6 @@
 #include "src/base/files_internal.h"
 #include "src/base/try_internal.h"
 
-/* ---- Kinds of files ---------------------------------------------------------------------------------------------- */
-
 HANDLE win32_open(const char *path, DWORD access, DWORD flags)
 {
     wchar_t *wide = win32_path(path);
@@ -40,7 +38,6 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
     return about.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY ? FXS_FILE_FOLDER : FXS_FILE_REGULAR;
 }
 
-/* Also closes the handle. */
 static enum fxs_file_kind look_at(HANDLE handle, fxs_file_facts *facts)
 {
     if (handle == INVALID_HANDLE_VALUE)
@@ -55,8 +52,7 @@ enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
     return look_at(win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS), facts);
 }
 
-/* Opens a file, but no link (ELOOP). Other reparse points, such as cloud files, are opened normally, which fetches
-   their contents. */
+/* Opens a file that is not a link; sets errno to ELOOP for a link. */
 static HANDLE open_itself(const char *path, DWORD access, DWORD flags)
 {
     FILE_ATTRIBUTE_TAG_INFO about = {0};
@@ -90,7 +86,6 @@ enum fxs_file_kind fxs_file_kind(const char *path)
     return fxs_file_look(path, &unused);
 }
 
-/* Returns the attributes of the name itself; links are not followed. */
 static DWORD attributes_of(const char *path)
 {
     wchar_t *wide = win32_path(path);
@@ -126,8 +121,6 @@ char *fxs_path_whole(const char *path)
     return whole;
 }
 
-/* ---- Changes ----------------------------------------------------------------------------------------------------- */
-
 static int call(const char *path, BOOL WINAPI change(const wchar_t *wide))
 {
     wchar_t *wide = win32_path(path);
@@ -155,7 +148,6 @@ int fxs_file_rename(const char *from, const char *to)
     return result;
 }
 
-/* Tests if files can be created in a folder by creating one, which is deleted when it is closed. */
 static int may_have_files(const char *folder)
 {
     char name[64];
@@ -187,7 +179,7 @@ int fxs_file_may_be_written(const char *path)
     return -1;
 }
 
-/* Makes a hard link, or copies the file to another drive: symbolic links need administrator rights. */
+/* Makes a hard link, or copies the file to another drive, because symbolic links need administrator rights. */
 int fxs_file_link(const char *target, const char *name)
 {
     wchar_t *old = win32_path(target), *wide = win32_path(name);
@@ -221,8 +213,6 @@ void fxs_file_unlink(const char *name)
     if (attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_REPARSE_POINT)
         (attributes & FILE_ATTRIBUTE_DIRECTORY ? fxs_folder_remove : fxs_file_remove)(name);
 }
-
-/* ---- Folders ----------------------------------------------------------------------------------------------------- */
 
 static BOOL WINAPI create_folder(const wchar_t *wide)
 {
@@ -270,8 +260,6 @@ int fxs_folder_each(const char *path, void (*each)(void *argument, const char *n
     return 0;
 }
 
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
-
 FILE *win32_stream(HANDLE handle, const char *mode)
 {
     const int descriptor = _open_osfhandle((intptr_t)handle, *mode == 'a' ? _O_APPEND : 0);
@@ -296,7 +284,7 @@ static int open_checked(HANDLE handle, const char *path, FILE **file, fxs_file_f
     return *file ? 0 : fxs_fail_errno(message, path, errno);
 }
 
-/* Opens folders too, so that the message can say that it is one. */
+/* Opens folders too, so that the error message can say that the path is a folder. */
 int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
     const char *fault = fxs_path_fault(path);
@@ -308,7 +296,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
                                           : open_checked(handle, path, file, facts, message);
 }
 
-/* Returns the absolute path of the folder that contains a path, for free(), or null and errno. */
+/* Returns the absolute path of a file's folder, for free(); null and errno on failure. */
 static char *whole_folder(const char *path)
 {
     const size_t length = strlen(path) - strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
@@ -322,7 +310,6 @@ static char *whole_folder(const char *path)
     return whole;
 }
 
-/* Ignores case, like Windows. */
 static int is_within(const char *folder, const char *path)
 {
     const size_t length = strlen(folder);
@@ -330,7 +317,7 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Sets *whole to the absolute path, for free(). An error if it lies outside the folder of `first`. */
+/* Fails if the path lies outside the folder of `first`. The caller frees *whole. */
 static int follow_within(const char *first, const char *path, char **whole, fxs_message *message)
 {
     char *folder = whole_folder(first);
@@ -368,8 +355,6 @@ int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size)
     return _fseeki64(file, (__int64)offset, SEEK_SET) == 0 && fread(out, 1, size, file) == size ? 0 : -1;
 }
 
-/* ---- Streams ----------------------------------------------------------------------------------------------------- */
-
 FILE *fxs_stream_open(const char *path, const char *mode)
 {
     wchar_t *wide = win32_path(path);
@@ -378,8 +363,7 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* tmpfile of Windows writes to the root of the drive, so this creates its own file in the temporary folder. Windows
-   deletes it when it is closed, even after a crash. */
+/* tmpfile of Windows writes to the root of the drive, so this function uses the temporary folder. */
 FILE *fxs_stream_temporary(void)
 {
     static volatile LONG count;
@@ -387,7 +371,7 @@ FILE *fxs_stream_temporary(void)
     const DWORD shared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
     wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 64];
     HANDLE handle = INVALID_HANDLE_VALUE;
-    const DWORD length = GetTempPathW(MAX_PATH + 1, folder);       /* larger than MAX_PATH: the size needed */
+    const DWORD length = GetTempPathW(MAX_PATH + 1, folder);
     if (length && length <= MAX_PATH)
         do {
             _snwprintf(name, sizeof name / sizeof *name, L"%lsfixsplat-%lx-%lx.tmp", folder, GetCurrentProcessId(),
@@ -423,7 +407,7 @@ int fxs_stream_empty(FILE *file)
 #define TEN "          "
 const char fxs_erase_line[] = "\r" TEN TEN TEN TEN TEN TEN TEN "         \r";
 
-/* _isatty is also true for NUL. */
+/* _isatty is also true for the null device. */
 int fxs_is_terminal(FILE *file)
 {
     DWORD mode;
@@ -443,9 +427,6 @@ int fxs_terminal_takes_codes(FILE *file)
     return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
 }
 
-/* ---- Descriptors ------------------------------------------------------------------------------------------------- */
-
-/* The descriptor takes ownership of the handle. On failure, the handle is closed. */
 static int descriptor_of(HANDLE handle)
 {
     const int descriptor = _open_osfhandle((intptr_t)handle, _O_RDONLY);

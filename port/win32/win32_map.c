@@ -13,7 +13,7 @@ void fxs_map_guard(void)
 {
 }
 
-/* A handle fits into 32 bits. */
+/* A Windows handle fits into 32 bits. */
 static HANDLE handle_of(const fxs_mapping *mapping)
 {
     return (HANDLE)(intptr_t)mapping->descriptor;
@@ -39,7 +39,7 @@ static int map_opened(fxs_mapping *mapping, HANDLE handle, const char *path, fxs
             CloseHandle(section);
         return fxs_fail(message, "%s: cannot be mapped into memory: %s", path, strerror(errno));
     }
-    CloseHandle(section);              /* the view keeps the section open */
+    CloseHandle(section);
     mapping->bytes = (size_t)facts.size;
     mapping->descriptor = (int)(intptr_t)handle;
     mapping->modified[0] = modified(handle);

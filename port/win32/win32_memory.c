@@ -7,8 +7,6 @@
 
 #include "src/base/pages_internal.h"
 
-/* ---- Clock and processors ---------------------------------------------------------------------------------------- */
-
 /* ticks * 10^9 / rate, in two parts to avoid overflow */
 uint64_t fxs_clock(void *unused)
 {
@@ -30,9 +28,7 @@ uint32_t fxs_processors(void)
     return n < 1 ? 1 : n > 64 ? 64 : n;
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------------------------ */
-
-/* Large pages need a special privilege, so this does nothing. */
+/* Does nothing, because large pages need a special privilege. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
     (void)block, (void)bytes;
@@ -48,7 +44,7 @@ void fxs_aligned_free(void *block)
     _aligned_free(block);
 }
 
-/* Windows has no memory streams, so a temporary file serves. */
+/* Uses a temporary file, because Windows has no memory streams. */
 int fxs_print_begin(fxs_printed *printed)
 {
     *printed = (fxs_printed){.file = fxs_stream_temporary()};

@@ -1,5 +1,5 @@
-/* Writes output files. Windows deletes an incomplete file when it is closed, however this process ends, so signals need
-   no handling. */
+/* Writes output files. Windows deletes an incomplete file when the process ends in any way, so signals need no
+ * handling. */
 #include "win32.h"
 
 #include <errno.h>
@@ -13,8 +13,8 @@
 #include "src/base/opened.h"
 #include "src/base/output_internal.h"
 
-enum { NAME_ROOM = 64,         /* bytes for the name of a temporary file, without its folder */
-       WRITERS_MOST = 100 };   /* simultaneous writers of one file */
+enum { NAME_ROOM = 64,
+       WRITERS_MOST = 100 };
 
 void fxs_output_remove_at_signals(void)
 {
@@ -22,13 +22,11 @@ void fxs_output_remove_at_signals(void)
 
 char *fxs_output_target(const char *path)
 {
-    char *whole = fxs_path_whole(path);        /* of an existing file: with links resolved */
+    char *whole = fxs_path_whole(path);
     return whole ? whole : _strdup(path);
 }
 
-/* ---- Open -------------------------------------------------------------------------------------------------------- */
-
-static char standard_output[] = "standard output";   /* stands for the path "-" in messages */
+static char standard_output[] = "standard output";
 
 static void release(fxs_output *output)
 {
@@ -42,7 +40,7 @@ static void name_temporary(fxs_output *output, int i)
 {
     const char *slash = strrchr(output->target, '/'), *name = slash ? slash + 1 : output->target;
     const int folder = (int)(name - output->target);
-    uint32_t hash = 0x811c9dc5u;                                       /* FNV-1a */
+    uint32_t hash = 0x811c9dc5u;
     for (const char *c = name; *c; c++)
         hash = (hash ^ (unsigned char)*c) * 0x01000193u;
     snprintf(output->temporary, (size_t)folder + NAME_ROOM, "%.*s.fixsplat-%08" PRIx32 "-%d.tmp", folder,
@@ -55,8 +53,7 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* Creates a file that no other process can open, marked for deletion. Overwrites a file left by a crash of the
-   machine. */
+/* Creates a file that no other process can open, marked for deletion. */
 static HANDLE create_named(const char *name)
 {
     wchar_t *wide = win32_path(name);
@@ -79,7 +76,7 @@ static HANDLE create_beside(fxs_output *output)
     for (int i = 0; output->temporary && i < WRITERS_MOST && handle == INVALID_HANDLE_VALUE; i++) {
         name_temporary(output, i);
         handle = create_named(output->temporary);
-        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* given if another writer has it */
+        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)
             break;
     }
     return handle;
@@ -130,11 +127,8 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     return error;
 }
 
-/* ---- Write and close --------------------------------------------------------------------------------------------- */
-
 enum { TRIES_MOST = 40, PAUSE_MILLISECONDS = 50 };
 
-/* Flushes the file, unmarks its deletion and renames it. Returns 0, or an errno. */
 static int put_in_place(fxs_output *output)
 {
     const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(output->file));
@@ -159,8 +153,7 @@ static int put_in_place(fxs_output *output)
     return error;
 }
 
-/* Windows reports EACCES for a target that another program has open. Returns EBUSY in that case, also if the program
-   has closed it meanwhile. */
+/* Returns EBUSY instead of EACCES if another program has the target open. */
 static int why_not_replaced(const fxs_output *output, int error)
 {
     const DWORD access = GENERIC_WRITE | DELETE;
@@ -174,7 +167,7 @@ static int why_not_replaced(const fxs_output *output, int error)
     return error;
 }
 
-/* Retries while a server or virus scanner has the target open for a moment. Returns 0, or an errno. */
+/* Retries while a server or virus scanner briefly has the target open. */
 static int put_when_free(fxs_output *output)
 {
     int error, tries = 0;

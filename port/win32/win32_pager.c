@@ -1,4 +1,4 @@
-/* A pager source that reads a file. */
+/* Reads parts of a scene from a file, as a source of the pager. */
 #include "win32.h"
 
 #include <errno.h>

@@ -1,11 +1,11 @@
-/* Converts paths between UTF-8 (here) and UTF-16 (Windows) and checks names. */
+/* Converts paths between UTF-8 and the UTF-16 of Windows, and checks file names. */
 #include "win32.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHORT_MOST = 240 };             /* characters of a path without prefix; also valid for folders */
+enum { SHORT_MOST = 240 };
 
 char *win32_narrow(const wchar_t *text)
 {
@@ -49,7 +49,7 @@ static int is_nul(const char *path)
     return !_stricmp(path, "nul");
 }
 
-/* Returns the length of the prefix \\?\ or \\.\, with either kind of slash, and of the drive. */
+/* Returns the length of the drive and of a prefix \\?\ or \\.\, with either kind of slash. */
 static size_t root_of(const char *path)
 {
     static const char strokes[] = "/\\";

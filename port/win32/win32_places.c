@@ -7,7 +7,6 @@
 
 enum { PATH_MOST = 4096 };
 
-/* Converts a folder, for free(). `size`: its length, 0 if unknown. Returns null if it is unknown or too long. */
 static char *folder_of(const wchar_t *wide, DWORD size)
 {
     char *folder = size && size < PATH_MOST ? win32_narrow(wide) : NULL;
@@ -19,7 +18,7 @@ static char *folder_of(const wchar_t *wide, DWORD size)
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     wchar_t wide[PATH_MOST];
-    fxs_message unused;                    /* the later write to the folder reports the error */
+    fxs_message unused;
     char *folder = folder_of(wide, GetEnvironmentVariableW(L"APPDATA", wide, PATH_MOST));
     int length = folder ? snprintf(path, room, "%s/fixsplat", folder) : -1;
     if (length >= 0 && (size_t)length < room) {

@@ -1,4 +1,4 @@
-/* Starts programs in a job object, opens a browser, and handles requests to end (console control events). */
+/* Starts programs, opens a browser, and handles console events that ask the program to end. */
 #include "win32.h"
 
 #include <errno.h>
@@ -10,9 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- This program ------------------------------------------------------------------------------------------------ */
-
-static UINT code_page;                 /* code page of the console before the start */
+static UINT code_page;
 
 static void restore_console(void)
 {
@@ -65,9 +63,6 @@ void fxs_program_set(const char *variable, const char *value)
         _putenv(text);
 }
 
-/* ---- Others ------------------------------------------------------------------------------------------------------ */
-
-/* Quotes a word for CommandLineToArgvW and the C library. Returns the end. */
 static wchar_t *add_word(wchar_t *to, const wchar_t *word)
 {
     *to++ = L'"';
@@ -121,11 +116,11 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
     return result;
 }
 
-/* Ends the program and its children when this process ends, except children if they may `break_away`. */
+/* Ends a started program when this process ends. break_away: lets the program's children survive. */
 static void bind_to_this(HANDLE process, int break_away)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
-    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed when this process ends */
+    const HANDLE job = CreateJobObjectW(NULL, NULL);
     limits.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE |
                                               (break_away ? JOB_OBJECT_LIMIT_SILENT_BREAKAWAY_OK : 0);
     if (job && SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
@@ -141,7 +136,7 @@ static DWORD wait_for(HANDLE process)
     return code;
 }
 
-/* A crashed program has the code of its exception, which is reported like a signal. */
+/* Reports the crash of a program like a signal. */
 static int status_of(DWORD code)
 {
     return code < FXS_PROGRAM_SIGNAL ? (int)code : FXS_PROGRAM_SIGNAL + SIGSEGV;
@@ -184,11 +179,11 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 static BOOL WINAPI leave_it(DWORD kind)
 {
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
-        Sleep(INFINITE);                   /* until the program has ended; then this process ends too */
+        Sleep(INFINITE);
     return TRUE;
 }
 
-/* Windows cannot replace a process. This one starts the program, waits, and ends with the program's exit code. */
+/* Windows cannot replace a process. This process waits for the program and ends with the program's exit code. */
 void fxs_program_become(const char *path, char **argv)
 {
     HANDLE process;
@@ -204,7 +199,7 @@ void fxs_program_become(const char *path, char **argv)
     arguments[0] = program;
     for (size_t i = 1; i < count; i++)
         arguments[i] = argv[i];
-    SetConsoleCtrlHandler(leave_it, TRUE); /* Ctrl-C goes to the program; ignoring it would be inherited */
+    SetConsoleCtrlHandler(leave_it, TRUE); /* Ctrl-C goes to the program, which would inherit a setting to ignore it */
     const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
                             GetStdHandle(STD_OUTPUT_HANDLE), GetStdHandle(STD_ERROR_HANDLE), &process);
     free(arguments);
@@ -223,18 +218,16 @@ int fxs_browse(const char *address)
     return is_opened ? 0 : win32_failed();
 }
 
-/* ---- Being asked to end ------------------------------------------------------------------------------------------ */
-
 static volatile LONG asked;
 static int is_held;
 
-/* Runs on its own thread. After it returns, the process ends, except for Ctrl-C and Ctrl-Break. */
+/* Runs on its own thread. When the handler returns, the process ends, except for Ctrl-C and Ctrl-Break. */
 static BOOL WINAPI note_request(DWORD kind)
 {
     if (InterlockedExchange(&asked, 1))
         return FALSE;
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
-        Sleep(INFINITE);                   /* until the fit is saved */
+        Sleep(INFINITE);
     return TRUE;
 }
 

@@ -4,9 +4,9 @@
 
 #include <fixsplat/camera.h>
 
-#define POLE 0.02   /* smallest angle between the view and up, radians */
+#define POLE 0.02   /* smallest angle between the direction of view and the up vector, in radians */
 
-/* Limits a turn away from `up` so that the view keeps POLE from both poles. A view already closer may move away. */
+/* Limits a turn so that the view keeps the angle POLE from up and down. A view already closer may move away. */
 static double clear_of_poles(const fxs_file_view *view, const double up[3], double down)
 {
     const double *forward = view->rotation + 6, pi = acos(-1);

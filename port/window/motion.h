@@ -1,25 +1,24 @@
-/* Moves a view by drags, the wheel or keys. `distance`: from the camera's centre to the pivot, in scene units, above 0.
-   The pivot lies straight ahead; the view turns about it. `up`: the scene's up vector, of any length. Angles are in
-   radians. */
+/* Moves a camera view by drags, the wheel or keys. The view turns about the pivot, a point straight ahead at
+ * `distance` scene units. up: the scene's up vector, of any length. Angles are in radians. */
 #ifndef FXS_MOTION_H
 #define FXS_MOTION_H
 
 #include <fixsplat/camera.h>
 
-/* Turns the camera about the pivot, as if a drag to the right and down turned the scene by these angles. Stops before
-   the view is parallel to `up`. */
+/* Turns the camera about the pivot, as if a drag turned the scene right and down. Stops before the view is parallel
+   to `up`. */
 void fxs_motion_orbit(fxs_file_view *view, double distance, const double up[3], double right, double down);
 
-/* Turns the camera about its centre, to the right and down, with the same limit. */
+/* Turns the camera about its own centre, to the right and down. Stops before the view is parallel to `up`. */
 void fxs_motion_look(fxs_file_view *view, const double up[3], double right, double down);
 
 /* Moves the camera along its own axes, in scene units. */
 void fxs_motion_fly(fxs_file_view *view, double right, double down, double forward);
 
-/* Moves the camera so that the pivot shifts by this many pixels in the view. */
+/* Moves the camera so that the pivot shifts by right and down pixels in the view. */
 void fxs_motion_pan(fxs_file_view *view, double distance, double right, double down);
 
-/* Multiplies the distance by `factor` and keeps the pivot. In an orthographic view, multiplies the size of a pixel. */
+/* Multiplies the distance to the pivot by `factor`. In an orthographic view, multiplies the size of a pixel. */
 void fxs_motion_zoom(fxs_file_view *view, double *distance, double factor);
 
 /* Changes the size of the view. Keeps the vertical field of view and the centre. */

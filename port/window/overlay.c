@@ -36,7 +36,6 @@ void fxs_draw_line(const fxs_picture *picture, const double from[2], const doubl
 
 enum { BINS = 2048 };
 
-/* log2(depth + 1) / 32 * BINS, less than BINS */
 static int bin_of(uint32_t depth)
 {
     return (int)(log2((double)depth + 1) / 32 * BINS * (1 - 1e-9));
@@ -75,8 +74,7 @@ void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths)
     }
 }
 
-/* Takes colours from the high bits of the id times an odd number near 2^64 / golden ratio, so that neighbouring ids
-   differ. */
+/* Hashes ids by an odd number near 2^64 / golden ratio, so that neighbouring ids differ in colour. */
 void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
 {
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
@@ -90,7 +88,6 @@ void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
     }
 }
 
-/* Returns the coverage of a corner pixel by the rounded corner, from the distance of its centre. */
 static double corner_share(int x, int y, int radius)
 {
     return fmin(fmax(radius + 0.5 - hypot(radius - x - 0.5, radius - y - 0.5), 0), 1);

@@ -1,4 +1,4 @@
-/* Panels drawn over a picture (words, lines, frame times), and pictures of depths and ids. */
+/* Panels drawn over a picture: words, lines, frame times. Also pictures of depths and ids. */
 #ifndef FXS_OVERLAY_H
 #define FXS_OVERLAY_H
 
@@ -6,21 +6,20 @@
 
 #include <fixsplat/fixsplat.h>
 
-/* RGBA, not premultiplied; top row first, no padding. The caller owns the bytes. */
+/* An RGBA picture, not premultiplied: top row first, rows without padding. The caller owns the bytes. */
 typedef struct fxs_picture {
     uint8_t *rgba;
-    int width, height;           /* pixels */
+    int width, height;
 } fxs_picture;
 
-/* A picture and the position of its top left corner in the window, pixels. */
 typedef struct fxs_panel {
     fxs_picture picture;
     int x, y;
 } fxs_panel;
 
-/* Colours, 0xRRGGBBAA. Panels are nearly opaque, so that words are readable over any picture. */
+/* Colours 0xRRGGBBAA. */
 typedef struct fxs_theme {
-    uint32_t window;             /* background where no picture is shown */
+    uint32_t window;
     uint32_t panel, words, faint, mark;
 } fxs_theme;
 
@@ -28,39 +27,34 @@ extern const fxs_theme fxs_dark, fxs_light;
 
 typedef struct fxs_words fxs_words;
 
-/* Fills a rectangle, clipped to the picture. */
 void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int height, uint32_t colour);
 
-/* Draws a line `wide` pixels wide, clipped to the picture. */
 void fxs_draw_line(const fxs_picture *picture, const double from[2], const double to[2], double wide, uint32_t colour);
 
-/* Draws one line of words (words.h) with its top left corner at (x, y). */
+/* Draws one line of text with its top left corner at (x, y). */
 void fxs_draw_words(fxs_words *words, const fxs_picture *picture, int x, int y, const char *text, uint32_t colour);
 
-/* Makes a panel of one colour with round corners; free it with fxs_panel_free. Returns 0, or -1 if memory ran out, with
-   nothing to free. */
+/* Makes a panel of one colour with round corners. Returns 0, or -1 if memory ran out. */
 int fxs_panel_make(fxs_panel *panel, int x, int y, int width, int height, int radius, uint32_t colour);
 void fxs_panel_free(fxs_panel *panel);
 
-/* Paints depths of fxs_targets on a logarithmic scale: red for the nearest 2 % of the visible depths to blue for the
-   farthest. */
+/* Paints depths on a logarithmic scale, from red for the nearest 2 % to blue for the farthest. */
 void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths);
 
-/* Paints ids, with a colour for each Gaussian. */
 void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids);
 
-enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points */
+enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points of
+                                                                                     the screen */
 
 /* Milliseconds of the last frames, newest first. All 0: no frames. */
 typedef struct fxs_frame_times {
     double stage[FXS_GRAPH_FRAMES][FXS_STAGES];
-    double frame;                /* total of the newest frame */
+    double frame;
 } fxs_frame_times;
 
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats);
 
-/* Draws a bar for each frame, with its stages in colours, and the times of the newest frame and its stages beside the
-   bars. A point is `scale` pixels. */
+/* Draws a bar for each frame, and the times of the newest frame. scale: pixels per point. */
 void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words);
 

@@ -1,4 +1,4 @@
-/* An SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
+/* SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
 #include "window.h"
 
 #include <math.h>
@@ -9,14 +9,14 @@
 
 #include "src/base/os_calls.h"
 
-#ifndef SDL_HINT_VIDEODRIVER        /* before SDL 2.0.22 */
+#ifndef SDL_HINT_VIDEODRIVER        /* missing before SDL 2.0.22 */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
 #endif
 
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* motion since the button went down, points: sum of |dx| + |dy| */
+    int moved;                      /* motion of the mouse since the button went down, in points */
 };
 
 static int fail(fxs_message *message)
@@ -24,9 +24,7 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Excludes drivers that show nothing or take over the console, which SDL would use without a display. Excludes Wayland
-   without a socket folder, because its library then prints messages. A driver named in SDL_VIDEODRIVER is used without
-   a check. */
+/* Excludes video drivers that show nothing or take over the console, and Wayland without a socket folder. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -46,10 +44,10 @@ static void choose_drivers(void)
 
 int fxs_window_open(fxs_window **window, fxs_message *message)
 {
-    /* Copies pictures to the window without OpenGL, because a back end may need the context. */
+    /* Avoids OpenGL, because a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; otherwise Windows enlarges the pixels */
+#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* exists since SDL 2.24; otherwise Windows enlarges the pixels */
     SDL_SetHint(SDL_HINT_WINDOWS_DPI_AWARENESS, "permonitorv2");
 #endif
     *window = calloc(1, sizeof **window);
@@ -69,8 +67,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
-/* On X11, SDL wakes a window by an event on a separate connection. An event that arrives after the window is closed
-   would end the program with an error, so this waits for it. */
+/* Waits for late X11 events of a hidden window, which would end the program after the window is closed. */
 static void let_wakes_arrive(fxs_window *window)
 {
     SDL_HideWindow(window->window);
@@ -86,7 +83,7 @@ void fxs_window_close(fxs_window *window)
     }
     SDL_free(window->dropped);
     SDL_QuitSubSystem(SDL_INIT_VIDEO);
-    if (!SDL_WasInit(0))           /* no other window is open */
+    if (!SDL_WasInit(0))
         SDL_Quit();
     free(window);
 }
@@ -100,7 +97,6 @@ void fxs_window_size(const fxs_window *window, int *width, int *height)
 #endif
 }
 
-/* Returns the pixels per point of SDL's positions and sizes, 1 or more. */
 static double pixels_in_point(const fxs_window *window)
 {
     int width, height, points;
@@ -109,7 +105,7 @@ static double pixels_in_point(const fxs_window *window)
     return points > 0 ? fmax(1, (double)width / points) : 1;
 }
 
-/* On Windows, SDL's positions are pixels; a point is 1/96 inch there. */
+/* On Windows, SDL's positions are in pixels, and a point is 1/96 inch. */
 double fxs_window_scale(const fxs_window *window)
 {
     float across;
@@ -164,7 +160,6 @@ static void translate_motion(fxs_window *window, const SDL_MouseMotionEvent *in,
     window->moved += abs(in->xrel) + abs(in->yrel);
 }
 
-/* Returns 0 for events without a use in the viewer. */
 static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *out)
 {
     *out = (fxs_window_event){.type = FXS_EVENT_NONE};

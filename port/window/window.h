@@ -1,6 +1,6 @@
-/* A window (SDL2) that reports the user's actions as events and shows pictures. All functions but fxs_window_wake must
-   be called on the thread that opened it. Positions and sizes are in pixels; a point of the screen may be several
-   pixels. */
+/* A window (SDL2) that reports the user's actions as events and shows pictures. Only the thread that opened the
+ * window may call these functions, except fxs_window_wake. Positions and sizes are in pixels; a point of the screen
+ * may be several pixels. */
 #ifndef FXS_WINDOW_H
 #define FXS_WINDOW_H
 
@@ -12,37 +12,38 @@ typedef struct fxs_window fxs_window;
 enum fxs_window_event_type {
     FXS_EVENT_NONE,
     FXS_EVENT_QUIT,
-    FXS_EVENT_KEY,              /* pressed, not repeated */
-    FXS_EVENT_POINTER,          /* moved */
-    FXS_EVENT_PRESS,            /* the left button goes down */
+    FXS_EVENT_KEY,              /* a key was pressed, not repeated */
+    FXS_EVENT_POINTER,
+    FXS_EVENT_PRESS,
     FXS_EVENT_CLICK,            /* the left button went down and up at one place */
     FXS_EVENT_WHEEL,
-    FXS_EVENT_DROP,             /* a file was dropped on the window */
-    FXS_EVENT_CHANGED,          /* shown, uncovered or resized: draw it again */
-    FXS_EVENT_WOKEN             /* fxs_window_wake was called */
+    FXS_EVENT_DROP,
+    FXS_EVENT_CHANGED,          /* the window must be drawn again */
+    FXS_EVENT_WOKEN
 };
 
 enum { FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
 
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;
-    int key;                    /* lower-case character on the key, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
-    int left, other;            /* pointer: 1 if the left button, or the middle or right button, is down */
+    int key;                    /* character on the key in lower case, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
+    int left, other;            /* mouse motion: 1 if the left button is down; 1 if the middle or right button is
+                                   down */
     double dx, dy;              /* pointer: motion in pixels, y down; wheel: steps in dy, positive away from the user */
-    double x, y;                /* pointer, press, click: position from the window's top left corner */
-    int count;                  /* click: 2 for a double click */
+    double x, y;
+    int count;                  /* click: number of clicks; 2: a double click */
     const char *path;           /* drop: path of the file, valid until the next event */
 } fxs_window_event;
 
-/* Opens a hidden window. Returns 0 and a window to close with fxs_window_close, or -1, null and a message. */
+/* Opens a hidden window. Returns 0 and a window, or -1, null and a message. */
 int fxs_window_open(fxs_window **window, fxs_message *message);
 void fxs_window_close(fxs_window *window);
 
-/* Shows the window with width x height pixels, scaled down in proportion if the screen is smaller. */
+/* Shows the window with width x height pixels, scaled down in proportion to fit the screen. */
 void fxs_window_resize(fxs_window *window, int width, int height);
 void fxs_window_size(const fxs_window *window, int *width, int *height);
 
-/* Returns the pixels per point of the screen, 1 or more: the factor by which words must be enlarged. */
+/* Returns the pixels per point of the screen, 1 or more. */
 double fxs_window_scale(const fxs_window *window);
 
 void fxs_window_title(fxs_window *window, const char *title);
@@ -50,14 +51,14 @@ void fxs_window_title(fxs_window *window, const char *title);
 /* Waits for an event for this many milliseconds; negative: without limit. Returns 1 and an event, or 0. */
 int fxs_window_wait(fxs_window *window, int milliseconds, fxs_window_event *event);
 
-/* Makes fxs_window_wait return FXS_EVENT_WOKEN. Any thread may call this while a window is open. */
+/* Makes fxs_window_wait return FXS_EVENT_WOKEN. Any thread may call this function while a window is open. */
 void fxs_window_wake(void);
 
 /* Returns 1 if a key is down: 'a' to 'z' (by position on a US keyboard), ' ' or FXS_KEY_SHIFT. */
 int fxs_window_holds(int key);
 
-/* Shows a picture stretched to the window, or the plain colour (0xRRGGBBFF) if the picture is null, and the panels over
-   it, the last on top. Returns 0, or -1 and a message. */
+/* Shows a picture stretched to the window, and panels over it. picture null: fills the window with the colour
+   0xRRGGBBFF. Returns 0, or -1 and a message. */
 int fxs_window_show(fxs_window *window, const fxs_picture *picture, uint32_t colour, const fxs_panel *panels, int count,
                     fxs_message *message);
 

@@ -66,7 +66,8 @@ int fxs_words_width(const fxs_words *words, const char *text)
     return words && *text && !TTF_SizeUTF8(words->font, text, &width, 0) ? width : 0;
 }
 
-/* Blends colour over the picture, both not premultiplied: a = s + d (1 - s), c = (s cs + d (1 - s) cd) / a */
+/* Blends a colour over a picture: a = s + d (1 - s), c = (s cs + d (1 - s) cd) / a, for opacities s, d and colours
+   cs, cd of source and destination. */
 static void blend(uint8_t *below, const uint8_t colour[3], unsigned alpha)
 {
     const unsigned rest = below[3] * (255 - alpha) / 255, sum = alpha + rest;

@@ -1,4 +1,4 @@
-/* One thread that waits for a job. A mutex guards the state that it shares with other threads. */
+/* A thread that waits for jobs. A mutex guards the state that several threads use. */
 #include "worker.h"
 
 #include <pthread.h>
@@ -9,7 +9,7 @@ struct fxs_worker {
     pthread_mutex_t lock;
     pthread_cond_t changed;
     void (*done)(void);
-    void (*job)(void *argument);   /* null: no job */
+    void (*job)(void *argument);
     void *argument;
     double progress;
     int stop, ending;

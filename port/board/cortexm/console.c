@@ -1,16 +1,16 @@
-/* Semihosting calls: the operation's number in r0, its argument in r1, and an instruction that stops the processor. */
+/* Semihosting: a special instruction stops the processor, and the debugger or emulator executes the operation in r0. */
 #include "console.h"
 
 #include <string.h>
 
 enum { SYS_OPEN = 0x01, SYS_WRITE0 = 0x04, SYS_WRITE = 0x05, SYS_GET_CMDLINE = 0x15, SYS_EXIT_EXTENDED = 0x20 };
-#define MODE_WB 5                  /* of SYS_OPEN */
+#define MODE_WB 5
 #define ADP_STOPPED_APPLICATION_EXIT 0x20026u
 
 #if __ARM_ARCH_PROFILE == 'M'
 #define STOP "bkpt 0xab"
 #else
-#define STOP "svc 0x123456"        /* ARM state; console.c is built for it there */
+#define STOP "svc 0x123456"        /* instruction for ARM state instead of Thumb */
 #endif
 
 static int semihosting(int operation, const void *argument)

@@ -1,5 +1,4 @@
-/* Console of a board, provided by a debugger or an emulator through Arm's semihosting ("Semihosting for AArch32 and
- * AArch64", Arm Ltd.). */
+/* Console of a board through a debugger or an emulator ("Semihosting for AArch32 and AArch64", Arm Ltd.). */
 #ifndef FXS_CONSOLE_H
 #define FXS_CONSOLE_H
 
@@ -7,21 +6,18 @@
 
 void console_text(const char *text);
 void console_number(uint64_t number);
-void console_hex(uint64_t number);             /* always 16 digits */
+void console_hex(uint64_t number);             /* prints 16 hexadecimal digits */
 
-/* Writes the command line (program name and arguments, separated by spaces) to `line`, which holds `bytes` bytes; "" if
-   there is none. */
+/* Writes the command line to `line`, which holds `bytes` bytes; "" if none exists. */
 void console_command(char *line, int bytes);
 
-/* Number from a word name=NUMBER in such a line; `otherwise` if it is missing. */
+/* Returns the number of a word name=NUMBER in a command line; `otherwise` if the word is missing. */
 uint32_t console_option(const char *line, const char *name, uint32_t otherwise);
 
-/* Creates an empty file on the host for writing; negative on failure. Writes to it; returns the number of bytes not
-   written. */
+/* Creates an empty file on the host; negative on failure. console_write returns the number of bytes not written. */
 int console_open(const char *name);
 int console_write(int file, const void *bytes, uint32_t count);
 
-/* Ends the program; status 0 is success. */
 void console_exit(int status);
 
 #endif

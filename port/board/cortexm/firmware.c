@@ -15,8 +15,8 @@
 #define ROWS_MOST 32
 
 typedef struct shown {
-    uint64_t hash;                 /* FNV-1a of the pixels up to now */
-    fxs_ili9341 panel;             /* width 0: no panel */
+    uint64_t hash;
+    fxs_ili9341 panel;             /* display panel; width 0: none */
 } shown;
 
 static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)

@@ -1,12 +1,11 @@
-/* A bus for fxs_ili9341 that records its bytes to a file on the host, through semihosting. recorder.h has the
- * format. */
+/* Display bus that records its bytes to a file on the host through semihosting. */
 #include "recorder.h"
 
 #include "console.h"
 
 enum { COMMAND, DATA, WAIT };
 
-/* Ends the program if the host cannot write, because a bus returns no errors. */
+/* Ends the program if the host cannot write, because bus functions return no errors. */
 static void put(const uint8_t *events, uint32_t count, const int *file)
 {
     if (!console_write(*file, events, count))

@@ -1,5 +1,5 @@
-/* Bus of a panel that writes to the file ili9341.stream on the host, two bytes per event: 0 and a command, 1 and a data
- * byte, or 2 and milliseconds to wait. */
+/* Bus of a display panel that writes to the file ili9341.stream on the host. An event is two bytes: 0 and a command,
+ * 1 and a data byte, or 2 and milliseconds to wait. */
 #ifndef FXS_RECORDER_H
 #define FXS_RECORDER_H
 

@@ -12,14 +12,13 @@
 #define SYST_CVR REGISTER(0xe000e018)
 #define ICSR REGISTER(0xe000ed04)
 #define CPACR REGISTER(0xe000ed88)
-#define CLOCK_TICKS 0x1000000u                 /* SysTick counts down from CLOCK_TICKS - 1; 24 bits */
+#define CLOCK_TICKS 0x1000000u
 #define PENDSTSET (1u << 26)
 
-/* From the linker script. */
 extern uint32_t board_stack[], board_stack_end[], board_data[], board_data_end[], board_bss[], board_bss_end[];
 extern const uint32_t board_data_in_flash[];
 
-static volatile uint32_t wraps;                /* wraps of SysTick */
+static volatile uint32_t wraps;
 
 static void count_wrap(void)
 {
@@ -42,25 +41,25 @@ void board_start(void);
 void board_start(void)
 {
 #if defined(__ARM_FEATURE_MVE)
-    CPACR |= 15u << 20;            /* enable the vector unit */
+    CPACR |= 15u << 20;
     __asm__ volatile("dsb\n\tisb");
 #endif
     memcpy(board_data, board_data_in_flash, (size_t)((char *)board_data_end - (char *)board_data));
     memset(board_bss, 0, (size_t)((char *)board_bss_end - (char *)board_bss));
     SYST_RVR = CLOCK_TICKS - 1;
     SYST_CVR = 0;
-    SYST_CSR = 7;                  /* on, with interrupt, at the processor's clock */
+    SYST_CSR = 7;
     console_exit(main());
 }
 
-/* Initial stack pointer, reset, NMI, HardFault, ...; SysTick is the last of the 16 entries that every Cortex-M has. */
+/* Initial stack pointer, then handlers of the 15 exceptions of every Cortex-M, from reset to SysTick. */
 __attribute__((section(".vectors"), used)) static const struct {
     uint32_t *stack;
     void (*handlers[15])(void);
 } vectors = {board_stack_end, {board_start, fault, fault, fault, fault, fault, fault, 0, 0, 0, fault, fault, 0, fault,
                                count_wrap}};
 
-/* Reads again if the counter wrapped in between, or has wrapped and the interrupt is pending. */
+/* Reads again if the timer wraps during the reads. */
 uint64_t board_clock(void *unused)
 {
     uint32_t before, ticks, pending;
@@ -73,7 +72,6 @@ uint64_t board_clock(void *unused)
     return ((uint64_t)before * CLOCK_TICKS + ticks) * 1000 / (BOARD_HZ / 1000000);
 }
 
-/* The stack grows down; the marks from its start up to the first used word are intact. */
 uint32_t board_stack_used(void)
 {
     const uint32_t *at = board_stack;

@@ -1,5 +1,5 @@
-/* Shows a turning scene on the screen of the Versatile Express. Each strip is copied to the hidden picture, as it would
- * be sent to a display. A complete picture then replaces the visible one. */
+/* Shows a turning scene on the screen of the Versatile Express board. Strips are copied to a hidden picture, which
+ * replaces the visible one when complete. */
 #include <string.h>
 
 #include <fixsplat/board.h>
@@ -13,7 +13,7 @@
 /* Colour LCD controller PL111 (ARM DDI 0293, 3.2): 16 bits per pixel, red in the highest bits. */
 #define LCD ((volatile uint32_t *)0x10020000)
 enum { TIMING0, TIMING1, TIMING2, TIMING3, UPPER_BASE, LOWER_BASE, CONTROL };
-#define CONTROL_ON (1 | 6 << 1 | 1 << 5 | 1 << 8 | 1 << 11)    /* on, 5:6:5, TFT, blue lowest, power */
+#define CONTROL_ON (1 | 6 << 1 | 1 << 5 | 1 << 8 | 1 << 11)
 
 static uint16_t screens[2][HEIGHT][WIDTH] __attribute__((aligned(8)));
 
@@ -24,7 +24,6 @@ void board_fault(void)
     console_exit(3);
 }
 
-/* argument: the screen to copy to. */
 static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     memcpy((uint16_t *)argument + first * WIDTH, strip->pixels, (size_t)rows * WIDTH * sizeof(uint16_t));
@@ -50,7 +49,7 @@ int main(void)
                                       .draw_blended = 1};
     static fxs_request request;
     console_command(line, sizeof line);
-    const uint32_t frames = console_option(line, "frames", 0);     /* 0: endless */
+    const uint32_t frames = console_option(line, "frames", 0);     /* number of frames; 0: endless */
     fxs_init(&context, &config);
     fxs_request_init(&request, &table.object, 1);
     request.options = (fxs_options){.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};

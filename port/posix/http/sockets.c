@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE   /* IFF_UP */
+#define _DEFAULT_SOURCE   /* declares IFF_UP */
 #include "port/http/sockets.h"
 
 #include <errno.h>

@@ -27,7 +27,7 @@ POSITION, SCALE, ROTATION, OPACITY, SH = (ffi.offsetof("fxs_gaussian", name) // 
 FLOATS = ffi.sizeof("fxs_gaussian") // 4
 
 
-# ---- Arrays ----------------------------------------------------------------------------------------------------------
+# ---- Arrays of Gaussians ---------------------------------------------------------------------------------------------
 
 def floats(name: str, values: Any, *shape: Optional[int]) -> Floats:
     """Returns values as an array of float32, without a copy where they are one. A None in the shape stands for any
@@ -113,7 +113,7 @@ class Gaussians:
         return f"<fixsplat.Gaussians, {len(self)}, SH degree {self.sh_degree}>"
 
 
-# ---- Streams ---------------------------------------------------------------------------------------------------------
+# ---- Streams of Gaussians --------------------------------------------------------------------------------------------
 
 @contextmanager
 def _about(name: str) -> "Iterator[None]":

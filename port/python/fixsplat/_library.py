@@ -33,7 +33,7 @@ class Error(Exception):
         self.bytes_needed = bytes_needed
 
 
-# ---- Finding ---------------------------------------------------------------------------------------------------------
+# ---- Finding the C library -------------------------------------------------------------------------------------------
 
 def _names(platform: str) -> "tuple[str, ...]":
     """Returns the names of the library's file on a platform (sys.platform), the one that programs look for first."""
@@ -93,7 +93,7 @@ PATH = os.environ.get("FIXSPLAT_LIBRARY") or next(_found())
 lib = _load(PATH)
 
 
-# ---- Calling ---------------------------------------------------------------------------------------------------------
+# ---- Calling the C library -------------------------------------------------------------------------------------------
 
 def new(kind: str, **fields: Any) -> Any:
     """Returns a pointer to a new struct that has these fields and 0 in the other fields, or to a null pointer. It does

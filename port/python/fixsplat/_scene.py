@@ -233,7 +233,7 @@ class Scene:
                 f"from {low} to {high}>")
 
 
-# ---- Reading ---------------------------------------------------------------------------------------------------------
+# ---- Reading scenes --------------------------------------------------------------------------------------------------
 
 def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: str = "default", level: int = 0,
          axes: str = "file", max_gaussians: int = 0, max_memory: int = 0, threads: int = 0,

@@ -11,7 +11,7 @@ int fxs_http_sockets_begin(void)
     return WSAStartup(MAKEWORD(2, 2), &unused) ? -1 : 0;
 }
 
-/* SO_REUSEADDR would let another server share the port. A recently used port needs no option on Windows. */
+/* SO_REUSEADDR would let another server share the port. */
 void fxs_http_socket_claim(MHD_socket s)
 {
     const BOOL on = TRUE;
@@ -24,7 +24,6 @@ void fxs_http_socket_close(MHD_socket s)
     closesocket(s);
 }
 
-/* The messages of other systems, for errors that a user can cause. */
 void fxs_http_socket_fault(fxs_http_fault *fault)
 {
     static const struct {
@@ -47,7 +46,7 @@ static IP_ADAPTER_ADDRESSES *list_adapters(void)
     const ULONG without = GAA_FLAG_SKIP_ANYCAST | GAA_FLAG_SKIP_MULTICAST | GAA_FLAG_SKIP_DNS_SERVER;
     ULONG room = 1 << 14, result;
     IP_ADAPTER_ADDRESSES *all = NULL;
-    do {                                    /* the list may grow between two calls */
+    do {                                    /* the list of adapters may grow between two calls */
         free(all);
         all = malloc(room);
         result = all ? GetAdaptersAddresses(AF_UNSPEC, without, NULL, all, &room) : ERROR_SUCCESS;
