@@ -1,7 +1,7 @@
-// The package for browsers and Node. It runs the C library as WebAssembly modules and draws the same bytes.
-// A Module is an instance of such a module with its memory. The readers of scene formats are modules of their own: they
-// pack a file into the bytes of an .fxs, then they are dropped with their memory. Threads are workers that run the same
-// module on shared memory. fixsplat.d.ts describes the public functions and classes.
+// The package for browsers and Node, which runs the C library as WebAssembly modules. The class Module is an instance
+// of a WebAssembly module with its memory. A reader module packs a scene file into the bytes of an .fxs file, and is
+// then dropped with its memory. Threads are workers that run the same module on shared memory. fixsplat.d.ts describes
+// the public functions and classes.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, SourceFile, urlOf } from './read.js'
@@ -9,15 +9,14 @@ import { Files, nameOf, SourceFile, urlOf } from './read.js'
 export { setAssets } from './fixsplat_assets.js'
 
 const SHOWN = 100000            // largest number of Gaussians in a preview
-const PAUSE = 400               // milliseconds before the first preview, and least pause between two
+const PAUSE = 400               // milliseconds before the first preview, and least pause between two previews
 const SOON = 1000               // no preview if the rest of the download takes fewer milliseconds
-// A module with one function that uses simd128.
+// A WebAssembly module with one function that uses simd128, to detect support.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
-// The same with i16x8.relaxed_q15mulr_s, which is one x86 instruction; i16x8.q15mulr_sat_s is five. They differ only
-// for -32768 squared: the relaxed one may return -32768, the other returns 32767. No picture depends on it. Both
-// opcodes have the same length.
+// On x86, i16x8.q15mulr_sat_s takes five instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768
+// * -32768, which no picture depends on. Both opcodes have the same length.
 const PRECISE = [253, 130, 1]
 const RELAXED = [253, 145, 2]
 const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
@@ -27,7 +26,7 @@ const runs = (code) => WebAssembly.validate(new Uint8Array(code))
 export const hasSimd = runs(WITH_SIMD)
 export const hasRelaxed = runs(WITH_RELAXED)
 
-// ---- Modules --------------------------------------------------------------------------------------------------
+// ---- WebAssembly modules --------------------------------------------------------------------------------------
 
 async function compileFrom(answer, relaxes) {
   return !relaxes && answer.headers.get('content-type') === 'application/wasm'
@@ -35,14 +34,15 @@ async function compileFrom(answer, relaxes) {
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
 }
 
-/** Compiles a module; `relaxes` patches its q15mulr opcodes. tests/scripts/web.sh: these bytes occur nowhere else. */
+/** Compiles a WebAssembly module. With `relaxes`, its q15mulr opcodes are replaced by relaxed opcodes.
+    tests/scripts/web.sh checks that these bytes occur nowhere else. */
 function compiledOf(code, relaxes) {
   for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
     if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
   return WebAssembly.compile(code)
 }
 
-/** An instance of a WebAssembly module. Its functions exchange numbers in one array of doubles, by put and get. */
+/** An instance of a WebAssembly module. Its functions exchange numbers through one array of doubles, by put and get. */
 class Module {
   constructor(module, imports = {}, threads = 1) {
     const env = {
@@ -56,12 +56,13 @@ class Module {
     this.c.may_wait?.(mayWait() ? 1 : 0)
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
-    this.pagers = []            // pagers of the streamed scenes among the placed objects
-    this.ahead = false          // true during a prefetch
-    this.fetches = true         // false: the next frame requests no parts
+    this.pagers = []            // Pager objects of the streamed scenes in the next frame
+    this.ahead = false          // true while parts of streamed scenes are prefetched
+    this.fetches = true         // false: the next frame requests no parts of streamed scenes
   }
 
-  /** The OpenGL imports of the module. They call `this.gl` (webgl.js), which changes with the Screen. */
+  /** Returns the OpenGL imports of the module, which call the functions of `this.gl` (webgl.js). `this.gl` changes
+      with the Screen. */
   #webgl(module) {
     const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
     return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
@@ -86,7 +87,7 @@ class Module {
     return bytes.length
   }
 
-  /** The zero-terminated text at an address. */
+  /** Returns the zero-terminated text at an address of the module's memory. */
   text(at) {
     const bytes = new Uint8Array(this.c.memory.buffer, at >>> 0)
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
@@ -96,19 +97,19 @@ class Module {
     return new Error(this.text(this.c.words()))
   }
 
-  /** Throws the message of the module if a result is an error, else returns the result. */
+  /** Returns a result, or throws the module's message if the result is negative. */
   check(result) {
     if (result < 0) throw this.error()
     return result
   }
 
-  /** The same for an address. */
+  /** Returns an address, or throws the module's message if the address is 0. */
   place(at) {
     if (!at) throw this.error()
     return at >>> 0
   }
 
-  /** Calls a function that draws. After a trap, waits for the threads, which use the frame's memory. */
+  /** Calls a drawing function of the module. After a trap, waits for the threads, which use the frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -121,7 +122,7 @@ class Module {
     }
   }
 
-  /** The size of an .fxs file in bytes, from its header. */
+  /** Returns the size of an .fxs file in bytes, which its header states. */
   packedBytes(name, header) {
     const [text, at] = [this.copyText(name), this.copy(header)]
     try {
@@ -133,20 +134,20 @@ class Module {
     }
   }
 
-  /** Copies bytes into the memory of the module. Free the copy with `release`. */
+  /** Copies bytes into the memory of the module. The caller frees the copy with `release`. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
     this.bytes(at, bytes.length).set(bytes)
     return at
   }
 
-  /** The same for a text; appends a 0. */
+  /** Copies a text into the memory of the module, with a final 0. */
   copyText(text) {
     return this.copy(new TextEncoder().encode(`${text}\0`))
   }
 }
 
-/** Caches the promise of make(); a failure is not cached. */
+/** Caches the promise of make() by name, unless the promise is rejected. */
 const once = (made, name, make) =>
   (made[name] ??= make().catch((error) => {
     delete made[name]
@@ -164,12 +165,12 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 131072            // bytes for each thread; its jobs need 20,000
-const PAGES = 16                // initial pages of a shared memory; the same number as in the Makefile
+const STACK = 131072            // bytes of stack for each thread; its jobs need 20,000
+const PAGES = 16                // initial pages of a shared memory, as in the Makefile
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
-/** True if this thread may block in Atomics.wait. The main thread of a page may not. */
+/** Returns true if this thread may block in Atomics.wait. The main thread of a page may not. */
 function mayWait() {
   try {
     return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
@@ -180,7 +181,7 @@ function mayWait() {
 
 const processors = async () => (inNode ? (await ofSystem()).processors() : navigator.hardwareConcurrency)
 
-/** Shared memory that may grow to 4 GB. Halves the maximum until the browser grants it. */
+/** Returns shared memory that may grow to 4 GB. The maximum is halved until the browser grants the memory. */
 function sharedMemory(maximum = 65536) {
   try {
     return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
@@ -190,7 +191,7 @@ function sharedMemory(maximum = 65536) {
   }
 }
 
-/** Starts a thread for a module. */
+/** - */
 const oneMore = async (core, module, stack = STACK) =>
   startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(stack)) + stack })
 
@@ -202,14 +203,14 @@ async function threadedCore(threads) {
   return core
 }
 
-/** The number of threads for these options. */
+/** - */
 async function threadsFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
   return simd && hasSimd && canShare ? (threads ?? Math.min(await processors(), USUAL_THREADS)) : 1
 }
 
-/** The renderer module for these options, with its threads. */
+/** Returns the renderer module for the options of `load`, with its threads. */
 async function coreFor(options) {
   const { simd = hasSimd } = options
   const count = await threadsFor(options)
@@ -220,7 +221,7 @@ async function coreFor(options) {
   return coreOf(simd ? 'simd' : 'core')
 }
 
-/** Drops the modules that no scene uses, and ends their threads. */
+/** - */
 export async function end() {
   for (const [name, made] of Object.entries(cores)) {
     const core = await made.catch(() => null)
@@ -230,29 +231,29 @@ export async function end() {
   }
 }
 
-// ---- Opening --------------------------------------------------------------------------------------------------
+// ---- Opening a scene ------------------------------------------------------------------------------------------
 
 const numberOf = (names, value) => {
   if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
   return names.indexOf(value)
 }
 
-const PACKING_STACK = 262144    // bytes for each thread that packs; its jobs need 90,000
-const MUCH = 8e6                // bytes; smaller files are packed faster without threads
+const PACKING_STACK = 262144    // bytes of stack for each thread that packs; its jobs need 90,000
+const MUCH = 8e6                // bytes; a smaller file is packed faster without threads
 
-/** The reader modules to try for a file, the likely one first. A module reports if another one reads the file. */
+/** Returns the reader modules to try for a file, the likeliest module first. */
 async function readersFor(file, options) {
   const { simd = hasSimd } = options
   const { name } = file
   const [p, k] = file.first(2)
   if (!simd || !hasSimd) return ['import_core']
-  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
+  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, the signature of a zip file
   const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
   const others = isShared ? ['import_threads', 'import'] : ['import']
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
 }
 
-/** An instance of a reader module, with threads if its memory can be shared. */
+/** Instantiates a reader module, with threads if its memory can be shared. */
 function readerOf(module, imports, threads) {
   const isShared = WebAssembly.Module.imports(module).some(({ kind }) => kind === 'memory')
   const reader = new Module(module, isShared ? { ...imports, memory: sharedMemory() } : imports)
@@ -262,11 +263,10 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-// Packs the files of a scene with a new instance of a reader module. `share`: the downloaded share of the first file.
-// `most`: the largest number of Gaussians, for a preview; 0: no limit. `look`: only checks the first file, as if it had
-// this many bytes. Returns { bytes, error, isElsewhere, missing, isShort }: the bytes of an .fxs file; or an error,
-// with isElsewhere if another module may succeed; the names of missing files; isShort if the reader needs bytes that
-// have not arrived.
+// Packs the files of a scene with a new instance of a reader module. `share` is the downloaded share of the first file.
+// `most` is the largest number of Gaussians of a preview; 0: no limit. With `look`, the first file is only checked, as
+// if it had this many bytes. Returns the `bytes` of an .fxs file or an `error`. isElsewhere: another module may
+// succeed. `missing`: names of missing files. isShort: the reader needs bytes that have not arrived.
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -296,7 +296,7 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   try {
     reader = readerOf(module, imports, threads)
   } catch (error) {
-    return { missing, error, isElsewhere: true }   // no shared memory: the next module has its own
+    return { missing, error, isElsewhere: true }   // no shared memory: tries the next reader module
   }
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share, threads)
@@ -312,7 +312,7 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   return { missing, bytes: look ? null : reader.bytes(...reader.get(0, 2)) }
 }
 
-/** Tries the reader modules in turn, and downloads the files that they ask for. */
+/** Tries the reader modules in turn, and downloads the other files that a reader asks for. */
 async function importBy(files, options, how) {
   const isFew = how.most || how.look || files.all[0].there < MUCH
   const threads = isFew ? 1 : await threadsFor(options)
@@ -332,13 +332,14 @@ async function importAll(files, options, how = {}) {
   return bytes
 }
 
-// ---- Beginnings -----------------------------------------------------------------------------------------------
+// ---- First bytes of a file ------------------------------------------------------------------------------------
 
-const HEAD = 4096               // bytes needed to recognize the format: fxs_format_by_content
-const PACKED_HEAD = 192         // bytes in the header of an .fxs
-const MOST_TEXT = 2 ** 30       // largest size of an index in bytes: FXS_TEXT_MAX
+const HEAD = 4096               // bytes that fxs_format_by_content needs to recognise a format
+const PACKED_HEAD = 192         // bytes in the header of an .fxs file
+const MOST_TEXT = 2 ** 30       // largest size in bytes of an index file: FXS_TEXT_MAX
 
-/** The size of a .ply file by its header, from the reader's error for a short file; 0: unknown or complete. */
+/** Returns the size of a .ply file by its header; 0: unknown or complete. The reader's error for a short file states
+    the size. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -349,11 +350,11 @@ async function leastOf(file, lookAs) {
 }
 
 // Checks the first bytes of a download. Throws an Error if they are not a scene, or if the file is far longer than its
-// header says. Returns the number of bytes after which to check again.
+// header says. Returns the number of bytes at which to check again.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
-  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // JSON, read as a whole
+  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // a JSON index file, which is read as a whole
   const least = core ? core.packedBytes(file.name, file.first(PACKED_HEAD)) : await leastOf(file, lookAs)
   if (least) file.limit(least)
   if (isIndex) file.most = MOST_TEXT
@@ -364,13 +365,13 @@ async function lookAt(file, files, options) {
   return Infinity
 }
 
-// Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share`: the downloaded
-// share. `isNow`: skips the timing. `waited`: milliseconds that the download spent on checks, not counted as download
-// time. The pauses grow with the time that a preview takes.
+// Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share` is the downloaded
+// share. `isNow` ignores the timing. `waited` is the time of checks in milliseconds, which is no download time. The
+// pauses between previews grow with the time that a preview takes.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
-  let last                      // end of the last preview; before the first one, arrival of the first bytes
+  let last                      // end of the last preview, or arrival of the first bytes
   let took = 0
   return async (share, isNow, waited = 0) => {
     const start = performance.now()
@@ -383,7 +384,7 @@ function previewsOf(files, options) {
       const bytes = await importAll(files, quietly, { share, most: SHOWN })
       if (bytes.length) scene = sceneOf(await coreFor(options), SourceFile.of(files.all[0].name, bytes))
     } catch {
-      return                    // loading the whole scene will report the error
+      return                    // loading the whole scene reports the error
     }
     if (scene) await options.preview(scene)
     last = performance.now()
@@ -391,7 +392,7 @@ function previewsOf(files, options) {
   }
 }
 
-/** The scene of an .fxs file. */
+/** - */
 function sceneOf(core, file) {
   const { name, there: bytes } = file
   const text = core.copyText(name)
@@ -409,7 +410,7 @@ function sceneOf(core, file) {
   }
 }
 
-/** Opens a streamed scene: { scene }. Otherwise { answer } if the server has already sent the whole file, else {}. */
+/** Opens a streamed scene and returns { scene }. Returns { answer } if the server has sent the whole file, else {}. */
 async function paged(source, options) {
   if (options.paging === false || !(typeof source === 'string' || source instanceof URL)) return {}
   const url = await urlOf(String(source)).catch(() => null)
@@ -425,7 +426,7 @@ export async function load(source, options = {}) {
   signal?.throwIfAborted()
   const files = new Files(options)
   const preview = previewsOf(files, options)
-  coreFor(options).catch(() => {})   // starts early; a failure is reported below
+  coreFor(options).catch(() => {})   // starts early; a later call reports a failure
   const { scene, answer } = await paged(source, options)
   if (scene) return scene
   let next = HEAD
@@ -441,7 +442,7 @@ export async function load(source, options = {}) {
   if (!file.isPacked) await preview(1, true)
   signal?.throwIfAborted()
   const packed = file.isPacked ? file : SourceFile.of(file.name, await importAll(files, options))
-  const core = await coreFor(options)   // a new one if end() was called meanwhile
+  const core = await coreFor(options)   // a new module instance if end() was called meanwhile
   signal?.throwIfAborted()
   return sceneOf(core, packed)
 }
@@ -461,10 +462,10 @@ export class Scene {
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
     Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
     core.scenes++
-    core.chosen = null   // the address may have belonged to another scene
+    core.chosen = null   // drops the cached first view: the address may have belonged to another scene
   }
 
-  /** The number of threads that have started. */
+  /** - */
   get threads() {
     return this.#core.c.threads?.() ?? 1
   }
@@ -473,7 +474,7 @@ export class Scene {
     return !this.#scene
   }
 
-  /** Internal: the module, the address of the scene in its memory, and the pager of a streamed scene. */
+  /** Internal: the module, the address of the scene in its memory, and the Pager of a streamed scene. */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene, this.#pager]
@@ -538,7 +539,7 @@ export class Scene {
 
 const MAX_CROPS = 8
 
-/** Flattens a list and checks that it has `count` numbers. */
+/** Returns a list as a flat array, after checking that it has `count` numbers. */
 function all(name, count, numbers) {
   const flat = Array.isArray(numbers) || ArrayBuffer.isView(numbers) ? Array.from(numbers).flat() : []
   if (flat.length !== count || !flat.every((x) => typeof x === 'number'))
@@ -552,7 +553,7 @@ function need(is, words, Kind = TypeError) {
 
 const isObject = (value) => typeof value === 'object' && value !== null
 
-/** `Scene.inside` of object i: module, address, pager. */
+/** Returns the module, address and Pager of object number i. */
 function insideOf(object, i) {
   need(isObject(object), `object ${i}: expected an object with a scene`)
   need(isObject(object.scene) && 'inside' in object.scene, `object ${i}: scene: expected what \`load\` returns`)
@@ -582,7 +583,7 @@ function placeAll(objects) {
   return core
 }
 
-/** Sets a Pinhole camera, as in a cameras.json: the columns of its rotation are the axes of the camera. */
+/** Sets a Pinhole camera. The columns of its rotation are the axes of the camera. */
 function takePinhole(core, camera, width, height) {
   const { fx, fy = fx, near = 0, orthographic = false } = camera
   const [w, h] = [camera.width ?? width, camera.height ?? height]
@@ -592,7 +593,7 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-/** The chosen first view of the placed objects: the 13 numbers of fxs_first_choice, `known`. Cached. */
+/** Returns the cached first view of the objects: the 13 numbers of fxs_first_choice, then `known`. */
 function chosen(core, objects) {
   const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
@@ -647,13 +648,14 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-/** maxMemory in bytes, at most 2 ** 32 - 1; 0: no limit. */
+/** Returns maxMemory in bytes, at most 2 ** 32 - 1; 0: no limit. */
 function limitOf({ maxMemory = 0 }) {
   need(maxMemory >= 0, `maxMemory ${maxMemory}: expected a number of bytes`)
   return Math.min(maxMemory, 2 ** 32 - 1)
 }
 
-/** The budget of a frame; by default the smallest budget of the pagers, else 2 ** 32 - 1: no limit. */
+/** Returns the budget of a frame in Gaussians. The default is the smallest budget of the streamed scenes, else 2 **
+    32 - 1: no limit. */
 function budgetOf({ pagers }, { budget }) {
   if (budget !== undefined && !(Number.isInteger(budget) && budget >= 0))
     throw new Error(`budget ${budget}: expected a number of Gaussians`)
@@ -663,7 +665,7 @@ function budgetOf({ pagers }, { budget }) {
   return Math.min(budget || Math.min(...pagers.map((pager) => pager.budget || Infinity)), 2 ** 32 - 1)
 }
 
-/** The limits of a frame: budget in Gaussians (0: none), detail in 1/256 pixel, memory in bytes (0: none). */
+/** Returns the limits of a frame: budget in Gaussians, detail in 1/256 pixel, memory in bytes. 0: no limit. */
 function boundsOf(core, options) {
   const { detail = 0 } = options
   const budget = budgetOf(core, options)
@@ -671,21 +673,21 @@ function boundsOf(core, options) {
   return [budget === 2 ** 32 - 1 ? 0 : budget, Math.round(256 * detail), limitOf(options)]
 }
 
-/** The arguments that all frames pass to the module. */
+/** Returns the arguments that every drawing function of the module takes. */
 function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) {
   need(Number.isFinite(background), `background ${background}: expected a number`)
   need(Number.isFinite(shDegree), `shDegree ${shDegree}: expected a number`)
   return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
 }
 
-/** The statistics of the last frame. Headers that have not arrived count as missing parts. */
+/** Returns the statistics of the last frame. Headers of streamed scenes that have not arrived count as missing
+    parts. */
 function drawnBy(core) {
   const [drawn, missing] = core.get(0, 2)
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// For each format and target, its typed array and the numbers a pixel. Targets are in the order of take_targets in
-// web_core.c.
+// The typed array and the numbers a pixel of each format and target, in the order of take_targets in web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
   premultiplied: [Uint8ClampedArray, 4],
@@ -708,7 +710,7 @@ function oneOf(table, name) {
   return Object.keys(table).indexOf(name)
 }
 
-/** Lays out the targets of an eye in a block of memory, from the offset `start` on, aligned to 64 bytes. */
+/** Lays out the targets of an eye in a block of memory from the offset `start`, each aligned to 64 bytes. */
 function layOut(asked, format, pixels, start) {
   let end = start
   const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
@@ -723,7 +725,8 @@ function layOut(asked, format, pixels, start) {
   return { parts, end }
 }
 
-/** The layout of all targets: the code of the colour format, the bytes of the block, the parts of each eye. */
+/** Returns the layout of all targets: the code of the colour format, the size of the block in bytes, the targets of
+    each eye. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
   need(ofEyes.every(isObject), 'targets: expected an object')
@@ -740,7 +743,7 @@ function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   return { code, bytes, plans }
 }
 
-/** Allocates the arrays of the output targets, before drawing. */
+/** - */
 function memoryFor(plans, width, height) {
   const given = plans.map((parts) => parts.filter((part) => !part.given))
   try {
@@ -752,7 +755,8 @@ function memoryFor(plans, width, height) {
   }
 }
 
-/** Draws for the one or two cameras that were set. Returns the pixels, or the Frame with `targets`, of each eye. */
+/** Draws with the one or two cameras that were set. Returns the pixels of each eye, or with `targets` the Frame of
+    each eye. */
 function draw(core, width, height, eyes, options) {
   const { depthBits = 16, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
@@ -789,7 +793,8 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Requests the missing parts of a picture and returns their number. `ahead`: after those of the last picture. */
+/** Requests the missing parts of a picture and returns their number. With `ahead`, the missing parts of the last
+    picture come first. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead
@@ -829,13 +834,13 @@ function resize(canvas, width, height) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
 }
 
-/** The back end 'wasm': copies pictures to a canvas with a 2D context. */
+/** The back end 'wasm' of a Screen, which copies pictures to a canvas with a 2D context. */
 class Copied {
   #context
   #pixels
 
   constructor(canvas) {
-    // In a worker, a canvas in main memory takes a quarter of the time if the processor also emulates the GPU.
+    // In a worker, a canvas in main memory is faster if the processor also emulates the GPU.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
@@ -861,7 +866,7 @@ class Copied {
 
 const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
 
-/** The back end 'webgl2': the module calls WebGL 2 on a canvas. */
+/** The back end 'webgl2' of a Screen: the module calls WebGL 2 on a canvas. */
 class Drawn {
   #core
   #functions
@@ -879,12 +884,12 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
-  /** Stays true: a restored context has lost all of its objects. */
+  /** Stays true after a restore, since a restored context has lost all of its objects. */
   get lost() {
     return (this.#gone ||= this.gl.isContextLost())
   }
 
-  /** Makes a texture of pixels, with the lowest row first. Restores the state of the context. */
+  /** Makes a texture of pixels with the lowest row first. The state of the WebGL context is restored. */
   #textureOf(pixels, width, height) {
     const { gl } = this
     const rows = ['ROW_LENGTH', 'SKIP_ROWS', 'SKIP_PIXELS'].map((name) => gl[`UNPACK_${name}`])
@@ -942,7 +947,7 @@ class Drawn {
     return pixels
   }
 
-  /** Waits by reading a pixel. Browsers poll a fence only every 4 ms. */
+  /** Waits for the GPU by reading a pixel, since browsers poll a fence only every 4 ms. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
   }
@@ -972,7 +977,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
-    core.scenes++               // keeps the module until free
+    core.scenes++               // keeps the module in memory until `free`
   }
 
   static async open(canvas, backend, options = {}) {
@@ -1023,7 +1028,7 @@ export class Screen {
   }
 }
 
-// ---- Pictures -------------------------------------------------------------------------------------------------
+// ---- PNG files ------------------------------------------------------------------------------------------------
 
 function crc32(bytes) {
   let crc = -1
@@ -1056,7 +1061,7 @@ export async function png(pixels, width, height) {
   const header = new DataView(new ArrayBuffer(13))
   header.setUint32(0, width)
   header.setUint32(4, height)
-  header.setUint16(8, 0x0806)   // 8 bits, RGBA
+  header.setUint16(8, 0x0806)   // 8 bits a channel, RGBA
   const deflated = new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))
   const body = new Uint8Array(await new Response(deflated).arrayBuffer())
   const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', body], ['IEND', new Uint8Array(0)]]
