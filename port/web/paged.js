@@ -1,33 +1,33 @@
 // Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
-// loaded first. The rows of a chunk (its 256 Gaussians) are loaded when a picture wants them, into a pool of bounded
-// size in the memory of the module; if the pool is full, the least recently used chunk is evicted. Neighbouring chunks
-// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes the chunks of coarser levels; a
-// chunk is identified by its number, leaves first. web_paged.c is the side of the module.
+// loaded first. A chunk is the data of 256 Gaussians, called rows, and is loaded when a picture needs it. Chunks lie in
+// a pool of bounded size in the module's memory. A full pool evicts the least recently used chunk. One request loads
+// neighbouring chunks. Leaves are the chunks of the finest level, nodes the coarser chunks. Chunk numbers begin with
+// the leaves. web_paged.c is the module's side.
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
 
 const HEADER = 192              // bytes in the header of the file
 const CHUNK_HEADER = 128        // bytes in the header of a chunk
-const GAUSSIANS = 256           // in a chunk
+const GAUSSIANS = 256           // Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
-const TOP = 64                  // nodes that are loaded before the first picture and never evicted
+const TOP = 64                  // coarsest nodes, loaded before the first picture and never evicted
 const BLOCK = 2048              // chunk headers in one request
 const PIECE = 1 << 20           // bytes of the tree in one request
-const RUN = 1 << 19             // most bytes of rows in one request
-const GAP = 1 << 15             // largest gap between wanted rows in one request, bytes
-const AT_ONCE = 6               // requests at the same time
-const MEMORY = 512e6            // bytes in the pool
+const RUN = 1 << 19             // largest size of one request for chunks, in bytes
+const GAP = 1 << 15             // largest gap in bytes between wanted chunks in one request
+const AT_ONCE = 6               // default number of simultaneous requests
+const MEMORY = 512e6            // default size of the pool of chunks in bytes
 const LEAST_PLACES = 256        // smallest capacity of the pool in chunks
 const BUDGET = 1e6              // default budget of a picture in Gaussians
-const TRIES = 5                 // attempts for a request; 2 if the server is slow
+const TRIES = 5                 // attempts for a request, or 2 if the server is slow
 const PAUSE = 100               // milliseconds; the pause before attempt i + 1 is PAUSE * 2^i
-const AGAIN = 5000              // milliseconds after a temporary failure before pictures request parts again
-const TELL = 50                 // least milliseconds between two calls of changed
+const AGAIN = 5000              // milliseconds after a temporary failure before pictures request chunks again
+const TELL = 50                 // least milliseconds between two calls of the callback `changed`
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
 
-/** A permanent Error: no further request can succeed. */
+/** Makes a permanent Error: no further request can succeed. */
 const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 
 // ---- The server -----------------------------------------------------------------------------------------------
@@ -41,24 +41,25 @@ class Remote {
   #running = new Set()
   #ended = false
 
-  /** `options`: the options of Watch. */
+  /** - */
   constructor(url, name, { silence, signal }) {
     Object.assign(this, { name })
     this.#url = url
     this.#options = { silence, signal }
   }
 
-  /** After opening, `end` aborts requests, the signal does not. */
+  /** Ignores the caller's signal from now on. After opening, only `end` aborts requests. */
   opened() {
     this.#options.signal = undefined
   }
 
-  /** The ETag or Last-Modified of the file; empty if the server sends neither. */
+  /** Returns the ETag or Last-Modified of the file; '' if the server sends no version. */
   get version() {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** Reads the first bytes: { bytes, total }; { answer } for the whole file; {} if the server has no ranges. */
+  /** Reads the first bytes of the file. Returns { bytes, total }, { answer } with the whole file, or {} if the
+      server has no ranges. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -79,7 +80,7 @@ class Remote {
     })
   }
 
-  /** Reads bytes first to end - 1, with retries. Calls `came` with the number of received bytes. */
+  /** Reads bytes first to end - 1, with retries. `came` receives the number of received bytes. */
   async read(first, end, came) {
     for (let i = 1; ; i++)
       try {
@@ -114,7 +115,7 @@ class Remote {
   }
 
   async #ask(first, end, watch, came) {
-    // if-range needs a strong ETag; another origin would have to allow the header (CORS).
+    // The header if-range needs a strong ETag, and CORS permission on another origin.
     const isOwn = !globalThis.location || globalThis.location.origin === this.#url.origin
     const same = isOwn && this.#tag?.startsWith('"') ? { 'if-range': this.#tag } : {}
     const answer = await this.#fetch(first, end, same, watch).catch((cause) => {
@@ -173,28 +174,28 @@ class Remote {
 
 // ---- The scene ------------------------------------------------------------------------------------------------
 
-/** Loads the chunks of a scene into a module, and manages the places of the pool. */
+/** Loads the chunks of a scene into the module, and manages the pool. A place of the pool holds a chunk. */
 export class Pager {
   #core
   #at
   #remote
   #store
-  #text                         // address of the name in the module
+  #text                         // address of the scene's name in the module
   #layout
   #places                       // capacity of the pool in chunks
-  #used = 0                     // places that were used at least once
-  #spare = []                   // free places below #used
-  #victims = []                 // places to evict, the oldest last
-  #fullAt = -1                  // the last turn in which #oldest was computed
-  #chunkOf                      // for each place, its chunk
+  #used = 0                     // places of the pool that were used at least once
+  #spare = []                   // free places of the pool below #used
+  #victims = []                 // places of the pool to evict, the least recently used last
+  #fullAt = -1                  // last #turn in which #victims was computed
+  #chunkOf                      // chunk number of each place of the pool
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
-  #wanted = this.#now           // the same, then the missing chunks of the prefetch
-  #cursor = 0                   // next entry of #wanted to request
-  #marks                        // for each chunk, the mark of the last list that contained it
+  #wanted = this.#now           // missing chunks of the last picture, then of the prefetch
+  #cursor = 0                   // index in #wanted of the next chunk to request
+  #marks                        // mark of the last list that contained the chunk, for each chunk
   #mark = 0
-  #turn = 0                     // counts frames and prefetches; see stamps in web.h
-  #busy = new Set()             // chunks that are being requested
-  #blocks                       // state of each block of headers: 0 missing, 1 requested, 2 loaded
+  #turn = 0                     // number of frames and prefetches until now
+  #busy = new Set()             // chunks with a running request
+  #blocks                       // state of each block of chunk headers: 0 missing, 1 requested, 2 loaded
   #pendingBlocks = 0
   #headersRunning = 0
   #running = 0
@@ -215,9 +216,9 @@ export class Pager {
     this.#text = core.copyText(remote.name)
   }
 
-  // ---- Opening ----
+  // -
 
-  /** Loads the tables and the TOP nodes. Returns the address of the scene in the module and its facts. */
+  /** Loads the tables and the coarsest nodes. Returns the address of the scene in the module and its properties. */
   async open(header, total, { memory = MEMORY, progress }) {
     const core = this.#core
     this.#allocate(header, total, memory)
@@ -258,7 +259,7 @@ export class Pager {
     return { at: this.#at, facts }
   }
 
-  /** Allocates scene and pool in the module. Halves the pool until the memory suffices. */
+  /** Allocates the scene and the pool in the module. The pool is halved until the memory suffices. */
   #allocate(header, total, memory) {
     const core = this.#core
     const at = core.copy(header)
@@ -293,20 +294,21 @@ export class Pager {
     this.#pendingBlocks = this.#blocks.length
   }
 
-  // ---- Requests of frames ----
+  // -
 
-  /** The default budget of a picture in Gaussians; 0: no limit. */
+  /** Returns the default budget of a picture in Gaussians; 0: no limit. */
   get budget() {
     return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
-  /** The largest budget of a picture: half the pool, since coarser chunks are needed too while finer ones load. */
+  /** Returns the largest budget of a picture in Gaussians: half the pool. Coarse chunks are still needed while finer
+      chunks load. */
   get most() {
     if (this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
-  /** The number of header blocks that have not arrived. They count as missing, in addition to chunks. */
+  /** Returns the number of blocks of chunk headers that have not arrived. Each counts as a missing part. */
   get pending() {
     return this.#pendingBlocks
   }
@@ -331,7 +333,8 @@ export class Pager {
     this.#fetch()
   }
 
-  /** Fulfilled when the next data arrive; rejected after a failure, or if no request is running. */
+  /** Returns a promise of the next arrival of data. The promise is rejected after a failure, or if no request is
+      running. */
   arrival() {
     if (this.failure) return Promise.reject(this.failure)
     if (!this.#running) {
@@ -341,7 +344,7 @@ export class Pager {
     return new Promise((resolve, reject) => this.#waiting.push({ resolve, reject }))
   }
 
-  /** Frees the scene. The Remote stays usable for another pager. */
+  /** Frees the scene. The Remote stays usable for another Pager. */
   close() {
     this.#ended = true
     clearTimeout(this.#timer)
@@ -356,7 +359,7 @@ export class Pager {
     this.#remote.end()
   }
 
-  // ---- Fetching ----
+  // -
 
   #fetch() {
     while (this.#running < this.#most && !this.failure && !this.#ended) {
@@ -371,7 +374,7 @@ export class Pager {
     }
   }
 
-  /** The next request. While headers are missing, one running request loads headers, the others load chunks. */
+  /** Returns the next request. While headers are missing, one running request is for headers. */
   #next() {
     if (this.#pendingBlocks && !this.#headersRunning) {
       const job = this.#nextBlock()
@@ -423,7 +426,7 @@ export class Pager {
     }
   }
 
-  /** A request for a chunk and its wanted neighbours: the range that the cache holds, else a new range. */
+  /** Returns a request for a chunk and its wanted neighbours, as a range of the cache or of the server. */
   #jobOfRows(chunk) {
     const { leaves, chunks, chunkBytes, leafRows, nodeRows } = this.#layout
     const isLeaf = chunk < leaves
@@ -455,7 +458,8 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** Reads a range for `take`, which throws if it is damaged. Then reads it once more, from the server. */
+  /** Reads a range and passes the bytes to `take`, which throws if they are damaged. A damaged range is read once
+      more, from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -479,7 +483,7 @@ export class Pager {
     return bytes
   }
 
-  // ---- Arrived data ----
+  // -
 
   #words(at, count) {
     return new Uint32Array(this.#core.c.memory.buffer, at, count)
@@ -503,7 +507,8 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Stores the rows of chunks first to end - 1. Wanted chunks may evict others; the rest takes only free places. */
+  /** Stores the data of chunks first to end - 1. Wanted chunks may evict other chunks. Unwanted chunks take only
+      free places of the pool. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -532,7 +537,7 @@ export class Pager {
     }
   }
 
-  /** A free place in the pool, else the place of the least recently used chunk; -1 if all places are in use. */
+  /** Returns a free place of the pool, else the place of the least recently used chunk; -1 if all places are in use. */
   #placeFor(chunk) {
     if (this.#spare.length) return this.#spare.pop()
     if (this.#used < this.#places) return this.#used++
@@ -553,7 +558,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** An eighth of the pool to evict, the least recently used last; without places used in the last two turns. */
+  /** Returns an eighth of the pool to evict, the least recently used place last. Places used in the last two frames
+      or prefetches are excluded. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0
@@ -563,7 +569,7 @@ export class Pager {
     return Array.from(sorted, (key) => key % 2 ** 21).reverse()
   }
 
-  // ---- Telling ----
+  // -
 
   #came() {
     this.#settle()
@@ -591,8 +597,8 @@ export class Pager {
   }
 }
 
-// Opens a file for streaming: { core, pager, at, facts }. { answer } if the server sends the whole file; {} if it does
-// not support ranges, or if the file is not an .fxs of this version.
+// Opens a file for streaming and returns { core, pager, at, facts }. Returns { answer } if the server sends the whole
+// file. Returns {} without range requests, or if the file is not an .fxs file of this version.
 export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
   const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)
@@ -613,7 +619,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   }
   const opened = await open().catch(async (error) => {
     if (!store?.size || signal?.aborted) throw error
-    await store.clear()         // the cache may be damaged
+    await store.clear()         // the cached bytes may be damaged
     return open()
   })
   remote.opened()

@@ -1,23 +1,25 @@
-// AR (WebXR, immersive-ar): puts the scene upright on a floor or table of the room. A ring shows the place, from hit
-// tests of WebXR; a tap or the trigger of a controller puts the scene there. Dragging the scene moves it, dragging
-// elsewhere turns it, and two fingers on a screen turn and scale it. xr.js has the session and the pictures.
+// Augmented reality (WebXR, immersive-ar): puts the scene upright on a floor or table of the room. A ring shows the
+// place, which WebXR hit tests find. A tap or the trigger of a controller puts the scene there. Dragging the scene
+// moves it, dragging elsewhere turns it, and two fingers on a screen turn and scale it. xr.js has the session and the
+// pictures.
 import { button, ICONS } from './body.js'
 import { programOf } from './eyes.js'
 import { add, dot, unit } from './motion.js'
 import { numbers, Place } from './xr.js'
 
-const TABLE = 0.5 // metres: the longest side of a scene of the size table
-const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side when scaling by fingers
+const TABLE = 0.5 // metres: longest side of a scene in the size 'table'
+const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side of a scene scaled by fingers
 const LEVEL = Math.cos(Math.PI / 6) // least vertical component of the normal of a level surface
-const BEFORE = 0.7 // metres: distance of the near side if no surface is known
+const BEFORE = 0.7 // metres: distance to the near side of the scene if no surface is known
 const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
-const PATIENCE_MS = 8000 // without a surface, until a tap puts the scene in front
-const HINT_MS = 8000 // how long the hint on gestures is shown
-const REACH = 20 // metres: longest ray to the floor
-const TURNING = 4 // the scene turns by this multiple of the angle of a drag
+const PATIENCE_MS = 8000 // without a surface, milliseconds before a tap puts the scene in front of the user
+const HINT_MS = 8000 // milliseconds that the hint on gestures is shown
+const REACH = 20 // metres: longest ray from a pointer to the floor
+const TURNING = 4 // ratio of the scene's turn to the angle of a drag
 const [RING_LEAST, RING_MOST] = [0.06, 0.5] // metres: range of the radius of the ring
 
-const SIZES = { table: (longest) => TABLE / longest, true: () => 1 } // metres a unit
+// metres for a scene unit, in each size of the scene
+const SIZES = { table: (longest) => TABLE / longest, true: () => 1 }
 const OTHER = { table: 'true', true: 'table' }
 const NAMES = { table: 'On the table', true: 'True size' }
 const HINTS = {
@@ -35,7 +37,7 @@ void main() {
   at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   gl_Position = projection * view * vec4(ring.xyz + ring.w * vec3(at.x, 0.0, at.y), 1.0);
 }`
-// The ring is white between dark edges, to be visible on any floor. Colours are premultiplied.
+// The ring is white between dark edges, to be visible on any floor. Its colours are premultiplied.
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at;
@@ -73,18 +75,18 @@ ${button('roomEnd', 'Back to the page', ICONS.close)}</div>`
   return { panel, hint, size: bar.querySelector('#roomSize') }
 }
 
-/** The origin and the direction of a ray. */
+/** - */
 function rayOf({ position, matrix }) {
   return { from: numbers(position), along: [-matrix[8], -matrix[9], -matrix[10]] }
 }
 
-/** The point where a ray meets a horizontal plane; null if none is within REACH. */
+/** Returns the point where a ray meets a horizontal plane; null if no point is within REACH. */
 function meetsLevel({ from, along }, height) {
   const far = (height - from[1]) / along[1]
   return far > 0 && far < REACH ? add(from, along, far) : null
 }
 
-/** True if a ray meets a box: it enters the last pair of planes before it leaves the first (slab test). */
+/** Returns true if a ray meets a box (slab test). */
 function meetsBox({ from, along }, { low, high }) {
   let [enters, leaves] = [0, Infinity]
   for (let i = 0; i < 3; i++) {
@@ -96,10 +98,10 @@ function meetsBox({ from, along }, { low, high }) {
   return enters <= leaves
 }
 
-/** The same angle in the range -pi to pi. */
+/** Returns an angle in the range -pi to pi. */
 const least = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI))
 
-/** The distance and the angle between two rays on the screen. */
+/** Returns the distance and the angle between two rays on the screen. */
 function apart([a, b], { matrix }) {
   const axis = (i) => [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]]
   const [p, q] = [a, b].map(({ along }) => [0, 1].map((i) => dot(along, axis(i)) / -dot(along, axis(2))))
@@ -107,18 +109,18 @@ function apart([a, b], { matrix }) {
   return { far: Math.hypot(...to), angle: Math.atan2(to[1], to[0]) }
 }
 
-/** Places the scene in the room: the Guide of the mode AR, see xr.js. */
+/** Places the scene in the room. The class is the Guide of the AR mode, see xr.js. */
 class Stand {
   #host
   #session
   #size
-  #hits = null // hit test source; null if the device does not find surfaces
-  #ring = null // the position of the ring
+  #hits = null // WebXR hit test source; null if the device does not find surfaces
+  #ring = null // position of the ring in the room
   #floor = false // true: the floor is at height 0
   #since = 0
   #taps = false
-  #asked = null // a function that a button applies to the Place
-  #held = [] // input sources with a pressed trigger, or fingers
+  #asked = null // function of a pressed button, which changes the Place
+  #held = [] // fingers, or input sources with a pressed trigger
   #rays = []
   #moves = false
   #program = null
@@ -153,7 +155,7 @@ class Stand {
       this.#hold(this.#held.filter((source) => source !== inputSource)))
     try {
       this.#hits = await session.requestHitTestSource({ space: await session.requestReferenceSpace('viewer') })
-    } catch {} // no hit tests
+    } catch {} // the device has no hit tests
     this.#since = performance.now()
   }
 
@@ -183,24 +185,24 @@ class Stand {
     this.#saidAt = now
   }
 
-  /** Names the button after the other size. */
+  /** Labels the size button with the other size. */
   #name() {
     this.#panel.size.textContent = this.#host.language.of(NAMES[OTHER[this.#size]])
   }
 
-  // ---- Standing -----------------------------------------------------------------------------------------------------
+  // ---- Placing the scene --------------------------------------------------------------------------------------------
 
   get #longest() {
     const { low, high } = this.#host.scene()
     return Math.max(...add(high, low, -1), 1e-6)
   }
 
-  /** Metres a unit. */
+  /** Returns the metres for a scene unit. */
   get #scale() {
     return SIZES[this.#size](this.#longest)
   }
 
-  /** The middle of the underside of the scene's box: middle - h up, where h = sum of |up_i| side_i / 2. */
+  /** Returns the middle of the underside of the scene's box: middle - h up, with h = sum of |up_i| side_i / 2. */
   get #foot() {
     const { low, high } = this.#host.scene()
     const up = unit(this.#host.view().up)
@@ -209,7 +211,8 @@ class Stand {
     return add(low.map((x, i) => (x + high[i]) / 2), up, -h)
   }
 
-  /** The Place on the ring after a tap; in front of the user if no surface is found; else null. */
+  /** Returns the Place on the ring after a tap. Returns a Place in front of the user if no surface is found, else
+      null. */
   #stand({ pose, frame, space }, taps) {
     this.#ring = this.#hits && this.#surface(frame, space)
     if (this.#ring) return taps ? this.#at(this.#ring, pose.transform) : null
@@ -217,7 +220,7 @@ class Stand {
     return waits ? null : this.#at(this.#ahead(pose.transform), pose.transform)
   }
 
-  /** The nearest level surface ahead of the device. */
+  /** Returns the position of the nearest level surface ahead of the device. */
   #surface(frame, space) {
     const found = frame.getHitTestResults(this.#hits).map((hit) => hit.getPose(space)?.transform)
     const level = found.find((one) => one && one.matrix[5] > LEVEL)
@@ -231,13 +234,14 @@ class Stand {
     return [position.x + far * x, height, position.z + far * z]
   }
 
-  /** The horizontal direction of view; the upper edge of the device if it looks straight down. */
+  /** Returns the horizontal direction of view. If the device looks straight down, its upper edge gives the
+      direction. */
   #heading(matrix) {
     const ahead = [-matrix[8], -matrix[10]]
     return unit(Math.hypot(...ahead) > 0.01 ? ahead : [matrix[4], matrix[6]])
   }
 
-  /** Turns the side that is visible in the page to the user. */
+  /** Returns a Place at a point. The side of the scene that the page shows faces the user. */
   #at(point, { position, matrix }) {
     const to = [point[0] - position.x, point[2] - position.z]
     const heading = Math.hypot(...to) > 0.01 ? unit(to) : this.#heading(matrix)
@@ -274,7 +278,7 @@ class Stand {
     return { from: place.at(from), along: place.turned(along) }
   }
 
-  /** Applies a drag with one source: along the floor, or a turn about the vertical. */
+  /** Moves the scene along the floor by a drag, or turns the scene about the vertical. */
   #pull(place, before, now) {
     const foot = place.from(this.#foot)
     if (this.#moves) {
@@ -298,7 +302,7 @@ class Stand {
     return Math.min(Math.max((this.#longest * this.#scale) / 2, RING_LEAST), RING_MOST)
   }
 
-  /** Draws the ring in a viewport without a scene. */
+  /** Draws the ring in a viewport, before the scene is placed. */
   show(gl, { projectionMatrix, transform }, { x, y, width, height }) {
     if (!this.#ring || !this.#host.scene()) return
     this.#program ??= programOf(gl, VERTEX, FRAGMENT)
@@ -312,7 +316,7 @@ class Stand {
   }
 }
 
-/** A mode of xr.js. */
+/** The AR mode for xr.js. */
 export const AR = {
   session: 'immersive-ar',
   name: 'AR:',

@@ -1,9 +1,9 @@
-// The page of `fixsplat fit --preview`: polls /fit.json, shows its numbers and curve, and replaces the scene by each
-// newer one.
+// The page of `fixsplat fit --preview`. Polls /fit.json, shows the numbers and the curve of the fit, and replaces the
+// scene by each newer version.
 import './viewer.js'
 
 const ASK_MS = 1000
-const SILENT = 3 // unanswered requests before the page reports it
+const SILENT = 3 // unanswered requests before the page reports a failure
 const STATES = {
   reads: 'Reading photographs and cameras',
   fits: 'Fitting',
@@ -12,7 +12,7 @@ const STATES = {
   stopped: 'Stopped, and saved',
   failed: 'The fit has failed',
 }
-const TICKS = 4 // most intervals on an axis
+const TICKS = 4 // largest number of intervals on an axis
 
 const ui = {}
 for (const element of document.querySelectorAll('[id]')) ui[element.id] = element
@@ -22,7 +22,7 @@ const many = (n) => n.toLocaleString('en')
 // ---- The scene ------------------------------------------------------------------------------------------------------
 
 let viewer
-let shown = 0 // the version of the scene
+let shown = 0 // version of the visible scene
 
 function newViewer(background) {
   const element = document.createElement('fixsplat-viewer')
@@ -32,7 +32,7 @@ function newViewer(background) {
   return element
 }
 
-/** Opens or replaces the scene. False if it failed or the viewer is busy. */
+/** Opens or replaces the scene. Returns false if the scene failed or the viewer is busy. */
 async function open(address, background) {
   viewer ??= newViewer(background)
   if (viewer.hasAttribute('open')) return viewer.replace(address).catch(() => false)
@@ -45,7 +45,7 @@ async function show({ version, background }) {
   if (await open(`../scene.fxs?${version}`, background)) shown = version
 }
 
-/** Loads the last scene before the next request, after which the server ends. */
+/** Loads the last scene before the next request, because the server ends after that request. */
 async function showLast(facts) {
   for (let tries = 0; facts.version !== shown && tries < 20; tries++) {
     await show(facts)
@@ -97,7 +97,8 @@ const draw = (name, attributes, text = '') => {
   return element
 }
 
-/** The step of an axis: the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS parts. */
+/** Returns the step of an axis: the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS
+    parts. */
 function stepOf(range) {
   const power = 10 ** Math.floor(Math.log10(range / TICKS))
   return power * [1, 2, 5, 10].find((times) => (times * power * TICKS) / range > 0.9999)
@@ -143,7 +144,7 @@ function drawCurve({ points, ...facts }) {
 
 const drawAgain = (facts) => facts?.points.some(([, psnr]) => psnr !== null) && drawCurve(facts)
 
-// ---- Asking ---------------------------------------------------------------------------------------------------------
+// ---- Polling the server ---------------------------------------------------------------------------------------------
 
 const ask = () =>
   fetch('../fit.json', { cache: 'no-store' })

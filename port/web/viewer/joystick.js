@@ -1,7 +1,7 @@
-// The on-screen stick for touchscreens, at the lower left. It flies and walks like the keys W A S D, while another
-// finger looks around.
-const SIZE = 116 // diameter in CSS pixels
-const REACH = SIZE / 3 // largest deflection in CSS pixels
+// The on-screen stick for touchscreens, at the lower left. The stick flies and walks like the keys W A S D, while
+// another finger looks around.
+const SIZE = 116 // diameter of the stick in CSS pixels
+const REACH = SIZE / 3 // largest deflection of the stick in CSS pixels
 const DEAD = 0.12 // dead zone as a share of REACH
 const rules = `
 #stick { position: absolute; left: calc(16px + var(--left, 0px)); bottom: calc(78px + var(--below, 0px));
@@ -22,11 +22,11 @@ export function joystick(root, act) {
   root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet]
   const stick = document.createElement('div')
   stick.id = 'stick'
-  stick.ariaHidden = 'true' // keys do the same
+  stick.ariaHidden = 'true' // hidden from screen readers, since keys do the same
   root.getElementById('stage').after(stick)
   let held = null // id of the pointer that holds the stick
   let last = 0
-  let at = [0, 0] // deflection to the right and down, at most 1
+  let at = [0, 0] // deflection of the stick to the right and down, at most 1
 
   function show(x, y) {
     at = [x, y]

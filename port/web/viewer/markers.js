@@ -1,10 +1,10 @@
-// Annotations: numbered markers on the picture, and the caption of the selected one. Markers that the scene hides are
-// faded; the worker finds these by the depths of a small picture.
+// Annotations: numbered markers on the picture, and the caption of the selected marker. Markers that the scene hides
+// are faded; the worker finds them by the depths of a small picture.
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
-const AGAIN_MS = 250 // least time between two depth tests; the pause is also at least 5 times the time of a test
-const SMALL = 320 // longer side of the small picture, pixels
+const AGAIN_MS = 250 // least milliseconds between two depth tests; the pause is at least 5 times the time of a test
+const SMALL = 320 // longer side of the small picture of depths, in pixels
 
 const LINK = ICONS.share
 const REMOVE = 'M5 7h14M10 7V4h4v3M7 7l1 13h8l1-13'
@@ -28,7 +28,7 @@ export class Markers {
   #pause = AGAIN_MS
   #looking = false
 
-  /** `acts`: choose(index), step(by), link(index), close(), change(index, { title, text }), remove(index). */
+  /** `acts` has choose(index), step(by), link(index), close(), change(index, { title, text }) and remove(index). */
   constructor(host, acts) {
     this.#host = host
     this.acts = acts
@@ -75,7 +75,7 @@ export class Markers {
     })
   }
 
-  /** Opens the caption of an annotation; -1 closes it. */
+  /** Opens the caption of an annotation; -1 closes the caption. */
   choose(index, isEditing) {
     const ui = this.#ui
     if (index < 0 && ui.caption.matches(':focus-within')) this.#leave()
@@ -92,7 +92,7 @@ export class Markers {
     ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
   }
 
-  /** Moves the focus from the caption to its marker if visible, else to the picture. */
+  /** Moves the focus from the caption to its marker if the marker is visible, else to the picture. */
   #leave() {
     const marker = this.#layer.querySelector('[aria-expanded="true"]:not([hidden])')
     ;(marker ?? this.#host.ui.stage).focus({ focusVisible: false })
@@ -102,7 +102,7 @@ export class Markers {
     this.#ui.newTitle.focus()
   }
 
-  /** Updates the title of an annotation. */
+  /** - */
   entitle(index) {
     const { title } = this.#list[index]
     this.#buttons[index].title = title

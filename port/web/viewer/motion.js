@@ -1,5 +1,5 @@
-// The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units.
-// views.js describes the fields of a camera.
+// The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units. `look`
+// is the target of a camera; views.js describes the other fields.
 
 const POLE = 0.02 // least angle between the direction of view and up, radians
 
@@ -21,7 +21,7 @@ export const distance = ({ eye, look }) => Math.hypot(...add(look, eye, -1))
 const slope = (fov) => Math.tan((fov * Math.PI) / 360)
 const degrees = (slope) => (360 / Math.PI) * Math.atan(slope)
 
-/** The height of the visible area at the depth of `look`. */
+/** Returns the height of the visible area at the depth of the camera's target. */
 const heightAt = (camera) => 2 * distance(camera) * slope(camera.fov)
 
 function axes({ eye, look, up }) {
@@ -30,7 +30,8 @@ function axes({ eye, look, up }) {
   return { forward, right, down: cross(forward, right) }
 }
 
-/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both. */
+/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both
+    vectors. */
 function turn(camera, from, up, right, down) {
   const view = axes(camera)
   const axis = unit(up)
@@ -40,13 +41,13 @@ function turn(camera, from, up, right, down) {
   return [both(from), both(cross(view.right, view.forward))]
 }
 
-/** Turns the camera about `look`. */
+/** Turns the camera about its target. */
 export function orbit(camera, sceneUp, right, down) {
   const [back, up] = turn(camera, add(camera.eye, camera.look, -1), sceneUp, right, down)
   return { ...camera, eye: add(camera.look, back), up }
 }
 
-/** True if a camera is not rolled with respect to an up direction. */
+/** Returns true if a camera is not rolled relative to an up direction. */
 export function isLevel(camera, sceneUp) {
   const { right, down } = axes(camera)
   const up = unit(sceneUp)
@@ -72,13 +73,13 @@ export function fly(camera, right, down, forward) {
   return { ...camera, eye: move(camera.eye), look: move(camera.look) }
 }
 
-/** Moves the camera by pixels of a picture of this height, at the depth of `look`. */
+/** Moves the camera by pixels of a picture of this height, at the depth of the camera's target. */
 export function pan(camera, height, right, down) {
   const unitsAPixel = heightAt(camera) / height
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
 }
 
-/** Scales the distance to `look`, to at least `nearest`; for an orthographic camera, the visible area. */
+/** Scales the distance to the target, to at least `nearest`. For an orthographic camera, the visible area is scaled. */
 export function zoom(camera, factor, nearest) {
   const least = Math.min(1, nearest / (camera.flat ? heightAt(camera) : distance(camera)))
   const times = Math.max(factor, least)
@@ -86,20 +87,20 @@ export function zoom(camera, factor, nearest) {
   return { ...camera, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** Makes a camera orthographic or perspective, with the same size of the visible area at `look`. */
+/** Makes a camera orthographic or perspective. The size of the visible area at the target stays the same. */
 export function flatten(camera, flat, fov) {
   const times = slope(camera.fov) / slope(fov)
   return { ...camera, flat, fov, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** A camera between two cameras; t is 0 to 1, with ease in and out. */
+/** Returns a camera between two cameras. The share t, 0 to 1, is eased in and out. */
 export function between(a, b, t) {
   const part = t * t * (3 - 2 * t)
   const mixed = ['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])
   return { ...b, fov: a.fov + part * (b.fov - a.fov), ...Object.fromEntries(mixed) }
 }
 
-/** Converts a camera for the renderer: as LookAt if possible, as Pinhole with `flat` or `shift`. */
+/** Converts a camera for the renderer: to a LookAt if possible, else to a Pinhole. */
 export function rendered(camera, width, height, near) {
   const { eye, flat, shift, fov } = camera
   if (!flat && !shift.some(Boolean)) return camera
@@ -110,7 +111,7 @@ export function rendered(camera, width, height, near) {
   return { rotation, position: eye, fx, cx, cy, near, orthographic: flat, width, height }
 }
 
-/** Projects a point to pixels x, y and its depth along the axis of view. */
+/** Projects a point to a pixel x, y and a depth along the axis of view. */
 export function project(camera, point, width, height) {
   const { right, down, forward } = axes(camera)
   const to = add(point, camera.eye, -1)
@@ -122,7 +123,7 @@ export function project(camera, point, width, height) {
 
 const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
 
-/** The direction from a scene to a camera slightly above it. */
+/** Returns the direction from a scene to a camera slightly above the scene. */
 function frontOf(up) {
   const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
   const back = unit(add(start, up, -dot(start, up)))
@@ -133,7 +134,8 @@ function frontOf(up) {
   )
 }
 
-/** A camera that sees all corners of the box of a scene, at 1.1 times the least distance. `first`: as Scene.first. */
+/** Returns a camera that sees all corners of a scene's box, at 1.1 times the least distance. `first` is a view as in
+    Scene.first. */
 export function seeAll(scene, sceneUp, fov, aspect, first) {
   const { low, high } = first ?? scene
   const up = unit(sceneUp)
@@ -155,7 +157,8 @@ export function seeAll(scene, sceneUp, fov, aspect, first) {
   return { eye: add(look, from, 1.1 * (first?.part ?? 1) * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
 }
 
-/** Converts a camera of a cameras.json. `look` is the point on its axis that is nearest to the middle of the scene. */
+/** Converts a camera of a cameras.json file. Its target is the point of the camera's axis that is nearest to the
+    middle of the scene. */
 export function ofView(view, { low, high }) {
   const column = (i) => view.rotation.map((row) => row[i])
   const forward = unit(column(2))
@@ -169,7 +172,7 @@ export function ofView(view, { low, high }) {
   return { eye: [...view.position], look, up: column(1).map((x) => -x), fov, flat, shift }
 }
 
-/** The up direction of a scene: the mean of the views' up vectors; `otherwise` if they cancel out. */
+/** Returns the up direction of a scene: the mean of the views' up vectors, or `otherwise` if the vectors cancel out. */
 export function upOf(views, otherwise) {
   const mean = [0, 1, 2].map((i) => views.reduce((sum, view) => sum - view.rotation[i][1] / views.length, 0))
   return Math.hypot(...mean) > 0.1 ? mean : otherwise
