@@ -1,4 +1,4 @@
-// The page of the viewer. The address of the page chooses the scene (?scene=URL), other attributes of the element
+// The page of the viewer. The page's address sets the scene (?scene=URL), other attributes of the element
 // <fixsplat-viewer>, and the camera (#view=...).
 import './viewer.js'
 import { followAddress } from './views.js'

@@ -3,7 +3,7 @@ import { listOf } from './body.js'
 import { backends } from './picture.js'
 
 const NOTE_MS = 4000
-const PAUSE_MS = 1000 // no frame rate is shown after a longer pause between pictures
+const PAUSE_MS = 1000 // milliseconds: after a longer pause between pictures, no frame rate is shown
 
 const KEYS = { orbit: 'Keys', fly: 'Keys in flight', walk: 'Keys on foot' }
 const HINTS = {
@@ -50,14 +50,14 @@ export class Panels {
     this.ui.error.hidden = false
   }
 
-  /** Shows a note. `words`: English text, with {0}, {1} for the values. */
+  /** Shows a note. `words` is an English text with {0}, {1} for the values. */
   note(words, ...values) {
     this.ui.note.textContent = this.language.of(words, ...values)
     clearTimeout(this.#timer)
     this.#timer = setTimeout(() => (this.ui.note.textContent = ''), NOTE_MS)
   }
 
-  /** Shows a hint with the first picture. */
+  /** Shows a hint on the controls with the first picture. */
   greet(scrolls) {
     if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
@@ -66,7 +66,7 @@ export class Panels {
     this.note(hovers ? byWheel : 'Drag to turn, pinch to zoom')
   }
 
-  /** Shows or hides a panel, and hides the other one. */
+  /** Shows or hides a panel, and hides the other panel. */
   toggle(panel) {
     const { help, options, keys, set, stage } = this.ui
     for (const other of [help, options]) other.hidden = other !== panel || !other.hidden

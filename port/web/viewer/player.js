@@ -1,4 +1,4 @@
-// The bar for camera tracks: play and pause, a slider, a choice of the track, a button for a film.
+// The bar for camera tracks: play and pause, a slider, a choice of the track, and a button for a film.
 import { button } from './body.js'
 
 const PLAY = 'M7 4.5v15l12-7.5z'
@@ -9,7 +9,7 @@ export class Player {
   #host
   #ui = {}
 
-  /** `acts`: toggle(), seek(seconds), choose(index), film(). */
+  /** `acts` has toggle(), seek(seconds), choose(index) and film(). */
   constructor(host, acts) {
     this.#host = host
     const bar = document.createElement('div')
@@ -33,7 +33,7 @@ export class Player {
     host.language.write(bar)
   }
 
-  /** Shows a list of tracks and the selected one. */
+  /** Shows the names of the tracks, and the selected track. */
   show(tracks, index) {
     const { bar, track, time } = this.#ui
     const { language } = this.#host

@@ -1,21 +1,21 @@
 // Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part of a
-// file is left out with a line of text; the rest is taken. The result is { camera, annotations, tracks, skybox, start }
-// and some settings of the element; each may be missing. A camera is { eye, look, up, fov, longer }; with `longer`, fov
-// is the field of view of the longer side of the picture.
+// file is left out, with a line of text. The result is { camera, annotations, tracks, skybox, start } and some settings
+// of the viewer. Each field may be missing. A camera is { eye, look, up, fov, longer }. With `longer`, fov is the field
+// of view of the longer side of the picture.
 import { LOOPS } from './track.js'
 import { hasNumbers } from './views.js'
 
 const MOST_ANNOTATIONS = 200
 const MOST_TRACKS = 20
 const MOST_KEYS = 10000
-const MOST_TITLE = 200 // characters
+const MOST_TITLE = 200 // largest length of a title in characters
 const MOST_TEXT = 5000
 const MOST_SECONDS = 86400
-const MOST_WORDS = 5 // most lines about a file
+const MOST_WORDS = 5 // largest number of lines of text about a file
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
   ['eyeHeight', 0, FAR]]
-const SIZES = ['table', 'true', 'off'] // values of ar
+const SIZES = ['table', 'true', 'off'] // values of the setting `ar`
 const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
 
@@ -44,7 +44,7 @@ function listOf(value, name, most, words) {
   return value.slice(0, most)
 }
 
-/** Checks a camera of our own format. */
+/** Checks a camera of fixsplat's own format. */
 export function poseOf(value, name = 'camera') {
   need(isObject(value), `${name}: expected an object`)
   const { up, fov, longer } = value
@@ -87,7 +87,7 @@ function trackOf(value, name) {
 
 // ---- Files of supersplat-viewer ------------------------------------------------------------------------------------
 
-/** Converts a vector: supersplat-viewer turns scenes by half a turn about the axis z. */
+/** Converts a vector of supersplat-viewer, which turns scenes by half a turn about the z axis. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
 const UP = [0, -1, 0]
 
@@ -95,10 +95,11 @@ function poseOfTheirs({ position, target, fov } = {}) {
   return { eye: turned(position), look: turned(target), up: UP, fov, longer: true }
 }
 
-/** Entry i of a flat list of vectors. */
+/** Returns vector i of a flat list of numbers. */
 const rowsOf = (list, i) => (Array.isArray(list) ? list.slice(3 * i, 3 * i + 3) : undefined)
 
-/** Converts a track. Times are in frames; in early files without a frame rate, in seconds. */
+/** Converts a camera track of supersplat-viewer. Times are in frames, or in seconds in early files without a frame
+    rate. */
 function trackOfTheirs(track, fov) {
   if (!isObject(track)) return track
   const { name, duration, frameRate, loopMode, interpolation, smoothness, keyframes } = track
@@ -123,10 +124,10 @@ const COLOUR = [0, 0, 0]
 const byte = (x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, '0')
 const hex = (colour) => (isVector(colour) ? `#${colour.map(byte).join('')}` : colour)
 
-/** Maps a list. Other values are returned as they came; checked() reports them. */
+/** Maps a list. Another value is returned unchanged, and checked() reports it. */
 const eachOf = (list, of) => (Array.isArray(list) ? list.map(of) : list)
 
-/** Adds lines about features that this viewer lacks. */
+/** Adds a line of text for each feature of supersplat-viewer that this viewer lacks. */
 function sayLeftOut({ postEffectSettings, soundUrl, tonemapping }, words) {
   const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {})
   const names = effects.filter(([, effect]) => effect?.enabled).map(([name]) => name)
@@ -154,9 +155,9 @@ function fromTheirs(file, words) {
   }
 }
 
-// ---- All -----------------------------------------------------------------------------------------------------------
+// ---- Settings files ------------------------------------------------------------------------------------------------
 
-/** Checks each part of a file. Leaves faulty parts out, with a line about each. */
+/** Checks each part of a settings file. Faulty parts are left out, with a line of text for each. */
 function checked(file, words) {
   const settings = {}
   const take = (name, read) => {
@@ -191,7 +192,8 @@ function checked(file, words) {
   return settings
 }
 
-/** Reads a file: { settings, words }, with lines about ignored parts. Throws an Error if it is not a settings file. */
+/** Reads a settings file. Returns { settings, words }, with a line of text for each ignored part. Throws an Error if
+    the text is not a settings file. */
 export function settingsOf(name, text) {
   let file
   try {
@@ -214,7 +216,7 @@ function shortened(words) {
   return more > 0 ? [...words.slice(0, MOST_WORDS), `and ${more} more of the kind`] : words
 }
 
-/** Checks lists from a program. Throws an Error if anything is wrong. */
+/** Checks settings from a program. Throws an Error for any fault. */
 export function listsOf(given) {
   const words = []
   const settings = checked(given, words)
@@ -222,5 +224,5 @@ export function listsOf(given) {
   return settings
 }
 
-/** The text of a settings file. */
+/** - */
 export const textOfSettings = (settings) => `${JSON.stringify({ fixsplat: 1, ...settings }, null, 2)}\n`

@@ -1,6 +1,5 @@
-// Settings files, annotations, camera tracks and films of the viewer. Loaded when the first of them is used.
-// settings.js reads the files, markers.js shows annotations, track.js computes the path of a track, player.js is the
-// bar that plays it.
+// Settings files, annotations, camera tracks and films of the viewer, loaded on first use. settings.js reads the files,
+// markers.js shows annotations, track.js computes the path of a camera track, player.js is the bar that plays a track.
 import { staysInside } from '../read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
@@ -9,17 +8,18 @@ import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
 import { addressOf, nameOf, textAt } from './views.js'
 
-const KEY_S = 2 // seconds between added keys
+const KEY_S = 2 // seconds between keys that are added to a track
 const FLIGHT_MS = 1000
 const NEARER = 0.6 // factor for the distance to an annotation without a camera
-const LONGEST_S = 0.5 // longest step of playing
-const WAIT_MS = 100 // pause of a film before it repeats a frame with missing parts
-const PATIENCE_MS = 30000 // longest wait for missing parts
-const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attributes that a file may set
-const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // other settings that a file may set
+const LONGEST_S = 0.5 // longest time step of a playing track in seconds
+const WAIT_MS = 100 // milliseconds before a film repeats a frame with missing parts
+const PATIENCE_MS = 30000 // longest wait for missing parts in milliseconds
+const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attributes that a settings file may set
+const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // other settings that a settings file may set
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
-/** True if a settings file may use this picture: it is in the folder of the file or below, or a data: address. */
+/** Returns true if a settings file may use a picture. The picture must lie in the folder of the file or below, or be
+    a data: address. */
 const isOwn = (url) => /^data:/i.test(url.trim()) || staysInside(url.trim())
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
 
@@ -29,18 +29,18 @@ export class Tour {
   #player
   #annotations = []
   #tracks = []
-  #index = -1 // index of the annotation with an open caption
+  #index = -1 // index of the annotation with an open caption; -1: none
   #edits = false
   #track = 0
-  #made = null // the cached path of the selected track: { told, up, path }
-  #seconds = 0 // time of playing
+  #made = null // cached path of the selected track: { told, up, path }
+  #seconds = 0 // time of the playing track in seconds
   #plays = false
-  #last = null // the last camera shown by playing
+  #last = null // last camera that the playing track has shown
   #filming = null
-  #reading = null // the token of the last read
+  #reading = null // token that identifies the last read of a settings file
   #given = [] // attributes set by the settings file
   #home = null
-  #start = null // the start action of the file, until it is done
+  #start = null // start action of the settings file; null: done
 
   constructor(host) {
     this.#host = host
@@ -63,9 +63,9 @@ export class Tour {
     })
   }
 
-  // ---- Settings -----------------------------------------------------------------------------------------------------
+  // ---- Settings files -----------------------------------------------------------------------------------------------
 
-  /** Reads settings. Returns lines about ignored parts; no line if another read has begun meanwhile. */
+  /** Reads settings. Returns a line of text for each ignored part, or no line if another read has begun meanwhile. */
   async read(source) {
     const own = (this.#reading = {})
     const isAddress = typeof source === 'string'
@@ -98,12 +98,12 @@ export class Tour {
     this.tracks = tracks
   }
 
-  /** The start view of the settings file; null without one. */
+  /** Returns the start view of the settings file; null without a start view. */
   get home() {
     return this.#home && this.#cameraOf(this.#home)
   }
 
-  /** Does the start action of the file, after the scene is loaded. */
+  /** Does the start action of the settings file, after the scene is loaded. */
   begin() {
     const start = this.#start
     this.#start = null
@@ -111,7 +111,7 @@ export class Tour {
     if (start === 'track' && this.#tracks.length && !reduced()) this.play()
   }
 
-  /** The present state as the content of a settings file. */
+  /** Returns the present state as the content of a settings file. */
   get saved() {
     const { element, current } = this.#host
     const all = { ...element.settings, skybox: element.getAttribute('skybox') }
@@ -149,7 +149,7 @@ export class Tour {
     return this.#index
   }
 
-  /** Opens an annotation by its index from 0, and flies to it. Messages of errors count from `from`. */
+  /** Opens an annotation by its index from 0, and flies to it. Messages of errors count annotations from `from`. */
   async goTo(index, from = 0) {
     const [one, { length }] = [this.#annotations[index], this.#annotations]
     const range = length ? `, expected ${from} to ${from + length - 1}` : ''
@@ -200,7 +200,8 @@ export class Tour {
 
   // ---- Tracks -------------------------------------------------------------------------------------------------------
 
-  /** The path of the selected track. It depends on the up direction, since keys may have none of their own. */
+  /** Returns the path of the selected track. The path depends on the up direction, since keys may have no up vector
+      of their own. */
   get #path() {
     const [told, up] = [this.#tracks[this.#track], this.#host.up()]
     if (!told) return null
@@ -216,7 +217,7 @@ export class Tour {
     this.choose(0)
   }
 
-  /** Selects a track. */
+  /** - */
   choose(index) {
     this.pause()
     this.#track = index
@@ -225,7 +226,7 @@ export class Tour {
     this.#tell()
   }
 
-  /** Adds the present camera to the track as a key, KEY_S after the last one. Returns the number of keys. */
+  /** Adds the present camera to the track as a key, KEY_S seconds after the last key. Returns the number of keys. */
   addKey() {
     const key = this.#poseOf(this.#host.current())
     const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
@@ -258,7 +259,7 @@ export class Tour {
     this.#host.tell('timeupdate', { time: this.time, track: this.#track })
   }
 
-  /** Plays a track; continues if it was paused. */
+  /** Plays a track, or continues a paused track. */
   play(index = this.#track) {
     if (!this.#tracks[index]) throw new Error(`track ${index}: there are ${this.#tracks.length}`)
     if (index !== this.#track) this.choose(index)
@@ -309,7 +310,8 @@ export class Tour {
 
   // ---- Films --------------------------------------------------------------------------------------------------------
 
-  /** Makes a film of a track: { blob, codec, frames, width, height }. A 'pingpong' track is filmed there and back. */
+  /** Makes a film of a track and returns { blob, codec, frames, width, height }. A 'pingpong' track is filmed there
+      and back. */
   async film({ track = this.#track, rate, bitrate, progress = () => {}, ...size } = {}) {
     const told = this.#tracks[track]
     if (!told) throw new Error(`track ${track}: there are ${this.#tracks.length}`)
@@ -321,7 +323,7 @@ export class Tour {
     return filmOf({ width, height, rate, bitrate, seconds }, draw, progress)
   }
 
-  /** The pixels of a picture without missing parts; waits for them. */
+  /** Returns the pixels of a picture, after waiting for missing parts. */
   async #whole(camera, width, height) {
     const until = performance.now() + PATIENCE_MS
     for (;;) {
@@ -355,14 +357,14 @@ export class Tour {
     this.#tell()
   }
 
-  // ---- Both ---------------------------------------------------------------------------------------------------------
+  // -
 
-  /** Called after each picture. */
+  /** Moves the markers after each picture. */
   drawn() {
     this.#markers.place()
   }
 
-  /** Called after a change of the language. */
+  /** Renames markers and tracks after a change of the language. */
   rename() {
     this.#markers.name()
     this.#player.show(this.#tracks, this.#track)

@@ -1,4 +1,5 @@
-// The CSS rules of markers, captions and the player. They are a script, because bundlers and policies may block a file.
+// The CSS rules of markers, captions and the player. Bundlers and security policies may block a CSS file, so the rules
+// are a script.
 export const rules = `
 #markers { position: absolute; inset: 0; isolation: isolate; overflow: hidden; pointer-events: none; }
 .marker { position: absolute; left: -15px; top: -15px; min-width: 30px; height: 30px; border-radius: 15px;
