@@ -61,8 +61,6 @@ class Module {
     this.fetches = true         // false: the next frame requests no parts of streamed scenes
   }
 
-  /** Returns the OpenGL imports of the module, which call the functions of `this.gl` (webgl.js). `this.gl` changes
-      with the Screen. */
   #webgl(module) {
     const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
     return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
@@ -87,7 +85,6 @@ class Module {
     return bytes.length
   }
 
-  /** Returns the zero-terminated text at an address of the module's memory. */
   text(at) {
     const bytes = new Uint8Array(this.c.memory.buffer, at >>> 0)
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
@@ -103,7 +100,6 @@ class Module {
     return result
   }
 
-  /** Returns an address, or throws the module's message if the address is 0. */
   place(at) {
     if (!at) throw this.error()
     return at >>> 0
@@ -122,7 +118,6 @@ class Module {
     }
   }
 
-  /** Returns the size of an .fxs file in bytes, which its header states. */
   packedBytes(name, header) {
     const [text, at] = [this.copyText(name), this.copy(header)]
     try {
@@ -141,7 +136,6 @@ class Module {
     return at
   }
 
-  /** Copies a text into the memory of the module, with a final 0. */
   copyText(text) {
     return this.copy(new TextEncoder().encode(`${text}\0`))
   }
@@ -181,7 +175,6 @@ function mayWait() {
 
 const processors = async () => (inNode ? (await ofSystem()).processors() : navigator.hardwareConcurrency)
 
-/** Returns shared memory that may grow to 4 GB. The maximum is halved until the browser grants the memory. */
 function sharedMemory(maximum = 65536) {
   try {
     return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
@@ -191,7 +184,6 @@ function sharedMemory(maximum = 65536) {
   }
 }
 
-/** - */
 const oneMore = async (core, module, stack = STACK) =>
   startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(stack)) + stack })
 
@@ -203,14 +195,12 @@ async function threadedCore(threads) {
   return core
 }
 
-/** - */
 async function threadsFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
   return simd && hasSimd && canShare ? (threads ?? Math.min(await processors(), USUAL_THREADS)) : 1
 }
 
-/** Returns the renderer module for the options of `load`, with its threads. */
 async function coreFor(options) {
   const { simd = hasSimd } = options
   const count = await threadsFor(options)
@@ -221,7 +211,6 @@ async function coreFor(options) {
   return coreOf(simd ? 'simd' : 'core')
 }
 
-/** - */
 export async function end() {
   for (const [name, made] of Object.entries(cores)) {
     const core = await made.catch(() => null)
@@ -241,7 +230,6 @@ const numberOf = (names, value) => {
 const PACKING_STACK = 262144    // bytes of stack for each thread that packs; its jobs need 90,000
 const MUCH = 8e6                // bytes; a smaller file is packed faster without threads
 
-/** Returns the reader modules to try for a file, the likeliest module first. */
 async function readersFor(file, options) {
   const { simd = hasSimd } = options
   const { name } = file
@@ -253,7 +241,6 @@ async function readersFor(file, options) {
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
 }
 
-/** Instantiates a reader module, with threads if its memory can be shared. */
 function readerOf(module, imports, threads) {
   const isShared = WebAssembly.Module.imports(module).some(({ kind }) => kind === 'memory')
   const reader = new Module(module, isShared ? { ...imports, memory: sharedMemory() } : imports)
@@ -312,7 +299,6 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   return { missing, bytes: look ? null : reader.bytes(...reader.get(0, 2)) }
 }
 
-/** Tries the reader modules in turn, and downloads the other files that a reader asks for. */
 async function importBy(files, options, how) {
   const isFew = how.most || how.look || files.all[0].there < MUCH
   const threads = isFew ? 1 : await threadsFor(options)
@@ -354,7 +340,7 @@ async function leastOf(file, lookAs) {
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
-  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // a JSON index file, which is read as a whole
+  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))
   const least = core ? core.packedBytes(file.name, file.first(PACKED_HEAD)) : await leastOf(file, lookAs)
   if (least) file.limit(least)
   if (isIndex) file.most = MOST_TEXT
@@ -371,7 +357,7 @@ async function lookAt(file, files, options) {
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
-  let last                      // end of the last preview, or arrival of the first bytes
+  let last
   let took = 0
   return async (share, isNow, waited = 0) => {
     const start = performance.now()
@@ -392,7 +378,6 @@ function previewsOf(files, options) {
   }
 }
 
-/** - */
 function sceneOf(core, file) {
   const { name, there: bytes } = file
   const text = core.copyText(name)
@@ -426,7 +411,7 @@ export async function load(source, options = {}) {
   signal?.throwIfAborted()
   const files = new Files(options)
   const preview = previewsOf(files, options)
-  coreFor(options).catch(() => {})   // starts early; a later call reports a failure
+  coreFor(options).catch(() => {})
   const { scene, answer } = await paged(source, options)
   if (scene) return scene
   let next = HEAD
@@ -465,7 +450,6 @@ export class Scene {
     core.chosen = null   // drops the cached first view: the address may have belonged to another scene
   }
 
-  /** - */
   get threads() {
     return this.#core.c.threads?.() ?? 1
   }
@@ -539,7 +523,6 @@ export class Scene {
 
 const MAX_CROPS = 8
 
-/** Returns a list as a flat array, after checking that it has `count` numbers. */
 function all(name, count, numbers) {
   const flat = Array.isArray(numbers) || ArrayBuffer.isView(numbers) ? Array.from(numbers).flat() : []
   if (flat.length !== count || !flat.every((x) => typeof x === 'number'))
@@ -553,7 +536,6 @@ function need(is, words, Kind = TypeError) {
 
 const isObject = (value) => typeof value === 'object' && value !== null
 
-/** Returns the module, address and Pager of object number i. */
 function insideOf(object, i) {
   need(isObject(object), `object ${i}: expected an object with a scene`)
   need(isObject(object.scene) && 'inside' in object.scene, `object ${i}: scene: expected what \`load\` returns`)
@@ -583,7 +565,6 @@ function placeAll(objects) {
   return core
 }
 
-/** Sets a Pinhole camera. The columns of its rotation are the axes of the camera. */
 function takePinhole(core, camera, width, height) {
   const { fx, fy = fx, near = 0, orthographic = false } = camera
   const [w, h] = [camera.width ?? width, camera.height ?? height]
@@ -593,7 +574,6 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-/** Returns the cached first view of the objects: the 13 numbers of fxs_first_choice, then `known`. */
 function chosen(core, objects) {
   const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
@@ -648,14 +628,11 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-/** Returns maxMemory in bytes, at most 2 ** 32 - 1; 0: no limit. */
 function limitOf({ maxMemory = 0 }) {
   need(maxMemory >= 0, `maxMemory ${maxMemory}: expected a number of bytes`)
   return Math.min(maxMemory, 2 ** 32 - 1)
 }
 
-/** Returns the budget of a frame in Gaussians. The default is the smallest budget of the streamed scenes, else 2 **
-    32 - 1: no limit. */
 function budgetOf({ pagers }, { budget }) {
   if (budget !== undefined && !(Number.isInteger(budget) && budget >= 0))
     throw new Error(`budget ${budget}: expected a number of Gaussians`)
@@ -673,7 +650,6 @@ function boundsOf(core, options) {
   return [budget === 2 ** 32 - 1 ? 0 : budget, Math.round(256 * detail), limitOf(options)]
 }
 
-/** Returns the arguments that every drawing function of the module takes. */
 function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) {
   need(Number.isFinite(background), `background ${background}: expected a number`)
   need(Number.isFinite(shDegree), `shDegree ${shDegree}: expected a number`)
@@ -710,7 +686,6 @@ function oneOf(table, name) {
   return Object.keys(table).indexOf(name)
 }
 
-/** Lays out the targets of an eye in a block of memory from the offset `start`, each aligned to 64 bytes. */
 function layOut(asked, format, pixels, start) {
   let end = start
   const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
@@ -725,8 +700,6 @@ function layOut(asked, format, pixels, start) {
   return { parts, end }
 }
 
-/** Returns the layout of all targets: the code of the colour format, the size of the block in bytes, the targets of
-    each eye. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
   need(ofEyes.every(isObject), 'targets: expected an object')
@@ -743,7 +716,6 @@ function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   return { code, bytes, plans }
 }
 
-/** - */
 function memoryFor(plans, width, height) {
   const given = plans.map((parts) => parts.filter((part) => !part.given))
   try {
@@ -755,8 +727,6 @@ function memoryFor(plans, width, height) {
   }
 }
 
-/** Draws with the one or two cameras that were set. Returns the pixels of each eye, or with `targets` the Frame of
-    each eye. */
 function draw(core, width, height, eyes, options) {
   const { depthBits = 16, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
@@ -823,7 +793,6 @@ export function pick(x, y, objects, camera = {}, options = {}) {
 
 // ---- Screens --------------------------------------------------------------------------------------------------
 
-/** Converts premultiplied colours in place to straight alpha, for a canvas. */
 function divided(pixels) {
   for (let at = 0; at < pixels.length; at += 4)
     for (let c = at, alpha = pixels[at + 3]; alpha && c < at + 3; c++) pixels[c] = (pixels[c] * 255) / alpha
@@ -889,7 +858,6 @@ class Drawn {
     return (this.#gone ||= this.gl.isContextLost())
   }
 
-  /** Makes a texture of pixels with the lowest row first. The state of the WebGL context is restored. */
   #textureOf(pixels, width, height) {
     const { gl } = this
     const rows = ['ROW_LENGTH', 'SKIP_ROWS', 'SKIP_PIXELS'].map((name) => gl[`UNPACK_${name}`])

@@ -13,7 +13,6 @@ const SYSTEM = './system.js'
 // The development server of vite copies only scripts of packages to this folder, without their other files.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
-/** Returns the folder of the published files; undefined in Node and in a bundle. */
 function published() {
   const at = import.meta.url ?? ''
   if (inNode || !/^https?:/.test(at)) return undefined
@@ -43,19 +42,14 @@ export function setAssets(given) {
   } else files = { ...files, ...given }
 }
 
-/** Returns the file contents given to `setAssets`, which a worker needs too. */
 export const assets = () => files
 
-/** Returns true if a module exists. The inline package has only some modules. */
 export const hasModule = (name) => !files || `${name}.wasm` in files
 
-/** Returns the address of a published file; null in a bundle. */
 export const addressIn = (name) => (folder ? new URL(name, folder) : null)
 
-/** Sets the function that starts a worker, after a bundler has moved the worker's script. */
 export const setStart = (name, start) => (starts[name] = start)
 
-/** Fetches a WebAssembly module as a Response. */
 export async function moduleOf(name) {
   if (files) return inflated(name)
   const url = folder ? new URL(`${name}.wasm`, folder) : modules[name]()
@@ -77,7 +71,6 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
-/** - */
 export function startWorker(name) {
   if (files) return startText(files[name])
   if (!folder) return starts[name]()
@@ -92,7 +85,6 @@ function startText(text) {
   return new Worker(url, { type: 'module' })
 }
 
-/** - */
 export async function startThread(data) {
   if (inNode) return (await ofSystem()).startThread(data)
   const worker = startWorker('thread.js')

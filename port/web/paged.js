@@ -27,7 +27,6 @@ const TELL = 50                 // least milliseconds between two calls of the c
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
 
-/** Makes a permanent Error: no further request can succeed. */
 const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 
 // ---- The server -----------------------------------------------------------------------------------------------
@@ -41,7 +40,6 @@ class Remote {
   #running = new Set()
   #ended = false
 
-  /** - */
   constructor(url, name, { silence, signal }) {
     Object.assign(this, { name })
     this.#url = url
@@ -53,7 +51,6 @@ class Remote {
     this.#options.signal = undefined
   }
 
-  /** Returns the ETag or Last-Modified of the file; '' if the server sends no version. */
   get version() {
     return this.#tag ?? this.#modified ?? ''
   }
@@ -80,7 +77,6 @@ class Remote {
     })
   }
 
-  /** Reads bytes first to end - 1, with retries. `came` receives the number of received bytes. */
   async read(first, end, came) {
     for (let i = 1; ; i++)
       try {
@@ -180,21 +176,21 @@ export class Pager {
   #at
   #remote
   #store
-  #text                         // address of the scene's name in the module
+  #text
   #layout
   #places                       // capacity of the pool in chunks
-  #used = 0                     // places of the pool that were used at least once
+  #used = 0
   #spare = []                   // free places of the pool below #used
   #victims = []                 // places of the pool to evict, the least recently used last
-  #fullAt = -1                  // last #turn in which #victims was computed
-  #chunkOf                      // chunk number of each place of the pool
+  #fullAt = -1
+  #chunkOf
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
-  #wanted = this.#now           // missing chunks of the last picture, then of the prefetch
-  #cursor = 0                   // index in #wanted of the next chunk to request
+  #wanted = this.#now
+  #cursor = 0
   #marks                        // mark of the last list that contained the chunk, for each chunk
   #mark = 0
   #turn = 0                     // number of frames and prefetches until now
-  #busy = new Set()             // chunks with a running request
+  #busy = new Set()
   #blocks                       // state of each block of chunk headers: 0 missing, 1 requested, 2 loaded
   #pendingBlocks = 0
   #headersRunning = 0
@@ -215,8 +211,6 @@ export class Pager {
     this.#most = requests
     this.#text = core.copyText(remote.name)
   }
-
-  // -
 
   /** Loads the tables and the coarsest nodes. Returns the address of the scene in the module and its properties. */
   async open(header, total, { memory = MEMORY, progress }) {
@@ -294,8 +288,6 @@ export class Pager {
     this.#pendingBlocks = this.#blocks.length
   }
 
-  // -
-
   /** Returns the default budget of a picture in Gaussians; 0: no limit. */
   get budget() {
     return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
@@ -308,12 +300,10 @@ export class Pager {
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
-  /** Returns the number of blocks of chunk headers that have not arrived. Each counts as a missing part. */
   get pending() {
     return this.#pendingBlocks
   }
 
-  /** Takes the list of missing chunks after a picture, or after a prefetch (`ahead`), and starts requests. */
   looked(ahead) {
     const count = this.#core.c.paged_wanted(this.#at)
     this.#turn = this.#core.c.paged_turn(this.#at)
@@ -344,7 +334,6 @@ export class Pager {
     return new Promise((resolve, reject) => this.#waiting.push({ resolve, reject }))
   }
 
-  /** Frees the scene. The Remote stays usable for another Pager. */
   close() {
     this.#ended = true
     clearTimeout(this.#timer)
@@ -359,8 +348,6 @@ export class Pager {
     this.#remote.end()
   }
 
-  // -
-
   #fetch() {
     while (this.#running < this.#most && !this.failure && !this.#ended) {
       const job = this.#next()
@@ -374,7 +361,6 @@ export class Pager {
     }
   }
 
-  /** Returns the next request. While headers are missing, one running request is for headers. */
   #next() {
     if (this.#pendingBlocks && !this.#headersRunning) {
       const job = this.#nextBlock()
@@ -483,8 +469,6 @@ export class Pager {
     return bytes
   }
 
-  // -
-
   #words(at, count) {
     return new Uint32Array(this.#core.c.memory.buffer, at, count)
   }
@@ -569,8 +553,6 @@ export class Pager {
     return Array.from(sorted, (key) => key % 2 ** 21).reverse()
   }
 
-  // -
-
   #came() {
     this.#settle()
     if (this.#ended || this.#timer) return
@@ -619,7 +601,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   }
   const opened = await open().catch(async (error) => {
     if (!store?.size || signal?.aborted) throw error
-    await store.clear()         // the cached bytes may be damaged
+    await store.clear()
     return open()
   })
   remote.opened()

@@ -40,13 +40,11 @@ export function viewOf(world, projection, near, width, height) {
   }
 }
 
-/** Returns the distances from the camera of the depths 0 and 1 in its depth buffer. */
 export function planesOf({ near, far, reversedDepth }, view) {
   const planes = [view.near, far + view.near - near]
   return reversedDepth ? planes.reverse() : planes
 }
 
-/** Returns a Pinhole that looks along a ray, for a picture of one pixel. */
 function viewOfRay({ origin, direction }, near) {
   const z = unit(direction)
   const x = unit(cross(Math.abs(z[1]) > 0.9 ? [1, 0, 0] : [0, 1, 0], z))
@@ -55,13 +53,11 @@ function viewOfRay({ origin, direction }, near) {
   return { rotation, position: origin, fx: RAY, cx: 0.5, cy: 0.5, near }
 }
 
-/** Returns true if a ray is a line of sight of the camera. */
 export function seesAlong(world, projection, { origin, direction }) {
   if (!isOrthographic(projection)) return lengthOf(plus(origin, column(world, 3), -1)) <= 1e-6 * (1 + lengthOf(origin))
   return dot(unit(column(world, 2)), direction) < -1 + 1e-6
 }
 
-/** Returns the pixel of a point in front of the camera. */
 function pixelOf({ rotation, position, fx, fy, cx, cy, orthographic }, point) {
   const [x, y, z] = [0, 1, 2].map((i) => dot(rotation.map((row) => row[i]), plus(point, position, -1)))
   const depth = orthographic ? 1 : z
@@ -82,7 +78,6 @@ export function hitOf(placed, ray, view, options, near, far) {
   return distance < near || distance > far ? null : { distance, point: found.position, index: found.gaussian }
 }
 
-/** Converts an object of an engine to a `Placed`. The engine's quaternion is in the order x, y, z, w. */
 export function placedOf({ name, scene, opacity, tint, crops }, translation, [x, y, z, w], scale) {
   if (!(Math.min(...scale) > 0 && Math.max(...scale) <= Math.min(...scale) * (1 + ALIKE)))
     throw new Error(`${name}: Splats have one scale, above 0, for x, y and z`)
@@ -96,7 +91,7 @@ export function placedOf({ name, scene, opacity, tint, crops }, translation, [x,
 export class Stage {
   splats = new Set()
   users = 0
-  width = 0                     // size of the last picture
+  width = 0
   height = 0
   takesParts = true
 
@@ -131,7 +126,6 @@ export class Stage {
 
 const stages = new WeakMap()
 
-/** Returns the Stage of a renderer, made by `make` on first use. The last call of `leave` closes the Stage. */
 async function enter(renderer, make) {
   if (!stages.has(renderer)) {
     const stage = make()
@@ -152,7 +146,6 @@ function leave(stage) {
   stage.close()
 }
 
-/** Loads a scene for a renderer. Returns the engine's object, which `objectOf` makes of the scene. */
 export async function loadFor(renderer, makeStage, source, options, objectOf) {
   const stage = await enter(renderer, makeStage)
   try {
@@ -236,8 +229,6 @@ export function keeping(gl, run) {
   }
 }
 
-/** Compiles a fragment shader, with a vertex shader that covers the picture. Returns the program and its uniforms by
-    name. */
 export function programOf(gl, text, names) {
   const program = gl.createProgram()
   for (const [kind, source] of [[gl.VERTEX_SHADER, COVER], [gl.FRAGMENT_SHADER, text]]) {
@@ -251,7 +242,6 @@ export function programOf(gl, text, names) {
   return { program, uniforms: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)])) }
 }
 
-/** A texture with a framebuffer, which grows as needed. */
 class Surface {
   width = 0
   height = 0
@@ -291,7 +281,7 @@ class Surface {
 /** Draws after the opaque meshes of an engine's render, and copies their depths. A subclass has `target`, the render
     target with a width and a height; undefined: the canvas. */
 export class WebGLStage extends Stage {
-  #formats                      // formats of copied framebuffers, for each buffer bit
+  #formats
   #depths                       // copy of the engine's depth buffer
   #turned                       // copy of the engine's depths as near / distance
   #turn
@@ -318,7 +308,6 @@ export class WebGLStage extends Stage {
     return screen
   }
 
-  /** - */
   async #reopen() {
     const { screen } = this
     this.screen = undefined

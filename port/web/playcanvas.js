@@ -10,7 +10,6 @@ import * as placed from './placed.js'
 const OVER = new BlendState(true, BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA)
 const xyz = ({ x, y, z }) => [x, y, z]
 
-/** - */
 export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
   placed.viewOf(entity.getWorldTransform().data, projectionMatrix.data, nearClip, width, height)
 
@@ -83,7 +82,6 @@ class Stage extends placed.WebGLStage {
     placed.keeping(this.gl, () => this.#cover(x, y, isLight))
   }
 
-  /** Blends the picture over the first colour buffer of the render target. */
   #cover(x, y, isLight) {
     const { gl, picture, behind } = this
     const { program, uniforms } = this.#show

@@ -24,7 +24,6 @@ export class SourceFile {
     this.#check(total)
   }
 
-  /** - */
   static of(name, bytes) {
     const file = new SourceFile(name, bytes.length)
     file.#blocks = [bytes]
@@ -66,7 +65,6 @@ export class SourceFile {
     }
   }
 
-  /** Fills an array with received bytes, from an offset in the file. */
   copy(offset, out) {
     for (let at = 0; at < out.length; ) {
       const from = offset + at
@@ -104,7 +102,7 @@ export const later = (call, milliseconds) => {
 export class Watch {
   #name
   #silence
-  #left                         // milliseconds until the time-out
+  #left
   #bytes = 0
   #signal
   #over
@@ -228,8 +226,6 @@ async function fill(file, reader, watch, came) {
   }
 }
 
-/** Reads a file by its address. `first` is the address of the scene file. In Node, the file must be in the folder of
-    `first` or below. */
 async function fromUrl(url, options, came, { begun, first } = {}) {
   if (!inNode || url.protocol !== 'file:') return download(url, options, came, begun)
   const system = await ofSystem()
@@ -259,7 +255,7 @@ export const staysInside = (name) =>
 export class Files {
   #files = new Map()
   #asked = new Set()
-  #coming = new Map()           // received bytes of each other file, by name
+  #coming = new Map()
   #options
   #beside = async () => undefined
 
@@ -267,7 +263,6 @@ export class Files {
     this.#options = options
   }
 
-  /** - */
   async open(source, came, begun) {
     const first = await this.#first(source, came, begun)
     this.#files.set(first.name, first)
@@ -293,7 +288,6 @@ export class Files {
     }, { begun })
   }
 
-  /** Opens a list of files, first the index file that names the other files. */
   async #list(list) {
     if (!list.length || !list.every(isBlob)) throw new Error('no files')
     list.sort((a, b) => pathOf(a).split('/').length - pathOf(b).split('/').length)
@@ -303,7 +297,6 @@ export class Files {
     return fromBlob(first)
   }
 
-  /** Reports the progress of a file, and checks the total size of all files. */
   #tell(name, file) {
     this.#coming.set(name, file.there)
     const bytes = [...this.#coming.values()].reduce((sum, there) => sum + there, this.all[0].there)

@@ -5,7 +5,6 @@ const NAME = 'fixsplat'
 const PLACE = 'https://fixsplat.invalid/'
 const MOST = 1e9                // default capacity in bytes, for all files
 
-/** Parses the address of a cached range; null if the address is not valid. */
 function entryOf(request) {
   const parts = request.url.slice(PLACE.length).split('/')
   const [first, end] = (parts[2] ?? '').split('-').map(Number)
@@ -19,9 +18,9 @@ export class Store {
   #prefix
   #own = new Map()              // cached ranges of this file by their first byte
   #others = []                  // cached ranges of other files, the oldest first
-  #bytes = 0                    // size of all cached ranges in bytes
+  #bytes = 0
   #most
-  #used = new Set()             // first bytes of the ranges used since opening
+  #used = new Set()
   #writing = Promise.resolve()
 
   constructor(cache, prefix, most) {
@@ -56,12 +55,10 @@ export class Store {
     }
   }
 
-  /** - */
   get size() {
     return this.#own.size
   }
 
-  /** Returns the cached range [first, end] that contains a byte; undefined if the byte is not cached. */
   find(byte) {
     const { first, end } = this.#own.get(byte) ?? [...this.#near(byte)][0] ?? {}
     return end > byte ? [first, end] : undefined
@@ -71,7 +68,6 @@ export class Store {
     for (const entry of this.#own.values()) if (entry.first <= byte && entry.end > byte) yield entry
   }
 
-  /** Returns the bytes of a cached range; undefined if the range is not cached. */
   async get(first, end) {
     const entry = this.#own.get(first)
     if (entry?.end !== end) return undefined
@@ -126,7 +122,6 @@ export class Store {
     this.#writing = this.#writing.then(() => this.#cache.delete(request)).catch(() => {})
   }
 
-  /** - */
   async clear() {
     for (const { first, end } of [...this.#own.values()]) this.drop(first, end)
     await this.#writing

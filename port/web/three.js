@@ -19,13 +19,11 @@ function rootOf(object) {
   return object
 }
 
-/** - */
 function isVisible(object) {
   while (object?.visible) object = object.parent
   return !object
 }
 
-/** Returns the Splats of a scene that a camera sees, in the order of loading. */
 const seenOf = (stage, root, camera) =>
   [...stage.splats].filter((one) => rootOf(one) === root && isVisible(one) && camera.layers.test(one.layers))
 
@@ -126,7 +124,7 @@ class WebGPU extends placed.Stage {
   #depths
   #texture
   #nodes
-  #turn = Promise.resolve()     // promise of the current update
+  #turn = Promise.resolve()
 
   async open() {
     if (!this.renderer.backend.device) await this.renderer.init()
@@ -136,8 +134,6 @@ class WebGPU extends placed.Stage {
     this.material = await this.#makeMaterial()
   }
 
-  /** Makes the material of the picture. The shader reads the colours behind the picture, to blend in sRGB instead of
-      linear light. */
   async #makeMaterial() {
     const { NodeMaterial } = await import('three/webgpu')
     const { ivec2, positionGeometry, screenCoordinate, select, sRGBTransferEOTF, sRGBTransferOETF, textureLoad, uniform,
@@ -204,7 +200,6 @@ class WebGPU extends placed.Stage {
     this.#nodes.decodes.value = isDecoded(this.renderer) ? 1 : 0
   }
 
-  /** Replaces the texture that holds the picture. */
   #drop(texture) {
     this.#texture.sourceTexture.destroy()
     this.#texture.dispose()
@@ -218,7 +213,6 @@ class WebGPU extends placed.Stage {
     return of.toArray().map(Math.floor)
   }
 
-  /** Renders the depths of the meshes, without Splats. */
   #drawDepths(root, camera, width, height) {
     const { renderer } = this
     if (renderer.logarithmicDepthBuffer)
@@ -254,7 +248,6 @@ class WebGPU extends placed.Stage {
 
 // ---- Splats ---------------------------------------------------------------------------------------------------
 
-/** Returns a triangle that covers the picture. */
 function cover() {
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0])
   return new BufferGeometry().setAttribute('position', new BufferAttribute(corners, 3))

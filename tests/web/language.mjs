@@ -6,23 +6,23 @@ import { pathToFileURL } from 'node:url'
 
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
-// Scripts of other pages, or with messages for authors of files and calls.
+// Scripts without texts of the viewer: scripts of other pages, and scripts with messages for authors of files and
+// programs.
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
-// Names of keys and classes, texts translated by words.js, and messages for authors of programs or settings files.
+// Texts that need no translation: names of keys and classes, texts that words.js translates, and messages for authors
+// of programs or settings files.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
   /^(The headset:|the headset's picture:)$/,
   /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/, /: left out$/]
 
-/** Texts and names of elements in HTML. */
 const wordsOfHtml = (html) => [
   ...html.replace(/<[^>]*>/g, '\n').split('\n'),
   ...[...html.matchAll(/(?:aria-label|title|placeholder)="([^"$]*)"/gs)].map(([, words]) => words.replace(/\s+/g, ' ')),
 ]
 
-/** Texts in a source: string literals, and the pieces of templates. */
 function textsOf(source) {
   const texts = []
-  const templates = [] // for each open template, its open braces
+  const templates = []
   let at = 0
   let before = '('
   const text = (end) => {
@@ -66,7 +66,7 @@ export async function wordsOfViewer() {
   const parts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, '')))
   const texts = parts.map((text) => text.trim()).filter(isWords)
   const all = [...html, ...Object.values(backends), ...texts].map((words) => words.trim())
-  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // also names of formats and keys
+  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // names of formats and keys need no translation
   return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !isName.test(words)).sort()
 }
 

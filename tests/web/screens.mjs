@@ -91,7 +91,6 @@ export const launch = (...args) =>
     protocolTimeout: 600000,
   })
 
-/** Opens a page and returns a function that runs code in it. The isolated page has threads and shared memory. */
 export async function open(browser, address) {
   const page = await browser.newPage()
   await page.goto(base + address)
@@ -108,7 +107,6 @@ export async function runIn(browser, address, ...args) {
   return page.run(...args).finally(page.close)
 }
 
-/** A frame: the page's arguments and the command's. */
 export const frame = (scene, width, height, args = [], options = {}, camera = {}, more = []) => ({
   objects: [{ scene }, ...more],
   camera,
@@ -141,7 +139,8 @@ export const FRAMES = {
 export const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
 
-/** Screens of some back ends in one page: over a backdrop the bytes of `render`, without it the command's. */
+/** Checks Screens of some back ends in one page: with a backdrop against `render`, without a backdrop against the
+    command. */
 export async function drawsOverBackdrop(run, ...backends) {
   const [over, ...seen] = await run(
     `const { render } = await import('/fixsplat.js')

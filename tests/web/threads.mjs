@@ -1,4 +1,5 @@
-// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: the package's threads in Node. HASH: of the scene, 320x200.
+// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: checks the threads of the package in Node. HASH is of a picture of
+// the scene, 320x200.
 import assert from 'node:assert/strict'
 import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs'
 import { createRequire, syncBuiltinESMExports } from 'node:module'
@@ -11,7 +12,6 @@ const workers = createRequire(import.meta.url)('node:worker_threads')
 const size = { width: 320, height: 200 }
 let copies = 0
 
-/** Imports a fresh copy of the package. */
 const anew = (from = folder) => import(`${pathToFileURL(resolve(from, 'fixsplat.js'))}?${copies++}`)
 
 function hash(pixels) {
@@ -117,7 +117,7 @@ const cases = {
     isRight(scene)
   },
 
-  // With a stack of 16 bytes, its first job leaves the memory.
+  // With a stack of 16 bytes, the first job of a thread leaves the memory.
   async 'a thread that traps'() {
     const small = class extends workers.Worker {
       constructor(url, options) {
@@ -178,4 +178,4 @@ for (const [name, run] of Object.entries(cases)) {
   console.log(name)
   await run()
 }
-console.log('all')                 // Node exits although threads wait forever
+console.log('all')                 // Node must exit although threads wait forever

@@ -1,13 +1,13 @@
 // Shared by webgpu_peers.mjs and dawn.mjs: WebGPU viewers and their views.
 
-// y up. snowmiku: its first view.
+// Views with y up. The view of snowmiku is its first view.
 export const VIEWS = {
   guitar: { eye: [5.5, 3.2, -0.2], look: [0.09, 2.1, -0.2], fov: 50 },
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// Each opens the scene at `url`, with `bring` as import, turned by 180 degrees about x. It returns a function that
-// draws from an eye into the canvas and waits for the device.
+// Code of a function for each viewer. The function opens the scene at `url`, turned by 180 degrees about x, with
+// `bring` as import. It returns a function that draws from an eye into the canvas and waits for the device.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]
@@ -68,10 +68,9 @@ export const VIEWERS = {
     }`,
 }
 
-/**
- * Source of a function of bring, canvas, url, width, height and a number of frames. It returns the milliseconds of each
- * frame, after two warm-up frames, while the camera goes around the scene.
- */
+/** Returns the source of a function that measures a viewer. The function takes bring, canvas, url, width, height and
+    a number of frames. It returns the milliseconds of each frame, after two warm-up frames, while the camera goes
+    around the scene. */
 export const measureText = (name, scene) => `
   const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}
   const [x, y, z] = eye.map((e, i) => e - look[i])

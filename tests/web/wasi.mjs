@@ -1,5 +1,5 @@
-// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program; with RELAXED set, after replacing products by relaxed
-// ones as fixsplat.js does.
+// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: first replaces the q15mulr products by relaxed
+// products, as fixsplat.js does.
 import { readFileSync } from 'node:fs'
 import { WASI } from 'node:wasi'
 

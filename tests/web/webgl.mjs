@@ -1,4 +1,4 @@
-// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: the checks of a Screen for tests/scripts/webgl.sh; 1: also its
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks a Screen for tests/scripts/webgl.sh. 1: also measures its
 // speed.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
@@ -191,7 +191,7 @@ const tests = {
     assert.equal(lost, true)
     assert.match(draws, /context was lost: open another Screen/)
     assert.match(opens, /context is lost: take another canvas/)
-    assert.equal(still, true) // a restored context is empty
+    assert.equal(still, true) // a restored context has lost its objects
     assert.match(stays, /context was lost: open another Screen/)
     assert.equal(again, hashOf(FRAMES.framed))
   },
@@ -270,7 +270,6 @@ const tests = {
   },
 }
 
-/** Milliseconds of 1280x720, median of 5 frames. */
 async function measure() {
   const [camera] = JSON.parse(readFileSync(`${work}/cameras.json`))
   for (const [scene, view] of [['shared-snowmiku', camera], ['shared-guitar', {}]])

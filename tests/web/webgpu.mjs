@@ -1,4 +1,4 @@
-// node webgpu.mjs PACKAGE WORK MODULES COMMAND: the checks of a Screen for tests/scripts/webgpu.sh.
+// node webgpu.mjs PACKAGE WORK MODULES COMMAND: checks a Screen for tests/scripts/webgpu.sh.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
@@ -20,13 +20,13 @@ const frames = {
   'first again': FRAMES.framed,
 }
 
-// The scenes of tests/golden in each profile, made by webgpu.sh.
+// The scenes of tests/golden in each packing profile, made by webgpu.sh.
 const golden = {}
 for (const kind of ['knot', 'landscape', 'needles', 'fog', 'layers', 'cubes'])
   for (const profile of ['default', 'compact', 'small'])
     golden[`${kind} ${profile}`] = frame(`${kind}-${profile}`, 96, 64)
 
-// Random objects, far enough away for the command's depths to have 26 fractional bits.
+// Random objects, far enough away for the command's depths to have 26 fraction bits.
 const random = ((state) => (low, high) => {
   state = (Math.imul(state, 1664525) + 1013904223) >>> 0
   return low + ((high - low) * state) / 2 ** 32

@@ -59,7 +59,6 @@ sheet.replaceSync(`
 #inRoom .bar { bottom: calc(16px + env(safe-area-inset-bottom)); }
 #inRoom .words { padding: 0 14px; white-space: nowrap; }`)
 
-/** Makes the panel over the picture of the camera, for browsers with the feature dom-overlay. */
 function panelOf({ root, language }, acts) {
   const panel = document.createElement('div')
   Object.assign(panel, { id: 'inRoom', hidden: true })
@@ -75,12 +74,10 @@ ${button('roomEnd', 'Back to the page', ICONS.close)}</div>`
   return { panel, hint, size: bar.querySelector('#roomSize') }
 }
 
-/** - */
 function rayOf({ position, matrix }) {
   return { from: numbers(position), along: [-matrix[8], -matrix[9], -matrix[10]] }
 }
 
-/** Returns the point where a ray meets a horizontal plane; null if no point is within REACH. */
 function meetsLevel({ from, along }, height) {
   const far = (height - from[1]) / along[1]
   return far > 0 && far < REACH ? add(from, along, far) : null
@@ -101,7 +98,6 @@ function meetsBox({ from, along }, { low, high }) {
 /** Returns an angle in the range -pi to pi. */
 const least = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI))
 
-/** Returns the distance and the angle between two rays on the screen. */
 function apart([a, b], { matrix }) {
   const axis = (i) => [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]]
   const [p, q] = [a, b].map(({ along }) => [0, 1].map((i) => dot(along, axis(i)) / -dot(along, axis(2))))
@@ -115,7 +111,7 @@ class Stand {
   #session
   #size
   #hits = null // WebXR hit test source; null if the device does not find surfaces
-  #ring = null // position of the ring in the room
+  #ring = null
   #floor = false // true: the floor is at height 0
   #since = 0
   #taps = false
@@ -185,7 +181,6 @@ class Stand {
     this.#saidAt = now
   }
 
-  /** Labels the size button with the other size. */
   #name() {
     this.#panel.size.textContent = this.#host.language.of(NAMES[OTHER[this.#size]])
   }
@@ -197,7 +192,6 @@ class Stand {
     return Math.max(...add(high, low, -1), 1e-6)
   }
 
-  /** Returns the metres for a scene unit. */
   get #scale() {
     return SIZES[this.#size](this.#longest)
   }
@@ -220,7 +214,6 @@ class Stand {
     return waits ? null : this.#at(this.#ahead(pose.transform), pose.transform)
   }
 
-  /** Returns the position of the nearest level surface ahead of the device. */
   #surface(frame, space) {
     const found = frame.getHitTestResults(this.#hits).map((hit) => hit.getPose(space)?.transform)
     const level = found.find((one) => one && one.matrix[5] > LEVEL)
@@ -278,7 +271,6 @@ class Stand {
     return { from: place.at(from), along: place.turned(along) }
   }
 
-  /** Moves the scene along the floor by a drag, or turns the scene about the vertical. */
   #pull(place, before, now) {
     const foot = place.from(this.#foot)
     if (this.#moves) {
@@ -302,7 +294,6 @@ class Stand {
     return Math.min(Math.max((this.#longest * this.#scale) / 2, RING_LEAST), RING_MOST)
   }
 
-  /** Draws the ring in a viewport, before the scene is placed. */
   show(gl, { projectionMatrix, transform }, { x, y, width, height }) {
     if (!this.#ring || !this.#host.scene()) return
     this.#program ??= programOf(gl, VERTEX, FRAGMENT)
@@ -316,7 +307,6 @@ class Stand {
   }
 }
 
-/** The AR mode for xr.js. */
 export const AR = {
   session: 'immersive-ar',
   name: 'AR:',

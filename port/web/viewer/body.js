@@ -77,7 +77,6 @@ const rows = (list) =>
     return `<div><dt>${all.join('')}</dt><dd>${does}</dd></div>`
   })
 
-/** Returns the list of keys of a mode (orbit, fly or walk) as HTML. */
 export const listOf = (mode) => [MODES[mode], ALWAYS].map((list) => `<dl>${rows(list).join('')}</dl>`).join('')
 
 const check = (name, words, more = '') => `<label>${words} <input name="${name}" type="checkbox" ${more}></label>`

@@ -2,7 +2,6 @@
 // and rejects the open requests.
 import { assets, startWorker } from '../fixsplat_assets.js'
 
-/** Returns the objects to transfer with a value instead of copying. */
 const moved = (value) => {
   if (globalThis.OffscreenCanvas && value instanceof OffscreenCanvas) return [value]
   return value instanceof Uint8Array ? [value.buffer] : []
@@ -17,7 +16,6 @@ export class Engine {
   #ended = ''
   #next = 0
 
-  /** `hear` receives the worker's messages that are not answers. `threads` is as LoadOptions.threads. */
   constructor(hear, threads) {
     this.threads = threads
     this.worker = startWorker('viewer/worker.js')
@@ -26,7 +24,6 @@ export class Engine {
     if (assets()) this.ask('assets', assets()).catch(() => {})
   }
 
-  /** Loads a scene into the worker. With `previews`, the worker sends previews. */
   open(key, source, place = {}, previews = false) {
     return this.ask('open', key, source, place, { threads: this.threads, previews })
   }

@@ -81,7 +81,6 @@ export function programOf(gl, vertex, fragment) {
   return program
 }
 
-/** Shows the pictures of two eyes in the viewports of a framebuffer. */
 export class Eyes {
   #gl
   #program
@@ -98,7 +97,6 @@ export class Eyes {
     for (const name of ['WRAP_S', 'WRAP_T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.CLAMP_TO_EDGE)
   }
 
-  /** Uploads the pictures of the cameras: the pixels of each picture, or one bitmap with all pictures side by side. */
   take(cameras, { pictures, bitmap }) {
     const gl = this.#gl
     const [{ width, height }] = cameras

@@ -33,7 +33,6 @@ const partOf = (value) => {
   return typeof value === 'string' ? new TextEncoder().encode(value) : value
 }
 
-/** Returns an EBML element: id, size in eight bytes, content. */
 function element(id, ...inside) {
   const body = inside.map(partOf).flat(Infinity)
   const size = body.reduce((sum, bytes) => sum + bytes.length, 0)
@@ -58,7 +57,6 @@ function clustersOf(chunks) {
   })
 }
 
-/** Makes a .webm file of encoded frames { bytes, time, isKey }, with times in milliseconds. */
 function webmOf(codec, { width, height, rate }, chunks) {
   const head = element(0x1a45dfa3, element(0x4282, 'webm'), element(0x4287, 4), element(0x4285, 2))
   const length = (1000 * chunks.length) / rate

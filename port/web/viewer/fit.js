@@ -22,7 +22,7 @@ const many = (n) => n.toLocaleString('en')
 // ---- The scene ------------------------------------------------------------------------------------------------------
 
 let viewer
-let shown = 0 // version of the visible scene
+let shown = 0
 
 function newViewer(background) {
   const element = document.createElement('fixsplat-viewer')
@@ -32,7 +32,6 @@ function newViewer(background) {
   return element
 }
 
-/** Opens or replaces the scene. Returns false if the scene failed or the viewer is busy. */
 async function open(address, background) {
   viewer ??= newViewer(background)
   if (viewer.hasAttribute('open')) return viewer.replace(address).catch(() => false)

@@ -24,16 +24,15 @@ const BINDINGS = {
   },
 }
 
-const viewers = new Map() // commands (`act`) and visible share of each viewer
+const viewers = new Map()
 const watch = new IntersectionObserver((list) => list.forEach(seen), { threshold: [0, 0.25, 0.5, 0.75, 1] })
 let last = 0 // time of the last poll; 0: not polling
-let before = [] // values of the buttons at the last poll
+let before = []
 
-/** Adds a viewer of the page, once a gamepad is connected. */
 export function join(viewer, act) {
   viewers.set(viewer, { act, share: 0 })
   watch.unobserve(viewer)
-  watch.observe(viewer) // the observer reports the visible share at once
+  watch.observe(viewer)
 }
 
 function seen({ target, isIntersecting, intersectionRatio }) {
@@ -44,7 +43,6 @@ function seen({ target, isIntersecting, intersectionRatio }) {
   requestAnimationFrame(look)
 }
 
-/** Returns the viewer that the gamepads control. */
 function meant() {
   for (const viewer of viewers.keys()) if (!viewer.isConnected) watch.unobserve(viewer), viewers.delete(viewer)
   const value = (viewer) => viewers.get(viewer).share + (viewer.matches(':focus-within') ? 1 : 0)

@@ -4,7 +4,6 @@
 
 const CLICK_PIXELS = 4 // pixels: a pointer that moves farther is a drag, not a click
 
-/** Returns the middle of one or two pointers, and their distance. */
 function middle(pointers) {
   const [a, b = a] = [...pointers.values()]
   return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, apart: Math.hypot(a.x - b.x, a.y - b.y) }
@@ -16,7 +15,7 @@ export function listenToPointers(stage, act, holdsSpace) {
     if (holdsSpace()) return act.look
     return pointers.size > 1 || event.buttons & 6 || event.shiftKey ? act.pan : act.drag
   }
-  let pressed = null // pointerdown event of a possible click
+  let pressed = null
   const end = (event) => pointers.delete(event.pointerId)
   stage.addEventListener('pointerdown', (event) => {
     stage.setPointerCapture(event.pointerId)

@@ -15,7 +15,6 @@ const rules = `
 #stick:has(~ #player:not([hidden])) { bottom: calc(132px + var(--below, 0px)); }
 @media (max-height: 420px) { #stick { bottom: calc(66px + var(--below, 0px)); } }`
 
-/** Makes the stick, above the picture and below all buttons and panels. */
 export function joystick(root, act) {
   const sheet = new CSSStyleSheet()
   sheet.replaceSync(rules)
@@ -24,7 +23,7 @@ export function joystick(root, act) {
   stick.id = 'stick'
   stick.ariaHidden = 'true' // hidden from screen readers, since keys do the same
   root.getElementById('stage').after(stick)
-  let held = null // id of the pointer that holds the stick
+  let held = null
   let last = 0
   let at = [0, 0] // deflection of the stick to the right and down, at most 1
 

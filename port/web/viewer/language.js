@@ -4,13 +4,11 @@
 const TABLES = { de: () => import('./language_de.js'), zh: () => import('./language_zh.js') }
 const NAMES = ['aria-label', 'title', 'placeholder']
 
-/** Returns the first supported language of a list, else 'en'. */
 export function chosen(asked) {
   const names = asked.map((one) => one.toLowerCase().split(/[-_]/)[0])
   return names.find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
 }
 
-/** Returns the preferred languages: `name`, then the languages of the browser. */
 export const askedFor = (name) => [name, ...(navigator.languages ?? [navigator.language])].filter(Boolean)
 
 export class Language {
@@ -31,7 +29,6 @@ export class Language {
     return n.toLocaleString(this.name)
   }
 
-  /** Translates the content of an element, now and after each change of the language. */
   take(root) {
     if (!this.#roots.includes(root)) this.#roots.push(root)
     this.write(root)
@@ -58,7 +55,6 @@ export class Language {
     this.#seen.set(node, { english, written })
   }
 
-  /** Selects the first supported language of a list. Returns true if the language changed. */
   async choose(asked) {
     const name = chosen(asked)
     if (name === this.name) return false

@@ -66,7 +66,6 @@ export class Markers {
     this.place()
   }
 
-  /** Sets the names of the markers for screen readers. */
   name() {
     const { language } = this.#host
     this.#list.forEach(({ title }, i) => {
@@ -102,7 +101,6 @@ export class Markers {
     this.#ui.newTitle.focus()
   }
 
-  /** - */
   entitle(index) {
     const { title } = this.#list[index]
     this.#buttons[index].title = title
@@ -110,7 +108,6 @@ export class Markers {
     this.name()
   }
 
-  /** Moves the markers to their positions in the present picture. */
   place() {
     const { element, camera } = this.#host
     const [width, height, seen] = [element.clientWidth, element.clientHeight, camera()]
@@ -127,7 +124,6 @@ export class Markers {
     this.#timer = setTimeout(() => this.#look(), Math.max(this.#lookedAt + this.#pause - performance.now(), 0))
   }
 
-  /** Fades the markers that the scene hides. */
   async #look() {
     const { element, camera, depths, radius } = this.#host
     const seen = camera()

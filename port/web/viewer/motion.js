@@ -21,7 +21,6 @@ export const distance = ({ eye, look }) => Math.hypot(...add(look, eye, -1))
 const slope = (fov) => Math.tan((fov * Math.PI) / 360)
 const degrees = (slope) => (360 / Math.PI) * Math.atan(slope)
 
-/** Returns the height of the visible area at the depth of the camera's target. */
 const heightAt = (camera) => 2 * distance(camera) * slope(camera.fov)
 
 function axes({ eye, look, up }) {
@@ -41,32 +40,27 @@ function turn(camera, from, up, right, down) {
   return [both(from), both(cross(view.right, view.forward))]
 }
 
-/** Turns the camera about its target. */
 export function orbit(camera, sceneUp, right, down) {
   const [back, up] = turn(camera, add(camera.eye, camera.look, -1), sceneUp, right, down)
   return { ...camera, eye: add(camera.look, back), up }
 }
 
-/** Returns true if a camera is not rolled relative to an up direction. */
 export function isLevel(camera, sceneUp) {
   const { right, down } = axes(camera)
   const up = unit(sceneUp)
   return Math.abs(dot(right, up)) < 1e-3 && dot(down, up) < 1e-3
 }
 
-/** Sets the up vector of a camera, unless the camera looks along it. */
 export function level(camera, sceneUp) {
   const up = unit(sceneUp)
   return Math.abs(dot(axes(camera).forward, up)) > 0.9998 ? camera : { ...camera, up }
 }
 
-/** Turns the camera about its eye. */
 export function lookAround(camera, sceneUp, right, down) {
   const [ahead, up] = turn(camera, add(camera.look, camera.eye, -1), sceneUp, right, down)
   return { ...camera, look: add(camera.eye, ahead), up }
 }
 
-/** Moves the camera along its own axes. */
 export function fly(camera, right, down, forward) {
   const view = axes(camera)
   const move = (a) => add(add(add(a, view.right, right), view.down, down), view.forward, forward)
@@ -100,7 +94,6 @@ export function between(a, b, t) {
   return { ...b, fov: a.fov + part * (b.fov - a.fov), ...Object.fromEntries(mixed) }
 }
 
-/** Converts a camera for the renderer: to a LookAt if possible, else to a Pinhole. */
 export function rendered(camera, width, height, near) {
   const { eye, flat, shift, fov } = camera
   if (!flat && !shift.some(Boolean)) return camera
@@ -111,7 +104,6 @@ export function rendered(camera, width, height, near) {
   return { rotation, position: eye, fx, cx, cy, near, orthographic: flat, width, height }
 }
 
-/** Projects a point to a pixel x, y and a depth along the axis of view. */
 export function project(camera, point, width, height) {
   const { right, down, forward } = axes(camera)
   const to = add(point, camera.eye, -1)
@@ -123,7 +115,6 @@ export function project(camera, point, width, height) {
 
 const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
 
-/** Returns the direction from a scene to a camera slightly above the scene. */
 function frontOf(up) {
   const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
   const back = unit(add(start, up, -dot(start, up)))

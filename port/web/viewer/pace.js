@@ -12,25 +12,22 @@ const FORGOTTEN = 100 // pictures after which the times of other sizes are dropp
 
 const LAST = DIVISORS.length - 1
 const STEPS = [...DIVISORS.keys()]
-const share = (step) => 1 / DIVISORS[step] ** 2 // share of the full picture's pixels
+const share = (step) => 1 / DIVISORS[step] ** 2
 const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
 export class Pace {
-  #step = 0 // index in DIVISORS
+  #step = 0
   #times = STEPS.map(() => 0) // milliseconds for a picture at each step of DIVISORS; 0: unknown
-  #recent = [] // times of the last pictures at the current size
-  #count = 0 // number of pictures at the current size
+  #recent = []
+  #count = 0
 
-  /** Returns the divisor of a picture's width and height in motion. */
   get divisor() {
     return DIVISORS[this.#step]
   }
 
-  /** - */
   take(divisor, milliseconds) {
     const step = DIVISORS.indexOf(divisor)
     if (step === this.#step) this.#measure(milliseconds)
-    // a picture at rest
     else if (step === 0) this.#times[0] = (this.#times[0] + milliseconds) / (this.#times[0] ? 2 : 1)
     this.#choose()
   }
@@ -54,7 +51,6 @@ export class Pace {
     return this.#times[coarser] + part * (this.#times[finer] - this.#times[coarser])
   }
 
-  /** Returns the step of DIVISORS to use next. */
   #wanted() {
     if (!this.#times[LAST]) return this.#times[0] <= AIM_MS ? 0 : LAST
     if (this.#step === LAST && this.#count < PROBES) return LAST

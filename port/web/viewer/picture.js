@@ -10,7 +10,7 @@ const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner 
 const TRIES = 3
 // names of GPUs that the processor emulates
 const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i
-const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' } // fallback of each back end
+const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' }
 
 export const backends = {
   wasm: 'the processor',
@@ -99,13 +99,10 @@ export class Picture {
     }, SHOWN_MS)
   }
 
-  /** Halves the number of pixels of later pictures. Returns false below the minimum. */
   shrink({ width, height }) {
     this.#most = (width * height) / 2
     return this.#most >= LEAST_PIXELS
   }
-
-  // -
 
   // Times the GPU back ends once, on hidden canvases in a new worker. copy(engine) gives the worker the scenes. A
   // faster back end draws from now on, and its engine is returned; else null.
@@ -125,7 +122,6 @@ export class Picture {
     return wins ? engine : null
   }
 
-  /** Opens back ends in a worker with copies of the scenes. Streamed scenes cannot be copied, so the call fails. */
   async #copies(engine, copy, backends) {
     await copy(engine)
     const opened = []
@@ -133,7 +129,6 @@ export class Picture {
     return opened.filter(Boolean)
   }
 
-  /** Continues after a lost context or device, with a new back end of the same kind or with the fallback. */
   async lost(id) {
     const { engine, id: own, backend, openedAt } = this.#screen ?? {}
     if (!engine || id !== own) return false
@@ -152,7 +147,6 @@ function free(canvas) {
   canvas.remove()
 }
 
-/** Returns the back ends on a real GPU, which the processor does not emulate. */
 async function ofGraphicsCard() {
   if (!globalThis.OffscreenCanvas) return []
   return [(await hasWebGpu()) && 'webgpu', hasWebGl() && 'webgl2'].filter(Boolean)
@@ -172,7 +166,6 @@ function hasWebGl() {
   return !!gl && !BY_PROCESSOR.test(name)
 }
 
-/** Returns the screen that draws a picture fastest. */
 async function fastest(own, others, camera, { divisor, ...options }) {
   const least = async ({ engine }, id) => {
     const times = []

@@ -12,23 +12,23 @@ const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
 export class Pilot {
   camera = null
   mode = 'orbit' // 'orbit', 'fly' or 'walk'
-  walker = null // the Walker of walk.js; null before the first walk
+  walker = null
   up = UPRIGHT
   views = []
   index = 0
-  home = () => null // returns the start view of a settings file
+  home = () => null
   speed = 0.5
   fov = 50
   ahead = null // the point in the middle of the picture, if known
-  turns = false // true: the scene turns by itself
+  turns = false
   touched = false // true: the camera was moved since the scene was opened
-  gliding = null // token that identifies the current glide
+  gliding = null
   #element
   #moved
   #scene = null
   #given = false // true: upright() has set the up direction
   #actedAt = 0
-  #turning = 0 // handle of the animation frame that turns the scene
+  #turning = 0
 
   /** moved(isMoving, byHand) is called after each change of the camera. */
   constructor(element, moved) {
@@ -55,7 +55,6 @@ export class Pilot {
     this.show(view ?? this.start)
   }
 
-  /** Returns the start view of the settings file, the list of views or the scene, else a view of the whole scene. */
   get start() {
     return this.#given ? motion.level(this.#begins, this.up) : this.#begins
   }
@@ -78,7 +77,6 @@ export class Pilot {
     return Math.max(Math.hypot(...motion.add(this.#scene.high, this.#scene.low, -1)) / 2, 1e-3)
   }
 
-  /** - */
   rendered({ width, height }, camera = this.camera) {
     return motion.rendered(camera, width, height, Math.min(this.radius / 100, 0.2))
   }
@@ -89,7 +87,6 @@ export class Pilot {
     this.#moved(false, false)
   }
 
-  /** Shows the next camera of a playing track. */
   follow(camera) {
     if (!this.#scene) return
     this.#actedAt = performance.now()
@@ -151,7 +148,6 @@ export class Pilot {
     if (this.#scene) this.show(this.start)
   }
 
-  /** Turns the scene slowly while the user does nothing. */
   turnByItself(on) {
     if (this.turns === on) return
     this.turns = on
@@ -169,13 +165,11 @@ export class Pilot {
 
   // ---- Input of pointers and keys -----------------------------------------------------------------------------------
 
-  /** Returns the commands for input.js: functions of this class, and `others`. */
   acts(others) {
     const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows', 'turn']
     return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }
   }
 
-  /** Sets the camera by an input of the user. */
   act(camera) {
     this.touched = true
     this.#actedAt = performance.now()
@@ -228,13 +222,11 @@ export class Pilot {
     this.act(motion.fly(this.camera, right * step, down * step, forward * step))
   }
 
-  /** Applies the arrow keys, in seconds to the right and down. */
   arrows(right, down) {
     if (this.walks) this.fly(right, 0, -down)
     else this.turn(right, down)
   }
 
-  /** Orbits the scene, or looks around. */
   turn(right, down) {
     const sign = this.mode === 'orbit' ? -BY_KEY : BY_KEY
     this.drag(sign * right, sign * down)

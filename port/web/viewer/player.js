@@ -33,7 +33,6 @@ export class Player {
     host.language.write(bar)
   }
 
-  /** Shows the names of the tracks, and the selected track. */
   show(tracks, index) {
     const { bar, track, time } = this.#ui
     const { language } = this.#host

@@ -14,7 +14,6 @@ function numbersOf(element, name, ...counts) {
   throw new Error(`${name}="${text}": expected ${counts.join(' or ')} ${counts[0] === 1 ? 'number' : 'numbers'}`)
 }
 
-/** - */
 const product = ([a, b, c, d], [e, f, g, h]) => [
   a * e - b * f - c * g - d * h,
   a * f + b * e + c * h - d * g,
@@ -30,7 +29,6 @@ const quaternionOf = (degrees) =>
     return part
   }).reduce((before, next) => product(next, before))
 
-/** Returns the placement of a scene by its attributes, as a `Placed` without fields for missing attributes. */
 function placeOf(element) {
   const rotation = numbersOf(element, 'rotation', 3, 4)
   const [scale] = numbersOf(element, 'scale', 1) ?? []
@@ -49,7 +47,6 @@ function placeOf(element) {
   return Object.fromEntries(Object.entries(place).filter(([, value]) => value !== undefined))
 }
 
-/** The attributes of a scene that the viewer observes. */
 export const WATCHED = ['src', 'position', 'rotation', 'scale', 'opacity', 'tint', 'hidden']
 
 const asText = (value) => (typeof value === 'object' ? [...value].join(' ') : `${value}`)
@@ -75,7 +72,6 @@ if (!customElements.get('fixsplat-scene')) customElements.define('fixsplat-scene
 
 let keys = 0
 
-/** Returns an absolute address. Files and invalid addresses are returned unchanged. */
 function wholeOf(source) {
   try {
     return typeof source === 'string' ? addressOf(source) : source
@@ -87,15 +83,14 @@ function wholeOf(source) {
 /** A scene that is wanted or loaded. */
 export class Item {
   key = ++keys
-  engine = null // the worker that holds the scene
-  facts = null // the worker's description of the scene
+  engine = null
+  facts = null
   bytes = null // the packed scene, while it moves from one worker to another
   failed = false
   wrong = null // an Error in the placement; the last valid placement is kept
   #place = {}
   #timer = 0
 
-  /** `element` is null for the scene of the attribute `src` or of open(). */
   constructor(source, element = null) {
     Object.assign(this, { source: wholeOf(source), element })
   }
@@ -115,13 +110,11 @@ export class Item {
     return this.#place
   }
 
-  /** Returns the ShownScene for events and properties. */
   get told() {
     const { name, count, low, high } = this.facts
     return { source: this.source, name, count, low, high, element: this.element }
   }
 
-  /** Calls a function after some seconds, unless `keep` is called before. */
   let(seconds, call) {
     this.#timer ||= setTimeout(call, 1000 * seconds)
   }

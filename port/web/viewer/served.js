@@ -20,7 +20,6 @@ const language = new Language()
 let viewer = null
 let shown = 0 // version of the scene that is shown, or that failed last
 
-/** Shows a text in the middle of an empty page, or above a scene. An empty text hides the box. */
 function say(text, done) {
   told.hidden = !text
   told.classList.toggle('over', !!viewer)
@@ -34,7 +33,6 @@ const ask = () =>
     .then((answer) => answer.json())
     .catch(() => null)
 
-/** Shows the state of the scene file unless the scene is shown completely. */
 function tell({ name, state, done, words: why }) {
   const still = viewer ? `. ${language.of('This is what there was before')}` : ''
   if (state === 'packs' && !viewer) say(language.of('Packing {0}: {1} %', name, Math.floor(100 * done)), done)
@@ -53,7 +51,6 @@ function begin(address, name) {
   viewer.focus({ focusVisible: false })
 }
 
-/** Opens or replaces the scene. Returns false if the viewer is busy. */
 async function open(address, name) {
   if (!viewer) return begin(address, name)
   if (viewer.hasAttribute('open')) return viewer.replace(address)

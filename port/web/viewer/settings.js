@@ -15,7 +15,7 @@ const MOST_WORDS = 5 // largest number of lines of text about a file
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
   ['eyeHeight', 0, FAR]]
-const SIZES = ['table', 'true', 'off'] // values of the setting `ar`
+const SIZES = ['table', 'true', 'off']
 const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
 
@@ -44,7 +44,6 @@ function listOf(value, name, most, words) {
   return value.slice(0, most)
 }
 
-/** Checks a camera of fixsplat's own format. */
 export function poseOf(value, name = 'camera') {
   need(isObject(value), `${name}: expected an object`)
   const { up, fov, longer } = value
@@ -95,7 +94,6 @@ function poseOfTheirs({ position, target, fov } = {}) {
   return { eye: turned(position), look: turned(target), up: UP, fov, longer: true }
 }
 
-/** Returns vector i of a flat list of numbers. */
 const rowsOf = (list, i) => (Array.isArray(list) ? list.slice(3 * i, 3 * i + 3) : undefined)
 
 /** Converts a camera track of supersplat-viewer. Times are in frames, or in seconds in early files without a frame
@@ -124,10 +122,8 @@ const COLOUR = [0, 0, 0]
 const byte = (x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, '0')
 const hex = (colour) => (isVector(colour) ? `#${colour.map(byte).join('')}` : colour)
 
-/** Maps a list. Another value is returned unchanged, and checked() reports it. */
 const eachOf = (list, of) => (Array.isArray(list) ? list.map(of) : list)
 
-/** Adds a line of text for each feature of supersplat-viewer that this viewer lacks. */
 function sayLeftOut({ postEffectSettings, soundUrl, tonemapping }, words) {
   const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {})
   const names = effects.filter(([, effect]) => effect?.enabled).map(([name]) => name)
@@ -216,7 +212,6 @@ function shortened(words) {
   return more > 0 ? [...words.slice(0, MOST_WORDS), `and ${more} more of the kind`] : words
 }
 
-/** Checks settings from a program. Throws an Error for any fault. */
 export function listsOf(given) {
   const words = []
   const settings = checked(given, words)
@@ -224,5 +219,4 @@ export function listsOf(given) {
   return settings
 }
 
-/** - */
 export const textOfSettings = (settings) => `${JSON.stringify({ fixsplat: 1, ...settings }, null, 2)}\n`

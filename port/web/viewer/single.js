@@ -29,7 +29,6 @@ function addressAll(files) {
     return (addresses[name] = URL.createObjectURL(new Blob([content], { type })))
   }
 
-  /** Returns the text of a script with blob: addresses in its imports. */
   function scriptOf(name) {
     const here = base + name
     const addressed = (all, before, quote, path) => {
@@ -52,7 +51,6 @@ function addressAll(files) {
       this.#isOwn = true
     }
 
-    /** Returns the origin of the page for a file in the page. */
     get origin() {
       return this.#isOwn ? location.origin : super.origin
     }

@@ -10,7 +10,6 @@ const SPAN = 8 // pixels between exactly computed directions
 const TURN = 2 * Math.PI
 const skies = new Map()
 
-/** Downloads and decodes a picture. Returns { width, height, pixels }. */
 async function pixelsOf(url) {
   const file = await download(new URL(url), { most: MOST_BYTES }).catch((error) => {
     throw error.isSlow || error.isLarge ? error : new Error(`${url}: there is no picture at this address`)
@@ -44,7 +43,6 @@ function turnsOf(y, x) {
   return y < 0 ? -half : half
 }
 
-/** Returns the axes of a camera, the slope for a step of one pixel, and the principal point. */
 function raysOf(camera, width, height) {
   if (camera.rotation) {
     const [right, down, forward] = [0, 1, 2].map((i) => camera.rotation.map((row) => row[i]))
@@ -60,7 +58,6 @@ function raysOf(camera, width, height) {
   return { right, down: cross(forward, right), forward, step, cx: width / 2, cy: height / 2 }
 }
 
-/** Returns the axes of a sky: right, up, ahead. */
 function axesOf(up) {
   const above = unit(up)
   const start = Math.abs(above[2]) > 0.9 ? [0, -1, 0] : [0, 0, 1]
@@ -68,7 +65,6 @@ function axesOf(up) {
   return [cross(ahead, above), above, ahead]
 }
 
-/** Samples the sky bilinearly and writes the pixel. u to the right and v down are 0 to 1. */
 function sample({ width, height, pixels }, u, v, out, at) {
   const x = (u - Math.floor(u)) * width - 0.5
   const y = Math.min(Math.max(v * height - 0.5, 0), height - 1)
@@ -126,7 +122,6 @@ function seen(sky, camera, up, width, height) {
   return out
 }
 
-/** Returns the backdrop of a frame for the sky { url, up }. Throws an Error if the picture cannot be loaded. */
 export async function backdropOf({ url, up }, camera, { width, height }) {
   if (!skies.has(url)) skies.clear(), skies.set(url, pixelsOf(url))
   return seen(await skies.get(url), camera, up, width, height)

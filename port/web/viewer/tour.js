@@ -14,8 +14,8 @@ const NEARER = 0.6 // factor for the distance to an annotation without a camera
 const LONGEST_S = 0.5 // longest time step of a playing track in seconds
 const WAIT_MS = 100 // milliseconds before a film repeats a frame with missing parts
 const PATIENCE_MS = 30000 // longest wait for missing parts in milliseconds
-const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attributes that a settings file may set
-const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // other settings that a settings file may set
+const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar']
+const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight']
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 /** Returns true if a settings file may use a picture. The picture must lie in the folder of the file or below, or be
@@ -29,18 +29,18 @@ export class Tour {
   #player
   #annotations = []
   #tracks = []
-  #index = -1 // index of the annotation with an open caption; -1: none
+  #index = -1
   #edits = false
   #track = 0
-  #made = null // cached path of the selected track: { told, up, path }
-  #seconds = 0 // time of the playing track in seconds
+  #made = null
+  #seconds = 0
   #plays = false
-  #last = null // last camera that the playing track has shown
+  #last = null
   #filming = null
-  #reading = null // token that identifies the last read of a settings file
+  #reading = null
   #given = [] // attributes set by the settings file
   #home = null
-  #start = null // start action of the settings file; null: done
+  #start = null
 
   constructor(host) {
     this.#host = host
@@ -98,12 +98,10 @@ export class Tour {
     this.tracks = tracks
   }
 
-  /** Returns the start view of the settings file; null without a start view. */
   get home() {
     return this.#home && this.#cameraOf(this.#home)
   }
 
-  /** Does the start action of the settings file, after the scene is loaded. */
   begin() {
     const start = this.#start
     this.#start = null
@@ -111,7 +109,6 @@ export class Tour {
     if (start === 'track' && this.#tracks.length && !reduced()) this.play()
   }
 
-  /** Returns the present state as the content of a settings file. */
   get saved() {
     const { element, current } = this.#host
     const all = { ...element.settings, skybox: element.getAttribute('skybox') }
@@ -178,7 +175,6 @@ export class Tour {
     this.#host.tell('annotation', { index, annotation: this.annotations[index] ?? null })
   }
 
-  /** Adds an annotation at a point with the present camera, and opens its caption for writing. */
   mark(position) {
     this.#annotations.push({ position, title: '', text: '', camera: this.#poseOf(this.#host.current()) })
     this.#edits = true
@@ -217,7 +213,6 @@ export class Tour {
     this.choose(0)
   }
 
-  /** - */
   choose(index) {
     this.pause()
     this.#track = index
@@ -259,7 +254,6 @@ export class Tour {
     this.#host.tell('timeupdate', { time: this.time, track: this.#track })
   }
 
-  /** Plays a track, or continues a paused track. */
   play(index = this.#track) {
     if (!this.#tracks[index]) throw new Error(`track ${index}: there are ${this.#tracks.length}`)
     if (index !== this.#track) this.choose(index)
@@ -323,7 +317,6 @@ export class Tour {
     return filmOf({ width, height, rate, bitrate, seconds }, draw, progress)
   }
 
-  /** Returns the pixels of a picture, after waiting for missing parts. */
   async #whole(camera, width, height) {
     const until = performance.now() + PATIENCE_MS
     for (;;) {
@@ -357,14 +350,10 @@ export class Tour {
     this.#tell()
   }
 
-  // -
-
-  /** Moves the markers after each picture. */
   drawn() {
     this.#markers.place()
   }
 
-  /** Renames markers and tracks after a change of the language. */
   rename() {
     this.#markers.name()
     this.#player.show(this.#tracks, this.#track)

@@ -33,7 +33,6 @@ function slopes(keys, i) {
   return after.values.map((x, k) => (x - before.values[k]) / (after.time - before.time))
 }
 
-/** Evaluates the cubic Hermite curve between keys i and i + 1 at t, 0 to 1. */
 function between(keys, i, t, smoothness) {
   const [a, b] = [keys[i], keys[i + 1]]
   const scale = smoothness * (b.time - a.time)
@@ -55,7 +54,6 @@ export class Track {
     this.#keys = keys.map((key) => ({ time: key.time, values: flat({ up, ...key }) }))
   }
 
-  /** Returns the time in the track after `seconds` of playing. */
   timeAt(seconds) {
     const { loop, duration } = this
     if (loop === 'repeat') return seconds % duration
@@ -64,12 +62,10 @@ export class Track {
     return there > duration ? 2 * duration - there : there
   }
 
-  /** - */
   get ends() {
     return this.loop === 'none'
   }
 
-  /** Returns the camera at a time of the track. */
   at(time) {
     const keys = this.#keys
     const i = keys.length > 1 ? segmentAt(keys, time) : 0

@@ -38,41 +38,41 @@ export class Viewer extends HTMLElement {
     'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar']
 
   #headset = null
-  #room = null // the class AR of ar.js, if the device has AR
-  #engine = null // the Engine of the visible scenes' worker
+  #room = null
+  #engine = null
   #opening = null // the scene that is loading in a new worker: { engine, item, views, view }
-  #adding = null // the Item that is loading in the present worker
+  #adding = null
   #taken = Promise.resolve() // promise of the last change queued by #inTurn
-  #gathered = Promise.resolve() // promise of the last run of #gather
-  #items = [] // Items of all loaded or wanted scenes
+  #gathered = Promise.resolve()
+  #items = []
   #main = null // the Item of the scene of `src` or open()
   #src = null // last opened value of the attribute `src`
-  #dropped = [] // <fixsplat-scene> elements of dropped files
+  #dropped = []
   #leaving = 0
-  #isHere = false // true: the viewer is in a document
+  #isHere = false
   #scene = null // count, box and first view of all visible scenes together
   #picture
   #pilot = new Pilot(this, (moving, byHand) => this.#moved(moving, byHand))
-  #good = null // camera of the last picture
-  #asked = null // start view for the next scene
+  #good = null
+  #asked = null
   #linked = null // start view of the attribute `view`, if the scene began with it
-  #busy = false // true: a picture is being drawn
+  #busy = false
   #switching = false
   #held = false // true: the scenes are being copied or replaced, so other replacements wait
   #changed = false
-  #missing = 0 // number of missing parts of the last picture
+  #missing = 0
   #stuck = false // true: missing parts will not arrive
   #movedAt = -Infinity
   #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
   #language = new Language()
-  #acts // commands of keyboard, mouse, touch and gamepad
-  #stick = null // promise of the on-screen stick of joystick.js
-  #touches = matchMedia('(pointer: coarse)').matches // true on a touchscreen, where the stick is useful
+  #acts
+  #stick = null
+  #touches = matchMedia('(pointer: coarse)').matches
   #tour = null // the Tour (annotations, tracks and settings files); null before its first use
-  #touring = null // promise of the Tour
-  #begins = null // fulfilled when the settings file has been read
-  #noSky = '' // address of a skybox that failed to load
+  #touring = null
+  #begins = null
+  #noSky = ''
   #ui
   #panels
 
@@ -229,7 +229,7 @@ export class Viewer extends HTMLElement {
     return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
   }
   set settings(values) {
-    if (typeof values === 'string') return this.setAttribute('settings', values) // React sets the property to a string
+    if (typeof values === 'string') return this.setAttribute('settings', values)
     const names = Object.keys(this.#table)
     for (const name of Object.keys(values))
       if (!names.includes(name)) throw new Error(`${name}: expected one of ${names.join(', ')}`)
@@ -238,7 +238,6 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** Returns the address of the scene of `src` or open(); empty for files. */
   get #address() {
     const { source } = this.#main ?? {}
     return typeof source === 'string' ? source : ''
@@ -262,7 +261,6 @@ export class Viewer extends HTMLElement {
 
   // ---- Annotations, camera tracks and settings files ----------------------------------------------------------------
 
-  /** Loads tour.js on first use. */
   #tourNow() {
     return (this.#touring ??= import('./tour.js').then(({ Tour }) => (this.#tour = new Tour(this.#tourHost()))))
   }
@@ -309,7 +307,6 @@ export class Viewer extends HTMLElement {
     this.#begins = this.readSettings(this.getAttribute('settings')).catch((error) => this.#fail(error))
   }
 
-  /** For a new scene, opens the annotation of the attribute, else begins as the settings file says. */
   #beginTour(view) {
     if (this.hasAttribute('annotation')) this.#goToAttribute()
     else if (!view) this.#tour?.begin()
@@ -370,7 +367,6 @@ export class Viewer extends HTMLElement {
     return (await this.#tourNow()).film(options)
   }
 
-  /** Returns a link to this page that opens an annotation. */
   #linkTo(index) {
     const link = new URL(this.link)
     link.hash = `annotation=${index + 1}`
@@ -422,7 +418,6 @@ export class Viewer extends HTMLElement {
     this.#gather()
   }
 
-  /** Returns the views of the attribute `cameras`; an empty list on failure. */
   async #fetchViews() {
     const url = this.getAttribute('cameras')
     return url ? fetchViews(url).catch((error) => this.#fail(error) ?? []) : []
@@ -433,7 +428,6 @@ export class Viewer extends HTMLElement {
     if (this.#scene && url === this.getAttribute('cameras')) this.#takeViews(views)
   }
 
-  /** Shows a poster picture until the first picture of the scene. */
   #showPoster(url) {
     if (this.#scene) return
     this.#ui.stage.querySelector('img')?.remove()
@@ -452,7 +446,6 @@ export class Viewer extends HTMLElement {
     return true
   }
 
-  /** Returns the Item of a removed scene that is still in memory. */
   #keptOf(source) {
     const { source: address } = new Item(source)
     const isKept = (item) => item.source === address && !item.element && item !== this.#main
@@ -516,7 +509,6 @@ export class Viewer extends HTMLElement {
     return this.#scene ? this.#shown.map((item) => item.told) : []
   }
 
-  /** Returns the Items of `src` or open() and of all elements <fixsplat-scene>, in this order, without failed Items. */
   get #wantedItems() {
     const elements = [...this.querySelectorAll('fixsplat-scene')].filter((one) => one.source || one.getAttribute('src'))
     return [this.#main, ...elements.map((element) => this.#itemOf(element))].filter((item) => item && !item.failed)
@@ -564,7 +556,6 @@ export class Viewer extends HTMLElement {
     if (missing) this.#gather()
   }
 
-  /** - */
   async #load(engine, item) {
     const { bytes } = item
     if (!bytes) this.#begin(item)
@@ -638,7 +629,6 @@ export class Viewer extends HTMLElement {
     return new Engine(hear, Number(this.getAttribute('threads')) || undefined)
   }
 
-  /** Cancels loading, and removes the preview of the scene. */
   #cancel() {
     const { engine } = this.#opening ?? {}
     this.#begun()
@@ -694,7 +684,6 @@ export class Viewer extends HTMLElement {
     this.dispatchEvent(new CustomEvent(event, { detail }))
   }
 
-  /** Shows an error in words for the user, and sends the event `error`. */
   async #fail(cause, { source } = {}) {
     const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) } // used if words.js cannot be loaded
     const { wordsOf } = await import('./words.js').catch(() => bare)
@@ -711,7 +700,6 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  /** Handles newly arrived parts of a streamed scene. With `words`, requests have failed. */
   #hearOfParts(opening, words) {
     if (opening && opening.engine !== this.#engine) return
     if (words) {
@@ -731,7 +719,6 @@ export class Viewer extends HTMLElement {
     return (this.#taken = this.#taken.catch(() => {}).then(change))
   }
 
-  /** Draws again after a change of the back end. Ignores a failure if the scene was closed meanwhile. */
   #redraw(change) {
     const engine = this.#engine
     this.#inTurn(change).then(
@@ -740,7 +727,6 @@ export class Viewer extends HTMLElement {
     )
   }
 
-  /** Shows a loaded scene or a preview of it. */
   async #takeNext(opening, facts, views) {
     const { engine, item, view } = opening
     if (opening !== this.#opening) return
@@ -793,7 +779,6 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Opens the scenes among files, and a file of views or settings. */
   async #openFiles(files) {
     try {
       const { scenes, views } = (await import('./drop.js')).scenesIn(files)
@@ -809,7 +794,6 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Opens the first scene instead of the present scene, and adds the other scenes. */
   async #openScenes([first, ...more]) {
     if (!(await this.open(first))) return false
     this.removeAttribute('label') // the label belonged to the former scene
@@ -845,7 +829,6 @@ export class Viewer extends HTMLElement {
     return { ...size, ...bounds, sky, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
   }
 
-  /** Returns the number in an attribute; 0 if the value is not a positive number. */
   #numberOf(name) {
     return Math.max(Number(this.getAttribute(name)), 0) || 0
   }
@@ -854,7 +837,6 @@ export class Viewer extends HTMLElement {
     return Math.round(this.#numberOf('budget')) || undefined
   }
 
-  /** Returns the position of the slider for the present budget. */
   get #budgetPlace() {
     const place = BUDGETS.findIndex((budget) => budget >= this.#budget)
     return place < 0 ? BUDGETS.length : place
@@ -974,7 +956,6 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  /** Copies the scenes of a worker to another worker. */
   async #copy(engine, other, items) {
     const list = items.map(({ key, place }) => ({ key, place }))
     for (const { key, place } of list) await other.open(key, await engine.ask('packed', key), place)
@@ -1029,13 +1010,11 @@ export class Viewer extends HTMLElement {
     room.onclick = () => this.#headset.enter(this.#room)
   }
 
-  /** Returns the size of the scene in AR: 'table', 'true' or 'off'. */
   get #inRoom() {
     const asked = this.getAttribute('ar')
     return ['true', 'off'].includes(asked) ? asked : 'table'
   }
 
-  /** Makes a Headset that starts at the camera of the page. The picture in the page does not change meanwhile. */
   async #newHeadset() {
     const { Headset } = await import('./xr.js')
     return new Headset({
@@ -1124,7 +1103,6 @@ export class Viewer extends HTMLElement {
     else if (this.#scene) this.#change()
   }
 
-  /** Starts walking at the position of the camera. */
   async #walk() {
     const { Walker } = await import('./walk.js')
     const pilot = this.#pilot
@@ -1139,7 +1117,6 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** Shows the on-screen stick as the attribute `joystick` says; by default on touchscreens without `noui` and `ui`. */
   async #showStick() {
     const auto = this.#touches && !this.matches('[noui], [ui]') ? '' : 'none'
     const is = this.#pilot.mode !== 'orbit' && (this.getAttribute('joystick') ?? auto) !== 'none'
@@ -1147,7 +1124,6 @@ export class Viewer extends HTMLElement {
     if (this.#stick) (await this.#stick).hidden = !is
   }
 
-  /** Captures the mouse. The mouse then looks around without a button, until Escape. */
   #capture() {
     if (!this.#pilot.walks) this.#setMode('fly')
     this.#ui.stage.requestPointerLock?.()?.catch(() => this.#panels.note('This browser keeps the mouse to itself'))
@@ -1201,7 +1177,6 @@ export class Viewer extends HTMLElement {
     readout: [() => !this.#ui.readout.hidden, (value) => (this.#ui.readout.hidden = !value)],
   }
 
-  /** Applies a field of the settings panel. */
   #set({ name, type, value, checked }) {
     if (name === 'budget') return this.#setBudget(Number(value))
     if (name === 'eyeHeight') value = this.#pilot.walker.usual * 2 ** value

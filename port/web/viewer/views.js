@@ -20,7 +20,6 @@ export function addressOf(url) {
   }
 }
 
-/** Returns the file name in an address. The name may contain invalid escapes. */
 export function nameOf(url) {
   const name = url.split(/[?#]/)[0].split('/').pop()
   try {
@@ -30,7 +29,6 @@ export function nameOf(url) {
   }
 }
 
-/** Reads the views of a cameras.json file. */
 export function viewsOf(name, text) {
   let views
   try {
@@ -45,7 +43,6 @@ export function viewsOf(name, text) {
 
 const MOST_TEXT = 64e6 // largest size of a text file in bytes
 
-/** Returns the text at an address. On failure, throws an Error with the message `words`. */
 export async function textAt(url, words) {
   const file = await download(new URL(addressOf(url)), { most: MOST_TEXT }).catch((error) => {
     throw error.isSlow || error.isLarge ? error : new Error(`${nameOf(url)}: ${words}`)
@@ -73,7 +70,6 @@ export function followAddress(viewer) {
   addEventListener('hashchange', follow)
 }
 
-/** Reads a camera from the text of a link; null if the text is not valid. */
 export function cameraOf(text) {
   const n = (text ?? '').split(',').map(Number)
   if (!hasNumbers(n, 10) && !hasNumbers(n, 13)) return null
@@ -82,7 +78,6 @@ export function cameraOf(text) {
   return { ...place, fov, flat: !!flat, shift: shift.length ? shift : [0, 0] }
 }
 
-/** Returns the ten or thirteen numbers of a camera in a link. */
 export function textOf({ eye, look, up, fov, flat, shift }) {
   const more = flat || shift.some(Boolean) ? [flat ? 1 : 0, ...shift] : []
   return [...eye, ...look, ...up, fov, ...more].join()

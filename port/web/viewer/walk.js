@@ -52,7 +52,6 @@ class Ground {
     return found
   }
 
-  /** Returns the horizontal distance of a point from the middle of the height map. */
   distance(point) {
     const from = add(point, this.place, -1)
     return Math.hypot(dot(from, this.axes.right), dot(from, this.axes.down))
@@ -68,7 +67,7 @@ export class Walker {
   #floats = false // true: no ground was found yet
   #eye = null // position of the eye as set by walking; another position requires begin()
   #usual = { scene: null, height: 1 }
-  #last = 0 // time of the last step of #ease; 0: not running
+  #last = 0
 
   /** `host` has scene(), height() (0: estimated height), draw(camera, size), which returns a promise of depths, and
       note(words). */
@@ -77,12 +76,10 @@ export class Walker {
     this.#host = host
   }
 
-  /** Returns the height of the eye above the ground, in scene units. */
   get height() {
     return this.#host.height() || this.#usual.height
   }
 
-  /** Returns the estimated height of the eye, used without the attribute eye-height. */
   get usual() {
     return this.#usual.height
   }
@@ -161,7 +158,6 @@ export class Walker {
     return found.length ? middle(found) : null
   }
 
-  /** Returns a position for the eye above ground; null if no ground was found. */
   async #spot(camera) {
     const up = this.#up
     const way = add(camera.look, camera.eye, -1)
@@ -175,7 +171,6 @@ export class Walker {
     return null
   }
 
-  /** Returns a position for the eye in front of a point, at eye height above the point. */
   #before(point, camera) {
     return add(add(point, this.#level(camera), -BACK * this.height), this.#up, this.height)
   }
@@ -250,7 +245,6 @@ export class Walker {
     this.#pilot.act({ ...camera, eye, look: add(camera.look, add(eye, camera.eye, -1)) })
   }
 
-  /** Requests a new height map if the present map is too far away or too old. */
   async #look(place) {
     const { height } = this
     const level = this.#feet + height
@@ -266,12 +260,10 @@ export class Walker {
     this.#ease()
   }
 
-  /** Moves the eye after a change of its height above the ground. */
   stand() {
     if (this.#pilot.camera?.eye === this.#eye) this.#ease()
   }
 
-  /** Moves the eye smoothly to its height, unless the camera glides elsewhere. */
   #ease() {
     if (this.#last) return
     const step = (now) => {

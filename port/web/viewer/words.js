@@ -27,7 +27,6 @@ const TABLE = [
     say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
 ]
 
-/** Returns the kind and the text of an error: { kind, words }. */
 export function wordsOf({ message }, say) {
   for (const [kind, pattern, write] of TABLE) {
     const found = message.match(pattern)

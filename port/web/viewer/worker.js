@@ -11,8 +11,8 @@ const STOPPED_MS = 300 // milliseconds between two pictures after which the came
 const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depth value of one scene unit
 const screens = {}
-const scenes = new Map() // scenes by the keys that the page gives
-let placed = [] // the scenes to draw: { key, place }
+const scenes = new Map()
+let placed = []
 let how
 let drawn = () => {}
 
@@ -31,14 +31,13 @@ function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 
 const corners = (low, high) =>
   [0, 1, 2, 3, 4, 5, 6, 7].map((i) => low.map((x, axis) => (i & (1 << axis) ? high : low)[axis]))
 
-/** Returns the box around all objects. */
 function boxOf(list) {
   const points = list.flatMap(({ scene, ...place }) => corners(scene.low, scene.high).map((v) => moved(v, place)))
   const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...points.map((v) => v[axis]))))
   return { low, high }
 }
 
-let seen = {} // the cached first view, and the scenes that the view shows
+let seen = {}
 
 /** Returns the first view of all scenes. The view is chosen again if the list of scenes changes, not if a scene is
     moved. */
@@ -49,7 +48,6 @@ function firstOf(list) {
   return { first: seen.first, start: Object.keys(place).length ? null : scene.start }
 }
 
-/** Returns the count, box and first view of all visible scenes together; null without a scene. */
 function whole() {
   const list = objects()
   if (!list.length) return null
@@ -103,7 +101,6 @@ async function draw(id, camera, options) {
   }
 }
 
-/** Returns the options of a frame with the skybox as backdrop. */
 async function withSky({ sky, ...options }, camera) {
   if (!sky) return options
   try {
@@ -115,7 +112,7 @@ async function withSky({ sky, ...options }, camera) {
   }
 }
 
-let last // position and time of the last picture's camera
+let last
 
 /** Prefetches parts for the camera AHEAD_MS from now, if the camera continues its motion. */
 function lookAhead(camera, options) {
@@ -133,7 +130,7 @@ function lookAhead(camera, options) {
   } catch {} // the extrapolated position is not valid for a camera
 }
 
-let eyes // canvas and Screen of the pictures for a headset
+let eyes
 
 /** Draws the pictures of several cameras side by side on the GPU. Returns null if the canvas is too small. */
 async function bitmapOf(cameras, options, backend) {
@@ -155,7 +152,6 @@ async function bitmapOf(cameras, options, backend) {
   return canvas.transferToImageBitmap()
 }
 
-/** Returns the depths of a picture, drawn with the loaded parts. */
 const depthOf = (camera, options) =>
   render(objects(), camera, { ...options, fetch: false, targets: { depth: true } }).depth
 const unitsOf = (code) => (code === NO_DEPTH ? Infinity : code / UNIT)
@@ -203,7 +199,6 @@ const words = {
     delete screens[id]
   },
 
-  /** Draws on a screen. For an unknown screen, the answer has the pixels. */
   async draw(id, camera, options) {
     const start = performance.now()
     const facts = await draw(id, camera, await withSky(options, camera))
@@ -233,7 +228,6 @@ const words = {
     return png(pixels, options.width, options.height)
   },
 
-  /** Returns the depth at each pixel in scene units; Infinity without a Gaussian. */
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
 
   /** Returns the depth at some pixels as the farthest of 3 x 3 pixels, since a marker lies on a surface. */

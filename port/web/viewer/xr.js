@@ -30,7 +30,6 @@ export class Place {
     return new Place([mixed(hx, -hz), y, mixed(hz, hx)], units)
   }
 
-  /** Returns a placement with the head at the eye of the camera, in the same direction of view. */
   static of(view, { matrix, position }) {
     const place = Place.towards(unit([-matrix[8], -matrix[10]]), view, distance(view.camera) / REACH)
     return place.held(numbers(position), view.camera.eye)
@@ -68,7 +67,6 @@ export class Place {
     return new Place(axes, this.units * times, this.origin)
   }
 
-  /** Returns the placement, turned and scaled about a point of the room. */
   about(point, angle, times) {
     return this.changed(angle, times).held(point, this.at(point))
   }
@@ -134,7 +132,7 @@ export class Headset {
   #gl
   #scale
   #place = null
-  #asked = null // the current request for pictures: { engine }
+  #asked = null
   #entering = false
   #grips = []
   #last = 0
@@ -210,7 +208,6 @@ export class Headset {
     session.requestAnimationFrame(step)
   }
 
-  /** Takes the first reference space of the mode that the device supports. Returns its name. */
   async #takeSpace(session) {
     const { spaces } = this.#mode
     for (const name of spaces) {
@@ -264,7 +261,6 @@ export class Headset {
     })
   }
 
-  /** Returns the approximate distance of the scene. */
   #far({ rotation, position }) {
     const { low, high } = this.#host.scene()
     const middle = low.map((x, i) => (x + high[i]) / 2 - position[i])
@@ -295,7 +291,6 @@ export class Headset {
 
   // ---- Controllers --------------------------------------------------------------------------------------------------
 
-  /** Moves the scene with a gripping controller. Two gripping controllers also turn and scale the scene. */
   #pull(frame) {
     const gripping = [...this.#session.inputSources].filter((s) => s.gripSpace && s.gamepad?.buttons[1]?.pressed)
     const now = gripping.map((source) => ({ source, pose: frame.getPose(source.gripSpace, this.#space) }))

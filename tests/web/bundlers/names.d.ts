@@ -1,4 +1,4 @@
-// Names that code in the documentation assumes.
+// Names that the code in the documentation assumes.
 declare const canvas: HTMLCanvasElement
 declare const camera: import('fixsplat').Camera
 declare const scene: import('fixsplat').Scene
@@ -6,5 +6,5 @@ declare module 'webgpu' {
   export function create(options: string[]): GPU
   export const globals: object
 }
-/** Missing in TypeScript; npm's @webgpu/types has it. */
+/** Missing in TypeScript; the npm package @webgpu/types has the name. */
 declare const GPUBufferUsage: Record<'COPY_DST' | 'STORAGE', number>
