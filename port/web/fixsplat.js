@@ -9,14 +9,14 @@ import { Files, nameOf, SourceFile, urlOf } from './read.js'
 export { setAssets } from './fixsplat_assets.js'
 
 const SHOWN = 100000            // largest number of Gaussians in a preview
-const PAUSE = 400               // milliseconds before the first preview, and least pause between two previews
+const PAUSE = 400               // milliseconds before the first preview, and between previews
 const SOON = 1000               // no preview if the rest of the download takes fewer milliseconds
 // A WebAssembly module with one function that uses simd128, to detect support.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
-// On x86, i16x8.q15mulr_sat_s takes five instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768
-// * -32768, which no picture depends on. Both opcodes have the same length.
+// i16x8.q15mulr_sat_s is five x86 instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768 *
+// -32768, which no picture depends on.
 const PRECISE = [253, 130, 1]
 const RELAXED = [253, 145, 2]
 const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
@@ -34,15 +34,15 @@ async function compileFrom(answer, relaxes) {
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
 }
 
-/** Compiles a WebAssembly module. With `relaxes`, its q15mulr opcodes are replaced by relaxed opcodes.
-    tests/scripts/web.sh checks that these bytes occur nowhere else. */
+/** `relaxes` replaces q15mulr opcodes by relaxed opcodes of the same length. tests/scripts/web.sh checks that these
+    bytes occur nowhere else. */
 function compiledOf(code, relaxes) {
   for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
     if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
   return WebAssembly.compile(code)
 }
 
-/** An instance of a WebAssembly module. Its functions exchange numbers through one array of doubles, by put and get. */
+/** Functions of a WebAssembly module exchange numbers through one array of doubles, by put and get. */
 class Module {
   constructor(module, imports = {}, threads = 1) {
     const env = {
@@ -56,9 +56,9 @@ class Module {
     this.c.may_wait?.(mayWait() ? 1 : 0)
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
-    this.pagers = []            // Pager objects of the streamed scenes in the next frame
+    this.pagers = []
     this.ahead = false          // true while parts of streamed scenes are prefetched
-    this.fetches = true         // false: the next frame requests no parts of streamed scenes
+    this.fetches = true
   }
 
   #webgl(module) {
@@ -105,7 +105,7 @@ class Module {
     return at >>> 0
   }
 
-  /** Calls a drawing function of the module. After a trap, waits for the threads, which use the frame's memory. */
+  /** After a trap, waits for the threads, which use the frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -129,7 +129,7 @@ class Module {
     }
   }
 
-  /** Copies bytes into the memory of the module. The caller frees the copy with `release`. */
+  /** Copies bytes into the module's memory. The caller frees the copy with `release`. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
     this.bytes(at, bytes.length).set(bytes)
@@ -141,7 +141,6 @@ class Module {
   }
 }
 
-/** Caches the promise of make() by name, unless the promise is rejected. */
 const once = (made, name, make) =>
   (made[name] ??= make().catch((error) => {
     delete made[name]
@@ -159,12 +158,12 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 131072            // bytes of stack for each thread; its jobs need 20,000
-const PAGES = 16                // initial pages of a shared memory, as in the Makefile
+const STACK = 131072            // bytes of stack for each thread
+const PAGES = 16                // initial pages of a shared memory; also in the Makefile
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
-/** Returns true if this thread may block in Atomics.wait. The main thread of a page may not. */
+/** Returns true if this thread may block in Atomics.wait. A page's main thread may not. */
 function mayWait() {
   try {
     return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
@@ -227,7 +226,7 @@ const numberOf = (names, value) => {
   return names.indexOf(value)
 }
 
-const PACKING_STACK = 262144    // bytes of stack for each thread that packs; its jobs need 90,000
+const PACKING_STACK = 262144    // bytes of stack for each thread that packs
 const MUCH = 8e6                // bytes; a smaller file is packed faster without threads
 
 async function readersFor(file, options) {
@@ -321,11 +320,10 @@ async function importAll(files, options, how = {}) {
 // ---- First bytes of a file ------------------------------------------------------------------------------------
 
 const HEAD = 4096               // bytes that fxs_format_by_content needs to recognise a format
-const PACKED_HEAD = 192         // bytes in the header of an .fxs file
+const PACKED_HEAD = 192
 const MOST_TEXT = 2 ** 30       // largest size in bytes of an index file: FXS_TEXT_MAX
 
-/** Returns the size of a .ply file by its header; 0: unknown or complete. The reader's error for a short file states
-    the size. */
+/** Returns the size of a .ply file by the reader's error for a short file; 0: unknown or complete. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -395,7 +393,7 @@ function sceneOf(core, file) {
   }
 }
 
-/** Opens a streamed scene and returns { scene }. Returns { answer } if the server has sent the whole file, else {}. */
+/** Opens a streamed scene and returns { scene }; { answer } if the server sends the whole file; else {}. */
 async function paged(source, options) {
   if (options.paging === false || !(typeof source === 'string' || source instanceof URL)) return {}
   const url = await urlOf(String(source)).catch(() => null)
@@ -458,7 +456,7 @@ export class Scene {
     return !this.#scene
   }
 
-  /** Internal: the module, the address of the scene in its memory, and the Pager of a streamed scene. */
+  /** Internal: the module, the address of the scene in its memory, and the scene's Pager. */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene, this.#pager]
@@ -642,7 +640,7 @@ function budgetOf({ pagers }, { budget }) {
   return Math.min(budget || Math.min(...pagers.map((pager) => pager.budget || Infinity)), 2 ** 32 - 1)
 }
 
-/** Returns the limits of a frame: budget in Gaussians, detail in 1/256 pixel, memory in bytes. 0: no limit. */
+/** Returns budget in Gaussians, detail in 1/256 pixel and memory in bytes. 0: no limit. */
 function boundsOf(core, options) {
   const { detail = 0 } = options
   const budget = budgetOf(core, options)
@@ -656,14 +654,13 @@ function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', 
   return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
 }
 
-/** Returns the statistics of the last frame. Headers of streamed scenes that have not arrived count as missing
-    parts. */
+/** Chunk headers of a streamed scene that have not arrived count as missing parts. */
 function drawnBy(core) {
   const [drawn, missing] = core.get(0, 2)
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// The typed array and the numbers a pixel of each format and target, in the order of take_targets in web_core.c.
+// The array type and the numbers a pixel of formats and targets, in the order of take_targets in web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
   premultiplied: [Uint8ClampedArray, 4],
@@ -763,8 +760,7 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Requests the missing parts of a picture and returns their number. With `ahead`, the missing parts of the last
-    picture come first. */
+/** Requests missing parts and returns their number. `ahead`: after the missing parts of the last picture. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead
@@ -803,13 +799,13 @@ function resize(canvas, width, height) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
 }
 
-/** The back end 'wasm' of a Screen, which copies pictures to a canvas with a 2D context. */
+/** The back end 'wasm' of a Screen copies pictures to a canvas with a 2D context. */
 class Copied {
   #context
   #pixels
 
   constructor(canvas) {
-    // In a worker, a canvas in main memory is faster if the processor also emulates the GPU.
+    // In a worker, a canvas in main memory is faster without a real GPU.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
@@ -835,7 +831,7 @@ class Copied {
 
 const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
 
-/** The back end 'webgl2' of a Screen: the module calls WebGL 2 on a canvas. */
+/** The back end 'webgl2' of a Screen: the module calls WebGL 2. */
 class Drawn {
   #core
   #functions
@@ -853,7 +849,7 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
-  /** Stays true after a restore, since a restored context has lost all of its objects. */
+  /** Stays true, since a restored context has lost its objects. */
   get lost() {
     return (this.#gone ||= this.gl.isContextLost())
   }
@@ -915,7 +911,7 @@ class Drawn {
     return pixels
   }
 
-  /** Waits for the GPU by reading a pixel, since browsers poll a fence only every 4 ms. */
+  /** Reading a pixel waits for the GPU. Browsers poll a fence only every 4 ms. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
   }

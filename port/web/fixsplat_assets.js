@@ -6,11 +6,11 @@ export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** Returns the functions of system.js. Bundlers do not see this import, so node.js sets the functions in a bundle. */
+/** Bundlers do not see this import of system.js, so node.js sets the functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// The development server of vite copies only scripts of packages to this folder, without their other files.
+// The development server of vite copies only a package's scripts to this folder.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
 function published() {
@@ -21,7 +21,7 @@ function published() {
 }
 
 let folder = published()
-let files = null                // contents of the package's files by name; null: not embedded
+let files = null
 const starts = {
   'thread.js': () => new Worker(new URL('./thread.js', import.meta.url), { type: 'module' }),
 }
@@ -75,7 +75,7 @@ export function startWorker(name) {
   if (files) return startText(files[name])
   if (!folder) return starts[name]()
   const url = new URL(name, folder)
-  // Browsers refuse a worker script of another origin, but a script of this origin may import it.
+  // Browsers refuse a worker script of another origin; a local script may import it.
   if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
   return new Worker(url, { type: 'module' })
 }

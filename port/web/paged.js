@@ -7,8 +7,8 @@
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
 
-const HEADER = 192              // bytes in the header of the file
-const CHUNK_HEADER = 128        // bytes in the header of a chunk
+const HEADER = 192
+const CHUNK_HEADER = 128
 const GAUSSIANS = 256           // Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
 const TOP = 64                  // coarsest nodes, loaded before the first picture and never evicted
@@ -46,7 +46,7 @@ class Remote {
     this.#options = { silence, signal }
   }
 
-  /** Ignores the caller's signal from now on. After opening, only `end` aborts requests. */
+  /** After opening, only `end` aborts requests. */
   opened() {
     this.#options.signal = undefined
   }
@@ -55,8 +55,7 @@ class Remote {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** Reads the first bytes of the file. Returns { bytes, total }, { answer } with the whole file, or {} if the
-      server has no ranges. */
+  /** Returns the first { bytes, total } of the file, { answer } with the whole file, or {} without range requests. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -170,7 +169,7 @@ class Remote {
 
 // ---- The scene ------------------------------------------------------------------------------------------------
 
-/** Loads the chunks of a scene into the module, and manages the pool. A place of the pool holds a chunk. */
+/** Loads the chunks of a scene into the pool. A place of the pool holds a chunk. */
 export class Pager {
   #core
   #at
@@ -178,7 +177,7 @@ export class Pager {
   #store
   #text
   #layout
-  #places                       // capacity of the pool in chunks
+  #places
   #used = 0
   #spare = []                   // free places of the pool below #used
   #victims = []                 // places of the pool to evict, the least recently used last
@@ -187,7 +186,7 @@ export class Pager {
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
   #wanted = this.#now
   #cursor = 0
-  #marks                        // mark of the last list that contained the chunk, for each chunk
+  #marks
   #mark = 0
   #turn = 0                     // number of frames and prefetches until now
   #busy = new Set()
@@ -212,7 +211,7 @@ export class Pager {
     this.#text = core.copyText(remote.name)
   }
 
-  /** Loads the tables and the coarsest nodes. Returns the address of the scene in the module and its properties. */
+  /** Loads the tables and the coarsest nodes. Returns the scene's address in the module and its properties. */
   async open(header, total, { memory = MEMORY, progress }) {
     const core = this.#core
     this.#allocate(header, total, memory)
@@ -253,7 +252,7 @@ export class Pager {
     return { at: this.#at, facts }
   }
 
-  /** Allocates the scene and the pool in the module. The pool is halved until the memory suffices. */
+  /** Halves the pool of chunks until the memory suffices. */
   #allocate(header, total, memory) {
     const core = this.#core
     const at = core.copy(header)
@@ -288,13 +287,12 @@ export class Pager {
     this.#pendingBlocks = this.#blocks.length
   }
 
-  /** Returns the default budget of a picture in Gaussians; 0: no limit. */
   get budget() {
     return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
-  /** Returns the largest budget of a picture in Gaussians: half the pool. Coarse chunks are still needed while finer
-      chunks load. */
+  /** Returns the largest budget in Gaussians: half the pool, since coarse chunks stay needed while finer chunks
+      load. */
   get most() {
     if (this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
@@ -323,8 +321,7 @@ export class Pager {
     this.#fetch()
   }
 
-  /** Returns a promise of the next arrival of data. The promise is rejected after a failure, or if no request is
-      running. */
+  /** Returns a promise of the next arrival of data. The promise is rejected if no request is running. */
   arrival() {
     if (this.failure) return Promise.reject(this.failure)
     if (!this.#running) {
@@ -412,7 +409,7 @@ export class Pager {
     }
   }
 
-  /** Returns a request for a chunk and its wanted neighbours, as a range of the cache or of the server. */
+  /** Returns a request for a chunk and its wanted neighbours. */
   #jobOfRows(chunk) {
     const { leaves, chunks, chunkBytes, leafRows, nodeRows } = this.#layout
     const isLeaf = chunk < leaves
@@ -444,8 +441,7 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** Reads a range and passes the bytes to `take`, which throws if they are damaged. A damaged range is read once
-      more, from the server. */
+  /** Passes a range to `take`. If `take` throws, the range is read once more, from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -491,8 +487,7 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Stores the data of chunks first to end - 1. Wanted chunks may evict other chunks. Unwanted chunks take only
-      free places of the pool. */
+  /** Stores chunks first to end - 1. Unwanted chunks take only free places of the pool. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -521,7 +516,7 @@ export class Pager {
     }
   }
 
-  /** Returns a free place of the pool, else the place of the least recently used chunk; -1 if all places are in use. */
+  /** Returns a free place of the pool, else the place of the least recently used chunk; -1: none. */
   #placeFor(chunk) {
     if (this.#spare.length) return this.#spare.pop()
     if (this.#used < this.#places) return this.#used++
@@ -542,8 +537,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** Returns an eighth of the pool to evict, the least recently used place last. Places used in the last two frames
-      or prefetches are excluded. */
+  /** Returns an eighth of the pool to evict, the least recently used place last, without places of the last two
+      frames. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0

@@ -5,7 +5,7 @@
 
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
-const ALIKE = 1e-4              // largest relative difference between the scales of x, y and z
+const ALIKE = 1e-4
 const RAY = 1000                // focal length in pixels of the one-pixel picture for a ray without a camera
 
 // ---- Cameras and rays -----------------------------------------------------------------------------------------
@@ -86,8 +86,8 @@ export function placedOf({ name, scene, opacity, tint, crops }, translation, [x,
 
 // ---- Stages: the Splats of a renderer -------------------------------------------------------------------------
 
-/** Draws all Splats of a renderer that a camera sees as one picture. A subclass has changed(one, error), which is
-    called when an object has changed. */
+/** Draws all Splats that a camera sees as one picture. A subclass has changed(one, error), called when an object has
+    changed. */
 export class Stage {
   splats = new Set()
   users = 0
@@ -106,8 +106,7 @@ export class Stage {
     Object.assign(this, { width, height })
   }
 
-  /** Adds an object. `owners` counts the objects of a scene, and the last object frees the scene. Null: the caller
-      frees the scene. */
+  /** `owners` counts the objects of a scene, and the last object frees the scene. Null: the caller frees the scene. */
   add(one, owners) {
     if (owners) owners.count++
     this.splats.add(one)
@@ -171,7 +170,7 @@ void main()
 {
     gl_Position = vec4(float(gl_VertexID % 2) * 4.0 - 1.0, float(gl_VertexID / 2) * 4.0 - 1.0, 0.0, 1.0);
 }`
-// Converts a depth buffer of the engine to near / distance; 0: no geometry at the pixel.
+// Converts a depth buffer to near / distance; 0: no geometry.
 const TURN = `#version 300 es
 precision highp float;
 uniform highp sampler2D depths;
@@ -193,7 +192,6 @@ const [PERSPECTIVE, ORTHOGRAPHIC, LOGARITHMIC] = [0, 1, 2]
 const DEPTHS = ['DEPTH24_STENCIL8', 'DEPTH_COMPONENT24', 'DEPTH_COMPONENT32F', 'DEPTH_COMPONENT16', 'DEPTH32F_STENCIL8']
 const COLOURS = ['RGBA16F', 'RGBA8', 'RGBA32F', 'SRGB8_ALPHA8', 'R11F_G11F_B10F', 'RGB10_A2']
 
-/** Calls run(framebuffer), and restores the WebGL state that the engine relies on. */
 export function keeping(gl, run) {
   const get = (name) => gl.getParameter(gl[name])
   const unit = get('ACTIVE_TEXTURE')
@@ -278,11 +276,11 @@ class Surface {
   }
 }
 
-/** Draws after the opaque meshes of an engine's render, and copies their depths. A subclass has `target`, the render
-    target with a width and a height; undefined: the canvas. */
+/** Draws after the opaque meshes of an engine's render, and copies their depths. A subclass has the render target
+    `target`; undefined: the canvas. */
 export class WebGLStage extends Stage {
   #formats
-  #depths                       // copy of the engine's depth buffer
+  #depths
   #turned                       // copy of the engine's depths as near / distance
   #turn
   #restored = () => this.#reopen()
@@ -312,15 +310,14 @@ export class WebGLStage extends Stage {
     const { screen } = this
     this.screen = undefined
     screen?.free()
-    // if the context is lost again, waits for the next restore
     const taken = await this.#take().catch(() => undefined)
     if (this.users) this.screen = taken
     else taken?.free()
     for (const one of this.splats) this.changed(one)
   }
 
-  /** Draws `picture` for a part of the current target, hidden by the target's depths. With isLight, also copies the
-      target's colours to `behind`. `camera` has near, far, reversedDepth, isLogarithmic. */
+  /** Draws `picture` for a rectangle of the current target, hidden by the target's depths. With isLight, also copies
+      the target's colours to `behind`. */
   drawWithin(seen, view, camera, [x, y, width, height], isLight) {
     const depth = keeping(this.gl, (framebuffer) => {
       this.gl.bindFramebuffer(this.gl.READ_FRAMEBUFFER, framebuffer)

@@ -13,7 +13,7 @@ const xyz = ({ x, y, z }) => [x, y, z]
 export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
   placed.viewOf(entity.getWorldTransform().data, projectionMatrix.data, nearClip, width, height)
 
-/** Converts a rectangle, given as shares of a target's size, to pixels: x, y, width, height. */
+/** Converts a rectangle from shares of a target's size to pixels. */
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
 // Writes premultiplied colours. The picture must be blended in display colours, but a linear target blends linear
@@ -37,7 +37,6 @@ void main()
     }
 }`
 
-/** Draws the Splats of each layer before its transparent meshes. */
 class Stage extends placed.WebGLStage {
   #show
   #drawn = (camera, layer, isTransparent) => isTransparent && this.#draw(camera, layer)

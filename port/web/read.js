@@ -1,9 +1,9 @@
-// Reads the files of a scene from addresses, local files or memory. Other files that a scene file names are read too.
+// Reads the files of a scene from addresses, local files or memory, with the other files that a scene file names.
 
 import { inNode, ofSystem } from './fixsplat_assets.js'
 
-const MOST = 2e9               // largest size of a file in bytes
-const MOST_ALL = 4e9           // largest size of all files of a scene in bytes
+const MOST = 2e9
+const MOST_ALL = 4e9
 const BLOCK = 1 << 20          // bytes in a block of a SourceFile
 const AT_ONCE = 16             // simultaneous requests for files that a scene file names
 // a request times out if fewer bytes arrive in these milliseconds
@@ -11,8 +11,7 @@ const SLOWEST = { bytes: 1000, milliseconds: 30000 }
 
 const sizeOf = (bytes) => (bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(1)} GB`)
 
-/** The received bytes of a file. `there` is the number of received bytes. `total` is the size that the server
-    announced; 0: unknown. */
+/** The received bytes of a file. `total` is the size that the server announced; 0: unknown. */
 export class SourceFile {
   #blocks = []
   #each = BLOCK
@@ -39,7 +38,7 @@ export class SourceFile {
     return Object.assign(new Error(`${this.name}: ${words}`), { isLarge: true })
   }
 
-  /** Sets the least size of the file, which its header implies. Much larger files are refused. */
+  /** Sets the least size of the file. Much larger files are refused. */
   limit(least) {
     this.#check(least)
     this.#least = least
@@ -97,8 +96,7 @@ export const later = (call, milliseconds) => {
   return timer
 }
 
-/** Aborts a request if `signal` is aborted, or if fewer than SLOWEST.bytes arrive in `silence` milliseconds. Only
-    the time spent in `wait` counts. */
+/** Aborts a request if fewer than SLOWEST.bytes arrive in `silence` milliseconds. Only time in `wait` counts. */
 export class Watch {
   #name
   #silence
@@ -176,7 +174,7 @@ export function nameOf(url) {
   try {
     return decodeURIComponent(name)
   } catch {
-    return name                 // the name has a percent sign that is not an escape
+    return name
   }
 }
 
@@ -245,13 +243,12 @@ const pathOf = (file) => file.webkitRelativePath || file.name
 
 const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.fromCharCode(parseInt(code, 16)))
 
-/** Returns true if a file name in a scene stays in the folder of the scene, like fxs_name_stays in C. A foreign
-    scene must not read files elsewhere. */
+/** Returns true if a file name stays in the scene's folder, like fxs_name_stays in C. A foreign scene must not read
+    files elsewhere. */
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
-/** The files of a scene: the opened file, then other files with names relative to its folder. `options` are the
-    options of `load`. */
+/** The files of a scene: the opened file, then files with names relative to its folder. */
 export class Files {
   #files = new Map()
   #asked = new Set()
@@ -312,7 +309,7 @@ export class Files {
     return [...this.#files.keys()].indexOf(name)
   }
 
-  /** Requests other files of the scene; returns false if all were requested before. A missing file is left out. */
+  /** Requests other files of the scene; returns false if all were requested before. */
   async ask(names) {
     const isNew = (name) => !this.#asked.has(name) && staysInside(name)
     const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter(isNew))
@@ -327,8 +324,7 @@ export class Files {
     return asked.size > 0
   }
 
-  /** Returns a name and the names with the same ending that follow it in an index file, at most AT_ONCE names
-      together. */
+  /** Returns a name and the AT_ONCE names with the same ending that follow it in an index file. */
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {

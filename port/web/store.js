@@ -11,8 +11,7 @@ function entryOf(request) {
   return end > first ? { request, file: parts[0], version: parts[1], first, end } : null
 }
 
-/** The cached ranges of one version of a file. A Store may also drop ranges of other files, since all files share
-    the capacity. */
+/** The cached ranges of one version of a file. All files share the capacity of the cache. */
 export class Store {
   #cache
   #prefix
@@ -29,8 +28,7 @@ export class Store {
     this.#most = most
   }
 
-  /** Opens the cache. Returns null in Node, in an insecure page, for a file without a version, or if the option
-      `cache` is 0. */
+  /** Returns null if caching is off or impossible, as in Node or an insecure page. */
   static async open(url, version, { cache: most = MOST }) {
     if (!version || !most || !globalThis.caches) return null
     try {
@@ -79,7 +77,7 @@ export class Store {
     return undefined
   }
 
-  /** Caches a range in the background. After a failed write, no further range is cached. */
+  /** After a failed write, no further range is cached. */
   put(first, end, bytes) {
     const size = end - first
     if (size > this.#most) return
@@ -96,7 +94,7 @@ export class Store {
       })
   }
 
-  /** Drops the oldest range of another file, else a range of this file, unused ranges first. */
+  /** Drops the oldest range of another file, else an unused range of this file first. */
   #dropOldest() {
     const other = this.#others.shift()
     if (other) {

@@ -1,4 +1,4 @@
-// A worker that runs a thread: another instance of a WebAssembly module on the same memory, with its own stack.
+// A worker that runs a thread: a WebAssembly module on shared memory, with its own stack.
 
 export function help({ module, memory, stack }) {
   // Threads never call imported functions, so stubs suffice.

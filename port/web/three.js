@@ -27,7 +27,7 @@ function isVisible(object) {
 const seenOf = (stage, root, camera) =>
   [...stage.splats].filter((one) => rootOf(one) === root && isVisible(one) && camera.layers.test(one.layers))
 
-/** Returns true if the shader must decode sRGB to linear light, because three.js encodes the output again. */
+/** Returns true if the shader must decode sRGB, because three.js encodes the output again. */
 const isDecoded = ({ outputColorSpace }) => ColorManagement.enabled || outputColorSpace !== LinearSRGBColorSpace
 
 const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
@@ -80,7 +80,7 @@ class WebGL extends placed.WebGLStage {
     return this.renderer.getRenderTarget()
   }
 
-  /** Draws the picture of all Splats if `one` is the first visible Splats. Returns true if the picture was drawn. */
+  /** Draws the picture of all Splats if `one` is the first visible Splats; returns true then. */
   show(one, scene, camera, material) {
     if (material !== this.material || !this.screen) return false
     const seen = seenOf(this, rootOf(one), camera)
@@ -100,7 +100,6 @@ class WebGL extends placed.WebGLStage {
     return true
   }
 
-  /** Returns true if the render target holds linear light, which is encoded later. */
   get #isLight() {
     const { target } = this
     return target ? !target.isXRRenderTarget : this.renderer.outputColorSpace === LinearSRGBColorSpace
@@ -116,8 +115,7 @@ class WebGL extends placed.WebGLStage {
 
 // ---- WebGPU ---------------------------------------------------------------------------------------------------
 
-/** Draws the picture before a render, since WebGPU reports only later that a frame is complete. Renders the depths
-    of the meshes to hide Gaussians. */
+/** Draws the picture before a render, since WebGPU reports only later that a frame is complete. */
 class WebGPU extends placed.Stage {
   changed = changed
   takesParts = false
@@ -167,7 +165,7 @@ class WebGPU extends placed.Stage {
            seenOf(this, rootOf(one), camera)[0] === one
   }
 
-  /** Runs updates one after the other, since a frame uses the textures until the frame is finished. */
+  /** Updates run one after the other, since a frame uses the textures until it is finished. */
   update(one, camera) {
     const turn = this.#turn.catch(() => {}).then(() => this.#update(rootOf(one), camera))
     this.#turn = turn
@@ -255,7 +253,7 @@ function cover() {
 
 export class Splats extends Mesh {
   #stage
-  #owners                       // { count }: number of objects of the scene; null: the caller owns the scene
+  #owners
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]

@@ -1,5 +1,5 @@
-/* The common declarations of the C modules that fixsplat.js calls. An export passes numbers in and out by the array
-   `numbers`; its comment lists them after In and Out. */
+/* Declarations of the C modules that fixsplat.js calls. An export passes numbers by the array `numbers`, which its
+   comment lists as In and Out. */
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
@@ -10,8 +10,8 @@
 /* The capacity of the array `numbers`. An object with 8 crop boxes needs 71. */
 enum { NUMBERS = 80 };
 
-/* The fxs_config.run of web_pool.c; null in a module without threads. The calling thread runs job 0, since only the
-   calling thread can call imports of fixsplat.js. */
+/* The fxs_config.run of web_pool.c; null in a module without threads. The calling thread runs job 0, since only that
+   thread can call imports. */
 __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
                                        uint32_t jobs);
 
@@ -23,14 +23,12 @@ typedef struct fxs_web_scene {
     double low[3], high[3];        /* bounds of the visible part of the scene */
 
     fxs_scene coarse;              /* coarsest chunks of the scene, to choose a first view */
-    /* number of the last frame or prefetch that wanted the chunk, for each place in the pool */
-    uint32_t *stamps;
+    uint32_t *stamps;              /* for each place in the pool, the last frame or prefetch that wanted its chunk */
     uint32_t *wanted;              /* missing chunks, the most important first */
     uint32_t wanted_count, turn;
 } fxs_web_scene;
 
-/* The fxs_want_fn of a streamed scene: stamps a loaded chunk as used, and lists a missing chunk. `argument` is
-   ignored. */
+/* The fxs_want_fn of a streamed scene stamps a loaded chunk as used, and lists a missing chunk. */
 void fxs_web_want(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
 
 /* Return the array `numbers`, and the message that the export `words` returns. */
@@ -41,7 +39,6 @@ struct fxs_message *fxs_web_message(void);
    detail. */
 void fxs_web_describe(fxs_web_scene *scene);
 
-/* A frame of the present objects and cameras. */
 typedef struct fxs_web_frame {
     const fxs_context *context;
     fxs_request request;
@@ -50,7 +47,6 @@ typedef struct fxs_web_frame {
     fxs_stats stats;
 } fxs_web_frame;
 
-/* Fills in a request with the present objects and cameras. */
 void fxs_web_request(fxs_request *request, uint32_t background, int sh_degree, int square, uint32_t budget,
                      uint32_t detail_q8);
 
@@ -62,14 +58,12 @@ void *fxs_web_take_crops(void);
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
                         uint32_t detail_q8, size_t limit);
 
-/* Ends the frame and returns its error, with the message in `words`. Out: number of drawn Gaussians, number of
-   missing chunks. */
+/* Ends the frame and returns its error. Out: number of drawn Gaussians, number of missing chunks. */
 int fxs_web_frame_end(const fxs_web_frame *frame, int error);
 
-/* Allocates memory aligned to 64 bytes. Returns null and leaves a message if memory ran out. */
+/* Allocates memory aligned to 64 bytes. Returns null with a message if memory ran out. */
 void *fxs_web_allocate(size_t bytes);
 
-/* Returns the buffer of `words`, FXS_GLES_MESSAGE bytes long. */
 char *fxs_web_text(void);
 
 #endif

@@ -23,7 +23,7 @@ static fxs_message message;
 static fxs_context context;
 static fxs_file_view view;
 
-/* The next frame: cameras for one or two eyes, objects, and the crop boxes of each object. */
+/* The next frame: cameras of one or two eyes, objects and their crop boxes. */
 static fxs_camera cameras[2];
 static uint32_t eyes;
 static fxs_object *objects;
@@ -190,14 +190,14 @@ EXPORT(look_at) int fxs_web_look_at(int width, int height)
     return error ? error : take_camera(near);
 }
 
-/* Adds a camera that shows all objects. In: up, field of view in degrees, near (0: derived from the view). */
+/* Adds a camera that shows all objects. In: up, field of view in degrees, near (0: chosen). */
 EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
     const int error = fxs_view_frame_box(&view, low, high, numbers, numbers[3], width, height, &message);
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
 }
 
-/* Finds the up direction in the file of the first visible object that has one. Returns 0 if no object has one. */
+/* Finds the up direction of the first visible object with one in its file. Returns 0 without one. */
 static int find_up(double up[3])
 {
     for (uint32_t i = 0; i < object_count; i++) {
@@ -238,8 +238,7 @@ EXPORT(choose) int fxs_web_choose(void)
     return 0;
 }
 
-/* Adds the camera of a first view. In: an fxs_first_choice, field of view in degrees, near (0: derived from the
-   view). */
+/* Adds the camera of a first view. In: an fxs_first_choice, field of view in degrees, near (0: chosen). */
 EXPORT(see_first) int fxs_web_see_first(int width, int height)
 {
     fxs_first_choice first;
@@ -285,7 +284,7 @@ EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_
     strcpy(view.name, "camera");
     view.width = width;
     view.height = height;
-    memcpy(&view.fx, numbers, 17 * sizeof *numbers);   /* the struct has the members fx to near in this order */
+    memcpy(&view.fx, numbers, 17 * sizeof *numbers);
     view.projection = (enum fxs_projection)projection;
     if (new_width != width || new_height != height)
         fxs_view_resize(&view, new_width, new_height);
@@ -309,7 +308,7 @@ static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limi
     return working = fxs_web_allocate(*bytes);
 }
 
-/* Begins a frame or a prefetch of the streamed objects, and clears their lists of wanted chunks. */
+/* Begins a frame or a prefetch: clears the lists of wanted chunks. */
 static void begin_turn(void)
 {
     for (uint32_t i = 0; i < object_count; i++)
@@ -383,7 +382,7 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
     t->backdrop = image_at(at[6], 4);
 }
 
-/* Draws the objects. In: the 7 addresses of take_targets for each eye. Out: the numbers of fxs_web_frame_end. */
+/* Draws the objects. In: the 7 addresses of take_targets for each eye. Out: as fxs_web_frame_end. */
 EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t background, int sh_degree, int square,
                                   uint32_t budget, uint32_t detail_q8, size_t limit)
 {
@@ -404,8 +403,7 @@ EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t 
     return fxs_web_frame_end(&f, fxs_foresee(&context, &f.request, f.memory, f.bytes));
 }
 
-/* Finds the Gaussian at a pixel. Returns 1, or 0 without a Gaussian. Out: index of the object, index of the
-   Gaussian, depth, position. */
+/* Finds the Gaussian at a pixel. Returns 1, or 0 without one. Out: object, Gaussian, depth, position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;

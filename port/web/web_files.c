@@ -1,4 +1,4 @@
-/* A WebAssembly module has no files, so opening a file by its path fails with a message. Scenes come from memory. */
+/* A module has no files, so opening a file by its path fails with a message. */
 #include <fixsplat/message.h>
 
 #include "src/base/files_internal.h"

@@ -16,7 +16,7 @@ typedef struct block {
 
 extern unsigned char __heap_base;  /* end of the stack and of all data, set by the linker */
 static block *first;
-static uintptr_t end;              /* end of the memory for blocks */
+static uintptr_t end;
 
 static int touch(const block *a, const block *b)
 {

@@ -16,7 +16,7 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Imports that read numbered files; 0 is the opened file. A negative result means a missing file or missing bytes. */
+/* Imports that read numbered files; 0 is the opened file. Negative results: missing file or missing bytes. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);
@@ -82,7 +82,6 @@ static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profi
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
 
-/* A sample of the Gaussians of a file, without SH, for a preview. */
 typedef struct sample {
     fxs_gaussian *gaussians;
     size_t count, room;
@@ -115,8 +114,7 @@ static void enlarge(sample *s, double all)
             s->gaussians[i].scale[axis] += more;
 }
 
-/* Returns the least worthwhile ratio of all Gaussians to the Gaussians of a preview. `there` is the downloaded share
-   of the file. */
+/* Returns the least worthwhile ratio of all Gaussians to the Gaussians of a preview. */
 static double least_gain(double there)
 {
     return there < 1 ? 2 : 6;
@@ -143,7 +141,6 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }
 
-/* Returns 1 if file 0 has a format that only another module reads. */
 static int is_elsewhere(const char *name)
 {
     const fxs_scene_source source = {.path = (char *)name, .input = input_of(0)};
@@ -162,7 +159,7 @@ static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_sce
     return error && is_elsewhere(name) ? 1 : error;
 }
 
-/* Checks that file 0 begins as a scene, by opening and closing the file. Returns the result of open_first. */
+/* Opens and closes file 0 as a check. Returns the result of open_first. */
 EXPORT(look) int fxs_web_look(const char *name, int axes)
 {
     fxs_scene_file *file;

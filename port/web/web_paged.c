@@ -11,7 +11,7 @@
 #include "src/scene/fxs_file_internal.h"
 #include "web.h"
 
-enum { WANTED = 16384 };           /* capacity of the list of wanted chunks */
+enum { WANTED = 16384 };
 
 static fxs_crc32_table table;
 
@@ -106,8 +106,8 @@ EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_
     return s;
 }
 
-/* Checks the loaded palette, tree and headers of the first `there` nodes. Copies headers of parents to all other
-   chunks. Out: the numbers of fxs_web_describe. */
+/* Checks the loaded tables and the first `there` nodes, and copies headers of parents to all other chunks. Out: as
+   fxs_web_describe. */
 EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name, uint32_t there)
 {
     const unsigned char *data = s->data, *pool = s->scene.rows;
@@ -155,8 +155,7 @@ EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *na
     return error;
 }
 
-/* Makes the scene `coarse` for the choice of a first view, from the first `there` nodes, which are loaded. Nodes
-   with both children among them are left out. */
+/* Makes the scene `coarse` of the first `there` nodes, without nodes with both children among them. */
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;

@@ -10,9 +10,8 @@
 /* rounds of spinning, some ten microseconds, less than a wake-up takes */
 #define SPINS 2000u
 
-/* odd while a batch accepts helpers; grows with each batch, so that a late helper notices a new batch */
-static HOT uint32_t turn;
-static HOT uint32_t inside;        /* number of helpers that run jobs */
+static HOT uint32_t turn;          /* odd while a batch accepts helpers; a late helper sees that the number has grown */
+static HOT uint32_t inside;
 static HOT uint32_t next;
 static HOT void (*batch_job)(void *, uint32_t);
 static void *batch_argument;
@@ -73,7 +72,7 @@ void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argu
     fxs_web_settle();
     if (get(&failed)) {
         failed = 0;
-        __builtin_trap();          /* passes on the trap of a helper's job */
+        __builtin_trap();
     }
 }
 
@@ -112,7 +111,6 @@ EXPORT(trapped) void fxs_web_trapped(void)
     leave();
 }
 
-/* Returns the number of threads that have started, with the caller. */
 EXPORT(threads) uint32_t fxs_web_threads(void)
 {
     return get(&helpers) + 1;

@@ -1,4 +1,4 @@
-/* Runs the OpenGL ES back end (kernels/gles) on WebGL 2, with the functions of webgl.js. */
+/* The OpenGL ES back end (kernels/gles) on WebGL 2, with the functions of webgl.js. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ typedef struct named {
     fxs_gl_function function;
 } named;
 
-/* Returns the name or version of the context. WebGL 2 is OpenGL ES 3.0 with another name of the version. */
+/* WebGL 2 is OpenGL ES 3.0 with another name of the version. */
 static const GLubyte *text(GLenum name)
 {
     return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 (WebGL 2.0)" : "WebGL");

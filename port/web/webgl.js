@@ -29,7 +29,7 @@ export class Functions {
   #free = []
   #guests = []                 // numbers of the caller's WebGL objects, valid for one draw
   #locations = []
-  #unpack = 0                  // number of the bound unpack buffer, which has no WebGL object
+  #unpack = 0
   #staging = { at: 0, bytes: 0 }
   #copies = false
   #isFull = false
@@ -93,7 +93,7 @@ export class Functions {
     this.#forget(name)
   }
 
-  /** Calls the module with WebGL's switches for converted uploads off, since OpenGL does not have these switches. */
+  /** WebGL's switches for converted uploads are off during the call, since OpenGL lacks them. */
   call(run) {
     const gl = this.#gl
     const switches = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]

@@ -6,28 +6,27 @@
 #include "kernels/compute/plan.h"
 #include "web.h"
 
-#define PART_BYTES (1 << 27)       /* largest part of a scene in bytes; every device can map a buffer of this size */
+#define PART_BYTES (1 << 27)       /* largest part of a scene in bytes; every device can map such a buffer */
 
-/* A frame in progress, which shares no data with the next frame. */
 typedef struct web_plan {
     fxs_plan plan;
     fxs_plan_rooms *rooms;
     fxs_request request;
     void *crops, *memory;
-    uint32_t *words;               /* uniforms, places and steps for webgpu.js */
+    uint32_t *words;
     fxs_step *steps;
     uint32_t step_count;
 } web_plan;
 
-/* Returns the names of the shader entry points in the order of their numbers, each followed by a space. */
+/* Returns the names of the shader entry points by number, each followed by a space. */
 EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
 {
 #define NAME(entry) #entry " "
     return FXS_COMPUTE_PROGRAMS_OF(NAME);
 }
 
-/* Returns the buffer capacities of a device. `most` is the largest size of a storage buffer in bytes. The caller
-   frees the capacities with `release`. */
+/* Returns the buffer capacities of a device, which the caller frees with `release`. `most`: largest storage buffer
+   in bytes. */
 EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
 {
     fxs_plan_rooms *rooms = fxs_web_allocate(sizeof *rooms);
@@ -110,7 +109,7 @@ static int begin(web_plan *w)
     return error;
 }
 
-/* Begins a frame of the present objects and camera, which gpu_end frees. Out: the number of drawn Gaussians. */
+/* Begins a frame, which gpu_end frees. Out: the number of drawn Gaussians. */
 EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
@@ -168,7 +167,6 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     return 0;
 }
 
-/* Checks the status of the frame by fxs_plan_look. In: the status words. */
 EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
 {
     uint32_t status[FXS_COMPUTE_STATUS];
@@ -177,7 +175,7 @@ EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
     return fxs_plan_look(&w->plan, w->rooms, status, fxs_web_message());
 }
 
-/* Returns the table at the start of the device memory. Out: the size of the table in bytes. */
+/* Returns the table at the start of the device memory. Out: its size in bytes. */
 EXPORT(gpu_table) const void *fxs_web_gpu_table(void)
 {
     fxs_web_numbers()[0] = sizeof fxs_offset_of_code_q11;

@@ -4,13 +4,13 @@
 
 import { parts, texts } from './stages.js'
 
-const STATUS = 16               // words in the status of a frame: FXS_COMPUTE_STATUS
+const STATUS = 16               // words in the status of a frame (FXS_COMPUTE_STATUS)
 const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // numbers of buffers in kernels/compute/records.h
 const BUFFERS = 7               // number of buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // bytes in a uniform: FXS_COMPUTE_STRIDE
 const STEP = 13                 // words in a step of the plan (fxs_step)
-const PLACE = 10                // words in the uniform Place of ENDS
+const PLACE = 10
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // value for "no depth": FXS_NOTHING
 // words a pixel of each target, in the order of the images
@@ -70,7 +70,7 @@ const ONE_OVER = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha' }
 
 const lineOf = ({ message }) => message.split('\n')[0]
 
-let own                         // the device that all Screens without a device of the caller share
+let own
 
 async function makeDevice() {
   const adapter = await globalThis.navigator?.gpu?.requestAdapter({ powerPreference: 'high-performance' })
@@ -90,7 +90,7 @@ function ownDevice() {
   return own
 }
 
-/** Makes a pipeline. The Error of a failure has the line of the shader that does not compile. */
+/** The Error of a failure has the line of the shader that does not compile. */
 async function pipelineOf(kind, device, what, module, descriptor) {
   try {
     return await device[`create${kind}PipelineAsync`](descriptor)
@@ -171,25 +171,25 @@ function checkTargets(targets, pixels) {
 
 const KINDS = ['validation', 'out-of-memory', 'internal']
 
-/** Draws the frames of a Screen one after the other. At most one frame waits; a newer frame replaces it. */
+/** At most one frame of a Screen waits; a newer frame replaces it. */
 export class Computed {
   #canvas
   #core
   #valuesOf
   #context
   #format
-  #parts                       // texture with the content of the canvas, for pictures in parts of the canvas
+  #parts
   #names
   #pipelines = {}
-  #rooms                       // address of the device's buffer capacities (fxs_plan_rooms) in the module
+  #rooms
   #buffers = []
-  #groups = []                 // bind groups of the last frame in the order of use, reused by the next frame
+  #groups = []                 // bind groups of the last frame, reused by the next frame
   #bound = 0
   #status
   #place
-  #scenes = new Map()          // copies of scenes on the device: chunk headers and chunk data
+  #scenes = new Map()
   #next
-  #running                     // promise, fulfilled when no frame runs or waits
+  #running
   #failure
   #last
   #freed = false
@@ -263,7 +263,7 @@ export class Computed {
     })
   }
 
-  /** Writes a copy of the bytes to a buffer, since some browsers refuse shared memory. */
+  /** Writes a copy of the bytes, since some browsers refuse shared memory. */
   #write(buffer, to, at, bytes) {
     this.device.queue.writeBuffer(this.#buffers[buffer], to, this.#core.bytes(at, bytes).slice())
   }
@@ -342,7 +342,6 @@ export class Computed {
     this.#running = undefined
   }
 
-  /** Repeats a frame until all lists fit their buffers, then shows the picture. */
   async #carryOut(frame) {
     const core = this.#core
     this.#forget((scene) => scene.isFreed)
@@ -420,7 +419,7 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** Sets a bind group. The groups of the last frame are reused, since making them is slow. */
+  /** Reuses the bind groups of the last frame, since making them is slow. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>
@@ -463,7 +462,6 @@ export class Computed {
     this.device.queue.submit([encoder.finish()])
   }
 
-  /** Copies bytes from the device memory. `from` is in words. */
   #copy(encoder, from, to, bytes) {
     encoder.copyBufferToBuffer(this.#buffers[MEMORY], 4 * from, to, 0, bytes)
   }

@@ -40,7 +40,6 @@ const SCENES = {
     'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
     skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
     landscape: { made: LANDSCAPE, size: '1920x1080' },
-    // a million captured Gaussians: seven scenes side by side, scaled to the same size
     captured: { up: [0, -1, 0], beside: ['snowmiku/snowmiku.ply', 'kitchen-marble/kitchen-marble.ply',
         'statue-st-peter/st-peter.ply', 'luma-seal/luma-seal.ply', 'guitar/guitar.ply',
         'boatyard-tile3/boatyard-tile3.ply', 'skull/skull.sog'] },
@@ -52,7 +51,7 @@ const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0)
 const cross = (a, b) => [0, 1, 2].map(k => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
 const unit = v => v.map(x => x / Math.hypot(...v))
 
-// Views around the middle of the scene, 18 degrees above: in turn at a distance that shows all, near and far.
+// Views around the middle of the scene, in turn at a distance that shows all, near and far.
 const around = ({ seen: [low, high] }, up) => {
     const half = low.map((x, k) => (high[k] - x) / 2), middle = low.map((x, k) => x + half[k])
     const first = unit(Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]), side = cross(up, first)
@@ -70,7 +69,7 @@ const around = ({ seen: [low, high] }, up) => {
     })
 }
 
-// Writes scenes in three columns, two units apart. Each scene is scaled so that its largest side spans -1 to 1.
+// Writes scenes in three columns. Each scene is scaled so that its largest side spans -1 to 1.
 const sideBySide = (files, to) => {
     const { up } = SCENES['boatyard-tile3'], parts = files.map((file, i) => {
         const [turned, part] = ['turned', 'part'].map(name => `${folder}/${name}-${i}.ply`)
@@ -200,8 +199,7 @@ const cuts = () => {
 
 // ---- Falling budgets ------------------------------------------------------------------------------------------------
 
-// Returns the user time for a frame in milliseconds, on one thread: the median of interleaved rounds with `more`
-// additional frames.
+// Returns the user time for a frame in milliseconds: the median of interleaved rounds with `more` additional frames.
 const times = (commands, more) => {
     const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash',
         fixsplat, 'bench', words, '--threads', 1, '--frames', frames))
@@ -253,7 +251,7 @@ const watch = (scene, keys, films, visit) => {
     opened.forEach(closeSync)
 }
 
-// Returns the RMS of the change between two frames, for the picture and for each tile.
+// Returns the RMS change between two frames, for the picture and for each tile.
 const change = difference => {
     const tiles = []
     let all = 0

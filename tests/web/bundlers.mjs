@@ -150,7 +150,7 @@ async function works(page, { isolated = true, inline = false } = {}) {
   assert.equal(await page.evaluate(() => globalThis.said), undefined)
 }
 
-/** Checks docs/examples/react.jsx: the viewer appears, changes its view, goes with its workers, and appears again. */
+/** Checks docs/examples/react.jsx: the viewer appears, changes its view, and goes with its workers. */
 async function reacts(page) {
   assert.equal(await shown(page), WANTED_VIEW)
   await page.click('#wider')
@@ -193,7 +193,7 @@ async function shows(folder, how = {}) {
 
 const SIZES = /WARNING in (asset|entrypoint) size limit|compiled with \d warnings?/g
 
-/** Builds `dist` with a bundler. `how.page` has the scripts of the page if the bundler makes no page. */
+/** Builds `dist`. `how.page` has the page's scripts if the bundler makes no page. */
 async function built(name, files, lines, how = {}) {
   const folder = project(name, files)
   for (const line of lines) {

@@ -1,5 +1,4 @@
-// Shared by page.mjs, every.mjs and xr.mjs: a server of the package and of scenes, headless Chromium, and the viewer in
-// a page.
+// Shared by page.mjs, every.mjs and xr.mjs: a server, headless Chromium, and the viewer in a page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
@@ -21,9 +20,9 @@ const KINDS = {
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** For files of the package by name, functions that change the file's text on the way to the page. */
+/** functions that change a package file's text on its way to the page, by file name */
 export const changes = {}
-/** For scenes requested in ranges: number of bytes sent, seconds for an answer, ETag, and changes to the answers. */
+/** state of the scene server: bytes sent, seconds for an answer, ETag, changes of answers */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
 /** The Content-Security-Policy that is sent with every file, if not empty. */
 export const policy = { text: '' }
@@ -136,7 +135,7 @@ export const still = () =>
 
 const QUIET_MS = 250 // milliseconds with an unchanged camera, nothing moving or loading
 
-/** Waits until all started pictures are drawn: the worker has answered a pick, and the page has been still since. */
+/** Waits until all pictures are drawn and the page has been still since. */
 export async function moved() {
   await inside(`for (let i = 0; i < 2; i++) {
       await v.pick(0, 0)

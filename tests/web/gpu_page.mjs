@@ -18,7 +18,6 @@ const faults = {
     }`,
 }
 
-/** Makes WebGPU count as a graphics card, and makes worker `number` slow. */
 const slowWorker = (number) => `if (globalThis.GPU) {
   GPU.prototype.requestAdapter = async () => ({ info: { vendor: 'a card' } })
   let workers = 0

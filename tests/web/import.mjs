@@ -45,7 +45,7 @@ const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseco
 const packedOf = async (source) => Buffer.from((await load(source)).packed)
 
 const words = {
-  // Checks that scenes of several files give the same bytes from a path, a server and a list of files.
+  // Scenes of several files give the same bytes from a path, a server and a list of files.
   async beside(path) {
     const [root, name] = [dirname(path), basename(path)]
     const want = await packedOf(path)
@@ -66,7 +66,7 @@ const words = {
       await refused(files.filter((file) => file.name === name), /cannot be opened|needs the file|no .* beside/)
   },
 
-  // Checks that a file, truncated anywhere or with any byte changed, gives a message or a scene.
+  // A damaged or truncated file gives a message or a scene.
   async hurt(...paths) {
     for (const path of paths) {
       const bytes = new Uint8Array(readFileSync(path))
@@ -87,7 +87,6 @@ const words = {
     }
   },
 
-  // Checks a folder written by tests/test_bombs.c.
   async bombs(root) {
     const beyond = /Gaussians or more in \d+ bytes of files, beyond the limit/
     await refused(join(root, 'padded.sog'), beyond)
@@ -97,8 +96,7 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // ROOT: names in the indexes of a streamed SOG in ROOT/plain that lead out of the folder are not fetched. The scene
-  // loads.
+  // ROOT: names in a streamed SOG's indexes that lead out of the folder are not fetched.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -144,7 +142,7 @@ const words = {
     other.close()
   },
 
-  // SOG: loading from a server that sends 2 bytes at a time times out, and can be cancelled.
+  // SOG: loading from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -187,8 +185,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // PLY (of 700 Gaussians) FXS: endless bodies, and bodies that claim 2 GB and never come, are refused by their first
-  // bytes.
+  // PLY FXS: endless bodies, and bodies that claim 2 GB, are refused by their first bytes.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),
@@ -228,7 +225,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // Checks that a redirection from https to http is refused, for a whole file and for ranges.
+  // A redirection from https to http is refused.
   async redirected(fxs) {
     const { fetch } = globalThis
     globalThis.fetch = async (url, { headers } = {}) => {
@@ -287,8 +284,7 @@ const words = {
     server.close()
   },
 
-  // Checks scenes in memory: a large scene is previewed by evenly sampled Gaussians before packing, a smaller scene is
-  // not.
+  // A large scene in memory is previewed by evenly sampled Gaussians, a smaller scene is not.
   async sampled() {
     const records = new Float32Array(8 * 640000).map((_, i) => (i & 7) < 3 ? (i % 999) / 99 : (i & 7) < 6 ? 0.1 : 1)
     const seen = []

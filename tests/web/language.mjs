@@ -1,4 +1,4 @@
-// node language.mjs VIEWER: checks that each language table has exactly the texts that the viewer shows.
+// node language.mjs VIEWER: checks that the language tables have all texts of the viewer, and no others.
 import assert from 'node:assert/strict'
 import { readdirSync, readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -6,11 +6,9 @@ import { pathToFileURL } from 'node:url'
 
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
-// Scripts without texts of the viewer: scripts of other pages, and scripts with messages for authors of files and
-// programs.
+// Scripts without texts of the viewer.
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
-// Texts that need no translation: names of keys and classes, texts that words.js translates, and messages for authors
-// of programs or settings files.
+// Texts that need no translation, such as names of keys and messages for programmers.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
   /^(The headset:|the headset's picture:)$/,
   /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/, /: left out$/]

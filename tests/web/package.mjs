@@ -1,4 +1,4 @@
-// node package.mjs PACKAGE WORD ARGUMENT...: checks the npm package in PACKAGE for tests/scripts/web.sh.
+// node package.mjs PACKAGE WORD ARGUMENT...: checks the npm package in PACKAGE.
 import assert from 'node:assert/strict'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -48,7 +48,7 @@ const words = {
     console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
   },
 
-  // MODULE FILE LEFT RIGHT OPTIONS OUT: writes the pictures of two eyes side by side, like `fixsplat render --stereo`.
+  // MODULE FILE LEFT RIGHT OPTIONS OUT: writes the pictures of two eyes side by side.
   async stereo(module, file, left, right, text, out) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -59,8 +59,7 @@ const words = {
     writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
   },
 
-  // MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command. Also
-  // checks a fog from the depths, and that the colour formats agree.
+  // MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command.
   async targets(module, file, camera, text, folder) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -99,7 +98,6 @@ const words = {
     assert.ok(coverage.some(Boolean) && !hidden.coverage.some(Boolean))
   },
 
-  // Checks that damaged scenes do not change the next picture.
   async damage(...files) {
     for (const file of files) {
       const bytes = new Uint8Array(readFileSync(file))
@@ -250,7 +248,7 @@ const words = {
     assert.throws(() => scene.render({}, size), /freed/)
   },
 
-  // FILE: checks that too little memory for a picture of 16384 x 16384 is reported before drawing.
+  // FILE: too little memory for a picture is reported before drawing.
   async noRoom(file) {
     const size = { width: 16384, height: 16384 }
     const most = { colour: 'premultiplied16', coverage: true, depth: true, ids: true }
@@ -274,7 +272,7 @@ const words = {
     assert.equal(scene.render({}, { width: 64, height: 48 }).length, 4 * 64 * 48)
   },
 
-  // FILE: checks the number of Gaussians drawn with budgets, for a scene with levels of detail.
+  // FILE: the number of Gaussians drawn with budgets, for a scene with levels of detail.
   async budgets(file) {
     const scene = await load(file)
     assert.equal(scene.levels, true)
@@ -331,7 +329,7 @@ const words = {
     process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
-  // MODULE FILE CAMERA WIDTH HEIGHT: prints the least milliseconds of twelve frames, or of the frames of 3 seconds.
+  // MODULE FILE CAMERA WIDTH HEIGHT: prints the least milliseconds of twelve frames.
   async speed(module, file, camera, width, height) {
     const scene = await load(file, modules[module])
     await started(scene, module)

@@ -1,4 +1,4 @@
-// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page for tests/scripts/page.sh.
+// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page.
 import assert from 'node:assert/strict'
 import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -9,11 +9,9 @@ import { base, go, hash, inside, moved, native, open, page, pause, picture, show
 
 const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
-/** Returns the workers that hold scenes. Other workers are their threads. */
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
 const SCENE = '?scene=/scenes/scene.ply'
 
-/** Makes WebGL count as fast, and makes worker `number` slow. */
 const slowWorker = (number) => `{
   const own = HTMLCanvasElement.prototype.getContext
   HTMLCanvasElement.prototype.getContext = function (kind) { return own.call(this, kind) }
@@ -193,7 +191,7 @@ const tests = {
       const names = new Set(found.filter(Boolean).map(({ scene }) => scene.name))
       assert.deepEqual(names, new Set(['scene.ply', 'levels.fxs']))
 
-      // A viewer that is moved in the page, or removed for a while, keeps its worker and downloads nothing.
+      // A viewer that is moved or briefly removed keeps its worker and downloads nothing.
       const before = { ...counts }
       await inside(`document.getElementById('b').append(v)`)
       await moved()
@@ -213,7 +211,6 @@ const tests = {
       assert.equal(await hash(), together)
       assert.deepEqual(counts, before)
 
-      // The placement of the scene changes. A wrong placement is reported and changes nothing.
       await inside(`window.child.position = [0, 0, 0]`)
       await moved()
       assert.notEqual(await hash(), together)
@@ -227,7 +224,6 @@ const tests = {
       await moved()
       assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
 
-      // A scene that fails does not hide other scenes. A scene that is removed while loading does not appear.
       await inside(`window.child.src = 'scenes/levels.fxs'; window.child.hidden = false
         const other = document.createElement('fixsplat-viewer')
         other.setAttribute('src', 'scenes/none.ply')
@@ -327,7 +323,7 @@ const tests = {
     const [ups, given] = [[0.5, -0.8660254, 0], [0.6, -0.64, 0.48]]
     const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0)
     const near = (a, b) => assert.ok(a.every((x, i) => Math.abs(x - b[i]) < 2e-4), `${a} is not ${b}`)
-    /** Returns the roll of a camera relative to `up`, the camera's turn, and its height above the target. */
+    /** Returns the roll of a camera, its turn, and its height above the target. */
     const seen = async (up) => {
       const { eye, look, up: top } = await inside('return v.camera')
       const [b, a] = [top, eye.map((x, i) => x - look[i])]
@@ -355,7 +351,7 @@ const tests = {
     await still()
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
-    // The camera of a settings file without roll keeps `up`; a camera with roll defines `up`.
+    // A camera without roll keeps `up`; a camera with roll defines `up`.
     const readCamera = (camera) =>
       inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')
@@ -367,7 +363,6 @@ const tests = {
     near(await inside('return v.settings.up.map((x) => x / 3)'), given)
     await dragged(150, 0)
     near([(await seen(given))[0]], [0])
-    // The up direction of the scene takes precedence over views in a file.
     await go('?scene=/scenes/leant.fxs&cameras=/scenes/cameras.json')
     await still()
     near(await inside('return v.settings.up'), ups)
@@ -496,8 +491,8 @@ const tests = {
     const { Pace } = await import(resolve(folder, 'viewer/pace.js'))
     let seed = 1
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647
-    /** Returns the most frequent divisor and the number of changes. A picture takes `fixed` milliseconds plus `all`
-        milliseconds for the pixels of a full picture. */
+    /** Returns the most frequent divisor and the number of changes. A picture takes `fixed` + `all` / divisor^2
+        milliseconds. */
     const most = (fixed, all, noise) => {
       const pace = new Pace()
       const take = (divisor) => pace.take(divisor, (fixed + all / divisor ** 2) * (1 + noise * (2 * random() - 1)))
@@ -720,12 +715,12 @@ const tests = {
         await cache.put(key, new Response(bytes.fill(9, bytes.length >> 1)))
       }
     })
-    await open(PARTS) // damage in the cache is found, and the right bytes are fetched
+    await open(PARTS)
     await exact()
     assert.ok(ranges.sent > 10000)
     ranges.tag = '"two"'
     ranges.sent = 0
-    await open(PARTS) // bytes of another version of the file are not kept
+    await open(PARTS)
     await exact()
     assert.ok(ranges.sent > 10000 && (await kept()) <= count + 2)
   },

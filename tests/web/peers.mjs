@@ -1,5 +1,5 @@
-// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: measures for tools/scripts/peers.sh. MADE is
-// the folder of landscape.ply, a million Gaussians of fixsplat make-scene.
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other viewers. MADE
+// is the folder of landscape.ply.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -19,7 +19,7 @@ const MOTION_MS = 12000 // least milliseconds of motion; at most five times as l
 const QUIET_MS = 6000 // a viewer has finished after these milliseconds without a frame
 const SAME = 1 // largest mean difference, of 255, of equal pictures
 
-// Views in the axes of the scene, with y down. The view of snowmiku is its first view.
+// Views in scene axes, with y down.
 const VIEWS = {
   snowmiku: {
     file: '/scenes/snowmiku/snowmiku.ply',
@@ -39,8 +39,7 @@ function turned({ eye, look, fov }, degrees) {
 
 // ---- Pages ------------------------------------------------------------------------------------------------------------
 
-/** Returns the settings of supersplat-viewer for a view. This viewer has y up, the scene turned by 180 degrees about
-    z, and the horizontal field of view. */
+/** supersplat-viewer has y up, the scene turned by 180 degrees about z, and the horizontal field of view. */
 function settingsOf(view) {
   const half = Math.tan((view.fov * Math.PI) / 360)
   const across = (360 / Math.PI) * Math.atan((half * WIDTH) / HEIGHT)
@@ -169,7 +168,7 @@ function downloaded() {
 
 // ---- Measuring --------------------------------------------------------------------------------------------------------
 
-/** Returns the processor seconds of a process and its descendants, with the descendants that have ended. */
+/** Returns the processor seconds of a process and its descendants. */
 function processorTime(root) {
   const all = readdirSync('/proc').filter((name) => /^\d+$/.test(name))
   const fields = new Map()

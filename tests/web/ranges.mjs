@@ -1,4 +1,4 @@
-// A test server of one file in ranges. Counts the bytes sent, limits the rate, and simulates faults.
+// A test server of one file in ranges, with a limited rate and simulated faults.
 import { createReadStream, openSync, readSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 

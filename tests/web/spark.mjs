@@ -8,7 +8,7 @@ import { readFileSync, writeFileSync } from 'node:fs'
 const [modules, command, file, ...rest] = process.argv.slice(2)
 const source = readFileSync(`${modules}/@sparkjsdev/spark/dist/spark.module.js`, 'utf8')
 
-// ---- The worker: a text in Spark's module, which receives its WebAssembly by a message ------------------------------
+// ---- Spark's worker -------------------------------------------------------------------------------------------------
 
 const wasm = Buffer.from(source.match(/\nconst WASM = decode64\("([^"]*)"\)/)[1], 'base64')
 const text = Function(`return ${source.match(/\nconst jsContent = ('(?:[^'\\]|\\.)*')/)[1]}`)()
@@ -41,7 +41,7 @@ const half = bits => {
     return bits >> 15 & 1 ? -value : value
 }
 
-// Returns a quaternion x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle.
+// Quaternion x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle.
 const rotation = bits => {
     let x = (bits & 1023) / 511.5 - 1, y = (bits >> 10 & 1023) / 511.5 - 1
     const z = 1 - Math.abs(x) - Math.abs(y), fold = Math.max(-z, 0), angle = (bits >>> 20) / 4095 * Math.PI / 2
@@ -51,7 +51,6 @@ const rotation = bits => {
     return [x * sine, y * sine, z * sine, Math.cos(angle)]
 }
 
-// Returns three 8-bit numbers with signs and a common exponent.
 const triple = bits => {
     const unit = 2 ** ((bits >>> 27) - 15) / 255
     return [0, 1, 2].map(c => (bits >>> 8 * c & 255) * unit * (bits >>> 24 + c & 1 ? -1 : 1))
@@ -66,7 +65,6 @@ const tree = splats.extra.lodTree
 const arrays = [splats.extra.sh1, splats.extra.sh2, splats.extra.sh3a, splats.extra.sh3b].filter(array => array)
 const degree = Math.min(arrays.length, 3)
 
-// Returns the SH coefficients of a splat. Each array has four coefficients a splat.
 const sh = i => arrays.flatMap(array => [...array.subarray(4 * i, 4 * i + 4)]).slice(0, degree * (degree + 2)).map(triple)
 
 const row = (i, opacity) => {
@@ -79,8 +77,8 @@ const row = (i, opacity) => {
         Math.log(alpha / (1 - alpha)), ...scale, w, x, y, z]
 }
 
-// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place. A is
-// limited to 64.
+// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place; here at
+// most 64.
 const rows = i => {
     const code = half(first[4 * i + 3] & 65535), d = Math.min(4 * code - 3, 5)
     if (!tree || code <= 1) return [row(i, code)]

@@ -1,5 +1,4 @@
-// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: checks the threads of the package in Node. HASH is of a picture of
-// the scene, 320x200.
+// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: checks the threads of the package in Node.
 import assert from 'node:assert/strict'
 import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs'
 import { createRequire, syncBuiltinESMExports } from 'node:module'
@@ -117,7 +116,7 @@ const cases = {
     isRight(scene)
   },
 
-  // With a stack of 16 bytes, the first job of a thread leaves the memory.
+  // With a stack of 16 bytes, the first job leaves the memory.
   async 'a thread that traps'() {
     const small = class extends workers.Worker {
       constructor(url, options) {

@@ -360,7 +360,6 @@ export const threeTests = (browser) => ({
   ...(ALL && { 'three.js: docs/examples/three-webgl.html': () => example(browser, 'three-webgl.html') }),
 })
 
-/** Tests with a WebGPURenderer. Each device compiles the shaders again, which is slow. */
 export const threeGpuTests = (browser) => ({
   async 'three.js by WebGPU: the bytes of the command, walls, sizes, two objects, given back, errors in words'() {
     const { hashes, walls, placed, counts, said, pictures } = await runIn(browser, 'mesh-gpu', `${STAGE}

@@ -1,5 +1,5 @@
 // node tour.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's annotations, camera tracks, films,
-// settings files, skies and languages for tests/scripts/page.sh.
+// settings files, skies and languages.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import * as chromium from './chromium.mjs'
@@ -47,7 +47,6 @@ const TOUR = {
     { loop: 'repeat', keys: [{ time: 0, ...front }, { time: 0.8, ...side }] },
   ],
 }
-// A settings file as supersplat-viewer writes it.
 const THEIRS = {
   version: 2,
   tonemapping: 'none',
@@ -228,7 +227,7 @@ const tests = {
   async 'settings of supersplat-viewer, version 2 and 1'() {
     put('theirs.json', THEIRS)
     await open(WITH('theirs.json'))
-    // Scenes of supersplat-viewer are turned about z, and its fov is along the longer side.
+    // Scenes of supersplat-viewer are turned about z; fov is along the longer side.
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)
@@ -236,7 +235,6 @@ const tests = {
     const { annotations, tracks } = await inside('return { annotations: v.annotations, tracks: v.tracks }')
     assert.deepEqual(annotations[0].position, [-0.5, -0.25, -2])
     assert.deepEqual(tracks[0].keys.map(({ time }) => time), [0, 20 / 30, 1.5])
-    // Checks the track at 0.3 and 1.8 seconds against supersplat-viewer's spline.
     for (const [time, wanted] of [[0.3, THEIRS_AT[0.3]], [1.8, THEIRS_AT[1.8]]]) {
       await inside('v.seek(args[0])', time)
       await moved()
@@ -289,7 +287,7 @@ const tests = {
     }
     await moved()
     assert.deepEqual(await inside('return [v.annotations.length, v.tracks.length, v.duration]'), [3, 1, 1])
-    await inside('await v.play()') // plays a track of one key
+    await inside('await v.play()')
     await until('v.paused')
     near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
     const none = await inside(`return v.goTo(500).catch((error) => error.message)`)

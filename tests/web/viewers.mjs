@@ -1,6 +1,5 @@
 // Shared by webgpu_peers.mjs and dawn.mjs: WebGPU viewers and their views.
 
-// Views with y up. The view of snowmiku is its first view.
 export const VIEWS = {
   guitar: { eye: [5.5, 3.2, -0.2], look: [0.09, 2.1, -0.2], fov: 50 },
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },

@@ -62,7 +62,6 @@ async function hold(key, isThere = () => false) {
   return eye()
 }
 
-/** Puts the camera somewhere. The first step then moves the eye to the ground. */
 async function from(x, z, [to, far]) {
   await inside(`v.camera = { eye: [args[0], -1.1, args[1]], look: [args[2], -1.1, args[3]], up: [0, -1, 0] }
     v.seen = []`, x, z, to, far)

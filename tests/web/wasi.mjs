@@ -1,5 +1,4 @@
-// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: first replaces the q15mulr products by relaxed
-// products, as fixsplat.js does.
+// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: with relaxed products, as in fixsplat.js.
 import { readFileSync } from 'node:fs'
 import { WASI } from 'node:wasi'
 

@@ -1,5 +1,4 @@
-// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks a Screen for tests/scripts/webgl.sh. 1: also measures its
-// speed.
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks a Screen with WebGL 2; 1: also measures its speed.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'

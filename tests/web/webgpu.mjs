@@ -20,7 +20,6 @@ const frames = {
   'first again': FRAMES.framed,
 }
 
-// The scenes of tests/golden in each packing profile, made by webgpu.sh.
 const golden = {}
 for (const kind of ['knot', 'landscape', 'needles', 'fog', 'layers', 'cubes'])
   for (const profile of ['default', 'compact', 'small'])
@@ -73,7 +72,6 @@ const hashesOf = (some) => Object.fromEntries(Object.entries(some).map(([name, f
 const DRAWS = `const hashes = {}
   for (const [name, frame] of Object.entries(args[0])) hashes[name] = hash(await drawn(screen, frame))`
 
-// Counts the page's WebGPU calls, and the bytes sent to the device and back.
 const COUNTS = `const counts = { submit: 0, getCurrentTexture: 0, bytes: 0, buffers: 0 }
   const wrapped = (prototype, name, note) => {
     const was = prototype[name]

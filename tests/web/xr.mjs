@@ -1,5 +1,4 @@
-// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: checks the viewer in a headset and a phone simulated by
-// iwer.
+// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: checks VR and AR with iwer's simulated devices.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -14,8 +13,7 @@ const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 const [width, height] = [320, 160] // size of the picture of both eyes together
 const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a view with one unit for a metre
 
-/** Runs in the page before its script. Simulates a headset with diverging eyes, a record of its pictures, and a
-    controlled clock. */
+/** Runs in the page before its script: simulates a headset with diverging eyes and a controlled clock. */
 function prepare() {
   const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.0625, visibilityMask: null })
   device.installRuntime({ forceInstall: true })
@@ -32,7 +30,7 @@ function prepare() {
   const clock = performance.now.bind(performance)
   let [from, rate, base] = [0, 1, 0]
   performance.now = () => base + rate * (clock() - from)
-  /** Speeds up the page's clock, so that the time of a picture does not depend on the machine. */
+  /** Speeds up the page's clock, so that results do not depend on the machine. */
   test.run = (times) => ([base, from, rate] = [performance.now(), clock(), times])
   test.skip = (milliseconds) => (base += milliseconds)
   const { getContext } = HTMLCanvasElement.prototype
@@ -47,7 +45,7 @@ function prepare() {
     else postMessage.call(this, message, ...more)
   }
   addEventListener('eyes', ({ detail }) => test.seen.push(detail), true)
-  /** Returns the RGBA pixels of both eyes, the left eye first, with rows from the top. */
+  /** Returns the RGBA pixels of both eyes, left eye first, rows from the top. */
   test.pixels = () => {
     const { gl } = test
     const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
@@ -136,7 +134,6 @@ async function enterRoom(taps) {
   await drawn()
 }
 
-/** Waits for a picture of the newest pose of the head. */
 async function drawn() {
   await inside('test.seen = []')
   await until('test.seen.length > 2')
@@ -153,7 +150,7 @@ async function leave() {
   await until(`!v.hasAttribute('headset')`)
 }
 
-/** Moves the head and the hands, and turns them left and up by angles in degrees. */
+/** Moves the head and hands, and turns them left and up by degrees. */
 const pose = (position, left = 0, up = 0) =>
   inside(
     `test.device.position.set(...args[0]);
@@ -173,7 +170,7 @@ const frames = (body, ...args) =>
   inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
   frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
-/** Presses, moves and releases fingers at the device, or controllers, that point left and up by angles. */
+/** Presses, moves and releases fingers or controllers that point left and up by angles. */
 const drag = (...fingers) =>
   inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
     const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])
@@ -255,7 +252,7 @@ const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
 const TABLE = 2 * longest // units a metre: the longest side of the scene is half a metre
 
-/** Checks that the camera of a picture is an eye before the scene, which stands at `at` and was placed at `put`. */
+/** Checks the camera of a picture for an eye before the scene, which stands at `at`. */
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
   near(position, middle().map((x, i) => x + to[i]), 1e-4)
@@ -265,7 +262,7 @@ function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, 
 const EYE = [0.4, 1.6, 0.2]
 const LOOKS = [30, -45]
 const HEIGHT = 0.9 // metres: height of the table
-const BEFORE = 0.7 // metres: distance to the near side of the scene where no surface is known
+const BEFORE = 0.7
 
 const tests = {
   async 'both eyes: the pixels of the command'() {

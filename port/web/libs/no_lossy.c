@@ -1,5 +1,4 @@
-/* Stubs for the libwebp functions that decode lossy pictures. The reader of .sog files refuses lossy pictures by
-   their headers. */
+/* Stubs for decoding lossy pictures with libwebp. The reader of .sog files refuses lossy pictures. */
 #include "src/dec/vp8_dec.h"
 #include "src/dec/webpi_dec.h"
 

@@ -12,14 +12,13 @@ const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side of a scen
 const LEVEL = Math.cos(Math.PI / 6) // least vertical component of the normal of a level surface
 const BEFORE = 0.7 // metres: distance to the near side of the scene if no surface is known
 const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
-const PATIENCE_MS = 8000 // without a surface, milliseconds before a tap puts the scene in front of the user
-const HINT_MS = 8000 // milliseconds that the hint on gestures is shown
+const PATIENCE_MS = 8000 // milliseconds without a surface until a tap puts the scene in front of the user
+const HINT_MS = 8000
 const REACH = 20 // metres: longest ray from a pointer to the floor
 const TURNING = 4 // ratio of the scene's turn to the angle of a drag
-const [RING_LEAST, RING_MOST] = [0.06, 0.5] // metres: range of the radius of the ring
+const [RING_LEAST, RING_MOST] = [0.06, 0.5]
 
-// metres for a scene unit, in each size of the scene
-const SIZES = { table: (longest) => TABLE / longest, true: () => 1 }
+const SIZES = { table: (longest) => TABLE / longest, true: () => 1 } // metres for a scene unit
 const OTHER = { table: 'true', true: 'table' }
 const NAMES = { table: 'On the table', true: 'True size' }
 const HINTS = {
@@ -37,7 +36,7 @@ void main() {
   at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   gl_Position = projection * view * vec4(ring.xyz + ring.w * vec3(at.x, 0.0, at.y), 1.0);
 }`
-// The ring is white between dark edges, to be visible on any floor. Its colours are premultiplied.
+// A white ring between dark edges is visible on any floor. Colours are premultiplied.
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at;
@@ -83,7 +82,6 @@ function meetsLevel({ from, along }, height) {
   return far > 0 && far < REACH ? add(from, along, far) : null
 }
 
-/** Returns true if a ray meets a box (slab test). */
 function meetsBox({ from, along }, { low, high }) {
   let [enters, leaves] = [0, Infinity]
   for (let i = 0; i < 3; i++) {
@@ -105,14 +103,14 @@ function apart([a, b], { matrix }) {
   return { far: Math.hypot(...to), angle: Math.atan2(to[1], to[0]) }
 }
 
-/** Places the scene in the room. The class is the Guide of the AR mode, see xr.js. */
+/** The Guide of the AR mode (see xr.js) places the scene in the room. */
 class Stand {
   #host
   #session
   #size
   #hits = null // WebXR hit test source; null if the device does not find surfaces
   #ring = null
-  #floor = false // true: the floor is at height 0
+  #floor = false
   #since = 0
   #taps = false
   #asked = null // function of a pressed button, which changes the Place
@@ -196,7 +194,7 @@ class Stand {
     return SIZES[this.#size](this.#longest)
   }
 
-  /** Returns the middle of the underside of the scene's box: middle - h up, with h = sum of |up_i| side_i / 2. */
+  /** Middle of the underside of the scene's box: middle - h up, with h = sum of |up_i| side_i / 2. */
   get #foot() {
     const { low, high } = this.#host.scene()
     const up = unit(this.#host.view().up)
@@ -205,8 +203,7 @@ class Stand {
     return add(low.map((x, i) => (x + high[i]) / 2), up, -h)
   }
 
-  /** Returns the Place on the ring after a tap. Returns a Place in front of the user if no surface is found, else
-      null. */
+  /** Returns the Place on the ring after a tap, or in front of the user if no surface is found. */
   #stand({ pose, frame, space }, taps) {
     this.#ring = this.#hits && this.#surface(frame, space)
     if (this.#ring) return taps ? this.#at(this.#ring, pose.transform) : null
@@ -227,14 +224,13 @@ class Stand {
     return [position.x + far * x, height, position.z + far * z]
   }
 
-  /** Returns the horizontal direction of view. If the device looks straight down, its upper edge gives the
-      direction. */
+  /** If the device looks straight down, its upper edge gives the horizontal direction of view. */
   #heading(matrix) {
     const ahead = [-matrix[8], -matrix[10]]
     return unit(Math.hypot(...ahead) > 0.01 ? ahead : [matrix[4], matrix[6]])
   }
 
-  /** Returns a Place at a point. The side of the scene that the page shows faces the user. */
+  /** Places the scene at a point. The side that the page shows faces the user. */
   #at(point, { position, matrix }) {
     const to = [point[0] - position.x, point[2] - position.z]
     const heading = Math.hypot(...to) > 0.01 ? unit(to) : this.#heading(matrix)

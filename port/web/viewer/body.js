@@ -1,4 +1,4 @@
-// Builds the HTML inside the element <fixsplat-viewer>: the stage for the picture, the buttons and the panels.
+// The HTML inside <fixsplat-viewer>: the stage for the picture, the buttons and the panels.
 
 const icon = (path) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${path}"/></svg>`
 export const button = (id, name, path, more = '') =>

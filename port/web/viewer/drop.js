@@ -11,7 +11,7 @@ const isOf = (names) => (file) =>
 const isIndex = isOf(INDEX)
 const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
 
-/** Returns all files of a drop, including the files in folders. A file in a folder has its path as name. */
+/** Returns all files of a drop. A file in a folder has its path as name. */
 export async function filesOf(entries, dropped) {
   if (!entries.some((entry) => entry.isDirectory)) return dropped
   const files = []

@@ -1,5 +1,4 @@
-// Sends requests from the page to worker.js; each request returns a promise. Ending the worker frees all of its memory
-// and rejects the open requests.
+// Sends requests to worker.js and returns promises. Ending the worker frees all of its memory.
 import { assets, startWorker } from '../fixsplat_assets.js'
 
 const moved = (value) => {
@@ -7,7 +6,6 @@ const moved = (value) => {
   return value instanceof Uint8Array ? [value.buffer] : []
 }
 
-// The worker's script was not found, or the browser does not support it.
 const NO_WORKER = 'The script of the renderer cannot be loaded: where a bundler has made this page, see Bundlers in the ' +
   'README of fixsplat; else this browser is too old'
 

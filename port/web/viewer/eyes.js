@@ -1,8 +1,8 @@
 // Shows the pictures for the eyes of a headset. Each eye has a camera and a picture. A picture is reprojected to the
 // present pose of the head, as a plane at the distance of the scene.
 
-/** Returns the camera of an XRView, for a picture of this size enlarged by `margin` pixels on each side. `place`
-    maps the room to the scene. */
+/** Returns the camera of an XRView. `margin` enlarges the picture by pixels on each side. `place` maps the room to
+    the scene. */
 export function cameraOf(view, place, { width, height, margin = 0 }, near) {
   const [p, m] = [view.projectionMatrix, view.transform.matrix]
   const axis = (i, sign) => place.turned([sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]])
@@ -43,7 +43,7 @@ export function turnBetween(from, to, far) {
 const VERTEX = `#version 300 es
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }`
 
-// Pixels count from the top left. The picture of an eye has the size `area` and starts at x = `left` in the texture.
+// Pixels count from the top left. The picture of an eye starts at x = `left` in the texture.
 const FRAGMENT = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;

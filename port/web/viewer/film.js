@@ -41,7 +41,7 @@ function element(id, ...inside) {
 
 const bytesOf = (parts) => parts.reduce((sum, bytes) => sum + bytes.length, 0)
 
-/** Groups frames into clusters that start at key frames. Times within a cluster must be below 32768 ms. */
+/** Clusters start at key frames. Times within a cluster must be below 32768 ms. */
 function clustersOf(chunks) {
   const clusters = []
   for (const chunk of chunks) {

@@ -1,9 +1,8 @@
-// The page of `fixsplat fit --preview`. Polls /fit.json, shows the numbers and the curve of the fit, and replaces the
-// scene by each newer version.
+// The page of `fixsplat fit --preview`: shows the numbers, the curve and the newest scene of a running fit.
 import './viewer.js'
 
 const ASK_MS = 1000
-const SILENT = 3 // unanswered requests before the page reports a failure
+const SILENT = 3
 const STATES = {
   reads: 'Reading photographs and cameras',
   fits: 'Fitting',
@@ -44,7 +43,7 @@ async function show({ version, background }) {
   if (await open(`../scene.fxs?${version}`, background)) shown = version
 }
 
-/** Loads the last scene before the next request, because the server ends after that request. */
+/** Loads the last scene before the next request, after which the server ends. */
 async function showLast(facts) {
   for (let tries = 0; facts.version !== shown && tries < 20; tries++) {
     await show(facts)
@@ -96,8 +95,7 @@ const draw = (name, attributes, text = '') => {
   return element
 }
 
-/** Returns the step of an axis: the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS
-    parts. */
+/** Returns the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS parts. */
 function stepOf(range) {
   const power = 10 ** Math.floor(Math.log10(range / TICKS))
   return power * [1, 2, 5, 10].find((times) => (times * power * TICKS) / range > 0.9999)
@@ -105,7 +103,6 @@ function stepOf(range) {
 
 const short = (n) => (n >= 1000 && n % 100 === 0 ? `${n / 1000}k` : many(n))
 
-/** Draws the curve of points [step, psnr, ssim]. */
 function drawCurve({ points, ...facts }) {
   const steps = Math.max(facts.steps, facts.step)
   const { clientWidth: width, clientHeight: height } = ui.curve

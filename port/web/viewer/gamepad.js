@@ -3,8 +3,7 @@
 const DEAD = 0.15 // dead zone of a stick as a share of its range
 const FAST = 4 // factor for the speed with a trigger pressed
 
-// Maps axes and buttons to motions. `pressed` maps each button to a function of the mode, which returns an equivalent
-// key.
+// Axes and buttons of motions. `pressed` maps a button to a function of the mode that returns an equivalent key.
 const BINDINGS = {
   fly: [0, 1], // axes of the left stick
   turn: [2, 3], // axes of the right stick
@@ -50,8 +49,7 @@ function meant() {
   return there.sort((a, b) => value(b) - value(a))[0]
 }
 
-/** Returns the deflection of a stick without its dead zone. The response is quadratic, for fine control near the
-    middle. */
+/** The deflection beyond the dead zone is squared, for fine control near the middle. */
 function placeOf(pad, axes) {
   const place = axes.map((i) => pad.axes[i] ?? 0)
   const far = Math.hypot(...place)

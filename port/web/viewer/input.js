@@ -65,8 +65,7 @@ function isForText(target) {
   return target.matches?.('input, select, textarea')
 }
 
-/** Makes held keys fly, walk and turn once an animation frame. Other keys call act.press. Returns the set of held
-    keys. */
+/** Held keys move the camera once an animation frame; other keys call act.press. Returns the set of held keys. */
 export function listenToKeys(element, act) {
   const held = new Set()
   let last = 0

@@ -1,6 +1,5 @@
-// The on-screen stick for touchscreens, at the lower left. The stick flies and walks like the keys W A S D, while
-// another finger looks around.
-const SIZE = 116 // diameter of the stick in CSS pixels
+// The on-screen stick for touchscreens, which flies and walks like the keys W A S D.
+const SIZE = 116
 const REACH = SIZE / 3 // largest deflection of the stick in CSS pixels
 const DEAD = 0.12 // dead zone as a share of REACH
 const rules = `
@@ -25,7 +24,7 @@ export function joystick(root, act) {
   root.getElementById('stage').after(stick)
   let held = null
   let last = 0
-  let at = [0, 0] // deflection of the stick to the right and down, at most 1
+  let at = [0, 0]
 
   function show(x, y) {
     at = [x, y]

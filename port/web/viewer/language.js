@@ -14,11 +14,10 @@ export const askedFor = (name) => [name, ...(navigator.languages ?? [navigator.l
 export class Language {
   name = 'en'
   #table = new Map()
-  #seen = new WeakMap() // English text and written text of each text node or attribute
+  #seen = new WeakMap()
   #roots = []
 
-  /** Translates a text and inserts values for {0}, {1}. After a prefix such as "file: ", only the rest is
-      translated. */
+  /** Inserts values for {0}, {1}. After a prefix such as "file: ", only the rest is translated. */
   of(words, ...values) {
     let [at, text] = [0, this.#table.get(words)]
     while (!text && (at = words.indexOf(': ', at) + 2) > 1) text = this.#table.get(words.slice(at))

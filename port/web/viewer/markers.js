@@ -3,8 +3,8 @@
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
-const AGAIN_MS = 250 // least milliseconds between two depth tests; the pause is at least 5 times the time of a test
-const SMALL = 320 // longer side of the small picture of depths, in pixels
+const AGAIN_MS = 250 // least milliseconds between two depth tests; at least 5 times the time of a test
+const SMALL = 320
 
 const LINK = ICONS.share
 const REMOVE = 'M5 7h14M10 7V4h4v3M7 7l1 13h8l1-13'
@@ -28,7 +28,6 @@ export class Markers {
   #pause = AGAIN_MS
   #looking = false
 
-  /** `acts` has choose(index), step(by), link(index), close(), change(index, { title, text }) and remove(index). */
   constructor(host, acts) {
     this.#host = host
     this.acts = acts
@@ -74,7 +73,6 @@ export class Markers {
     })
   }
 
-  /** Opens the caption of an annotation; -1 closes the caption. */
   choose(index, isEditing) {
     const ui = this.#ui
     if (index < 0 && ui.caption.matches(':focus-within')) this.#leave()
@@ -91,7 +89,7 @@ export class Markers {
     ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
   }
 
-  /** Moves the focus from the caption to its marker if the marker is visible, else to the picture. */
+  /** Moves the focus from the caption to its marker, or to the picture if the marker is hidden. */
   #leave() {
     const marker = this.#layer.querySelector('[aria-expanded="true"]:not([hidden])')
     ;(marker ?? this.#host.ui.stage).focus({ focusVisible: false })

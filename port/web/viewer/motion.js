@@ -29,8 +29,7 @@ function axes({ eye, look, up }) {
   return { forward, right, down: cross(forward, right) }
 }
 
-/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both
-    vectors. */
+/** Turns `from` and the camera's up vector to the right and down, but not over the poles. Returns both vectors. */
 function turn(camera, from, up, right, down) {
   const view = axes(camera)
   const axis = unit(up)
@@ -67,13 +66,13 @@ export function fly(camera, right, down, forward) {
   return { ...camera, eye: move(camera.eye), look: move(camera.look) }
 }
 
-/** Moves the camera by pixels of a picture of this height, at the depth of the camera's target. */
+/** Moves the camera by pixels of a picture, at the depth of the target. */
 export function pan(camera, height, right, down) {
   const unitsAPixel = heightAt(camera) / height
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
 }
 
-/** Scales the distance to the target, to at least `nearest`. For an orthographic camera, the visible area is scaled. */
+/** Scales the distance to the target; for an orthographic camera, the visible area. */
 export function zoom(camera, factor, nearest) {
   const least = Math.min(1, nearest / (camera.flat ? heightAt(camera) : distance(camera)))
   const times = Math.max(factor, least)
@@ -81,13 +80,13 @@ export function zoom(camera, factor, nearest) {
   return { ...camera, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** Makes a camera orthographic or perspective. The size of the visible area at the target stays the same. */
+/** Changes the projection, but not the size of the visible area at the target. */
 export function flatten(camera, flat, fov) {
   const times = slope(camera.fov) / slope(fov)
   return { ...camera, flat, fov, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** Returns a camera between two cameras. The share t, 0 to 1, is eased in and out. */
+/** Returns a camera between two cameras, with ease in and out; t is 0 to 1. */
 export function between(a, b, t) {
   const part = t * t * (3 - 2 * t)
   const mixed = ['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])
@@ -125,8 +124,7 @@ function frontOf(up) {
   )
 }
 
-/** Returns a camera that sees all corners of a scene's box, at 1.1 times the least distance. `first` is a view as in
-    Scene.first. */
+/** Returns a camera that sees all corners of a scene's box, at 1.1 times the least distance. */
 export function seeAll(scene, sceneUp, fov, aspect, first) {
   const { low, high } = first ?? scene
   const up = unit(sceneUp)
@@ -148,8 +146,7 @@ export function seeAll(scene, sceneUp, fov, aspect, first) {
   return { eye: add(look, from, 1.1 * (first?.part ?? 1) * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
 }
 
-/** Converts a camera of a cameras.json file. Its target is the point of the camera's axis that is nearest to the
-    middle of the scene. */
+/** Converts a camera of a cameras.json file. Its target is the point of its axis nearest to the middle of the scene. */
 export function ofView(view, { low, high }) {
   const column = (i) => view.rotation.map((row) => row[i])
   const forward = unit(column(2))
@@ -163,7 +160,7 @@ export function ofView(view, { low, high }) {
   return { eye: [...view.position], look, up: column(1).map((x) => -x), fov, flat, shift }
 }
 
-/** Returns the up direction of a scene: the mean of the views' up vectors, or `otherwise` if the vectors cancel out. */
+/** Returns the mean of the views' up vectors, or `otherwise` if the vectors cancel out. */
 export function upOf(views, otherwise) {
   const mean = [0, 1, 2].map((i) => views.reduce((sum, view) => sum - view.rotation[i][1] / views.length, 0))
   return Math.hypot(...mean) > 0.1 ? mean : otherwise

@@ -4,11 +4,11 @@
 const AIM_MS = 40 // milliseconds to aim at for a picture in motion
 const WORTH = 1.3 // largest useful time, as a multiple of the time of the smallest picture
 const MARGIN = 1.3 // hysteresis: ratio between the limits for growing and for shrinking
-const DIVISORS = [1, 1.5, 2, 3, 4] // divisors of the width and height of a picture
+const DIVISORS = [1, 1.5, 2, 3, 4]
 const KEPT = 7 // number of last pictures for the median time
-const PROBES = 5 // pictures of the smallest size when the camera first moves
+const PROBES = 5
 const PATIENCE = 12 // pictures before the size of pictures grows
-const FORGOTTEN = 100 // pictures after which the times of other sizes are dropped
+const FORGOTTEN = 100
 
 const LAST = DIVISORS.length - 1
 const STEPS = [...DIVISORS.keys()]
@@ -32,8 +32,7 @@ export class Pace {
     this.#choose()
   }
 
-  /** Measures a picture of the current size. After the first KEPT pictures, a change of the time scales the times of
-      all sizes. */
+  /** After the first KEPT pictures, a change of the time scales the times of all sizes. */
   #measure(milliseconds) {
     this.#recent = [...this.#recent, milliseconds].slice(-KEPT)
     const [time, before] = [median(this.#recent), this.#times[this.#step]]
@@ -42,7 +41,7 @@ export class Pace {
     this.#times[this.#step] = time
   }
 
-  /** Returns the time at a step, measured or interpolated linearly over the number of pixels. */
+  /** Returns a measured time, or interpolates linearly over the number of pixels. */
   #timeAt(step) {
     if (this.#times[step]) return this.#times[step]
     const finer = STEPS.findLast((one) => one < step && this.#times[one])

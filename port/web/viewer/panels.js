@@ -1,9 +1,9 @@
-// The visible texts and buttons of the viewer: the bar, panels, progress, errors and notes.
+// The visible texts and buttons of the viewer: bar, panels, progress, errors, notes.
 import { listOf } from './body.js'
 import { backends } from './picture.js'
 
 const NOTE_MS = 4000
-const PAUSE_MS = 1000 // milliseconds: after a longer pause between pictures, no frame rate is shown
+const PAUSE_MS = 1000
 
 const KEYS = { orbit: 'Keys', fly: 'Keys in flight', walk: 'Keys on foot' }
 const HINTS = {

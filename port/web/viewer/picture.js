@@ -5,7 +5,7 @@ import { Pace } from './pace.js'
 
 const MOST_PIXELS = 1 << 23
 const LEAST_PIXELS = 1 << 14
-const SHOWN_MS = 100 // milliseconds for the browser to show a picture of a worker
+const SHOWN_MS = 100
 const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner is not opened again
 const TRIES = 3
 // names of GPUs that the processor emulates
@@ -22,12 +22,11 @@ let screens = 0
 
 export class Picture {
   #stage
-  #screen = null // current screen: { engine, id, canvas, backend, openedAt }
+  #screen = null
   #tried = true
   #most = MOST_PIXELS
   #pace = new Pace()
 
-  /** The last child of `stage` is visible: a canvas, or the poster picture. */
   constructor(stage) {
     this.#stage = stage
   }
@@ -36,8 +35,7 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Opens a back end, or its fallback. Without `wanted`, a trial of the GPU follows later. Returns false if the
-      processor replaces the GPU. */
+  /** Without `wanted`, a trial of the GPU follows later. Returns false if the processor replaces the GPU. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
@@ -60,8 +58,7 @@ export class Picture {
     this.#stage.replaceChildren()
   }
 
-  /** Makes a canvas below the visible canvas. The id is 0 if a worker cannot draw on the canvas but only return
-      pixels. */
+  /** Makes a canvas below the visible canvas. Id 0: a worker can only return pixels. */
   async #open(engine, backend) {
     const canvas = document.createElement('canvas')
     const id = canvas.transferControlToOffscreen ? ++screens : 0
@@ -81,7 +78,7 @@ export class Picture {
     return { width: w, height: h, divisor }
   }
 
-  /** Draws a picture and returns its statistics; null if the screen was lost or changed meanwhile. */
+  /** Returns statistics of the picture; null if the screen was lost or changed meanwhile. */
   async draw(camera, { divisor, ...options }) {
     const screen = this.#screen
     const { pixels, lost, ...facts } = await screen.engine.ask('draw', screen.id, camera, options)

@@ -6,7 +6,7 @@ const GLIDE_MS = 350
 const IDLE_MS = 2500 // milliseconds without input before the scene turns by itself
 const TURN = 0.25 // speed of the turning scene in radians a second
 const UPRIGHT = [0, -1, 0]
-const BY_KEY = 400 // speed of a drag that equals a held key, pixels a second
+const BY_KEY = 400
 const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
 
 export class Pilot {
@@ -19,14 +19,14 @@ export class Pilot {
   home = () => null
   speed = 0.5
   fov = 50
-  ahead = null // the point in the middle of the picture, if known
+  ahead = null
   turns = false
-  touched = false // true: the camera was moved since the scene was opened
+  touched = false
   gliding = null
   #element
   #moved
   #scene = null
-  #given = false // true: upright() has set the up direction
+  #given = false
   #actedAt = 0
   #turning = 0
 
@@ -41,8 +41,7 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** Takes a list of views. `view` is the start view, if not the first view of the list. home() returns the start
-      view without a list. */
+  /** `view` is the start view, if not the first of the list. home() returns the start view without a list. */
   takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0
@@ -99,7 +98,7 @@ export class Pilot {
     this.#moved(true, byHand)
   }
 
-  /** Moves the camera smoothly. Returns true on arrival, false if something else has moved the camera meanwhile. */
+  /** Returns true on arrival, false if the camera was moved otherwise. */
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
@@ -125,7 +124,6 @@ export class Pilot {
     })
   }
 
-  /** Moves nearer to a point, and makes the point the centre of turning. */
   goTo(point) {
     if (this.walks) return this.walker?.begin(point)
     const eye = motion.add(point, motion.add(this.camera.eye, point, -1), 0.6)
@@ -141,7 +139,6 @@ export class Pilot {
     if (this.#scene) this.show({ ...this.camera, fov })
   }
 
-  /** Sets the up direction; undefined: the up direction of the scene. */
   upright(up) {
     this.#given = !!up
     this.up = up ?? this.#scene?.first.up ?? UPRIGHT
@@ -176,7 +173,7 @@ export class Pilot {
     this.#move(camera, true)
   }
 
-  /** Turns the camera. A drag across the height of the element is half a turn. */
+  /** A drag across the height of the element is half a turn. */
   #turned(turn, dx, dy) {
     const angle = Math.PI / this.#element.clientHeight
     if (this.#scene && (dx || dy)) this.act(turn(this.camera, this.up, dx * angle, dy * angle))
@@ -203,7 +200,7 @@ export class Pilot {
     else if (this.#scene) this.act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
   }
 
-  /** Scales the distance to the point ahead when flying, else to the point that the camera turns about. */
+  /** Scales the distance to the point ahead when flying, else to the centre of turning. */
   zoom(factor) {
     if (!this.#scene) return
     if (this.walks) this.walker?.go(0, BY_ZOOM * (1 - factor))

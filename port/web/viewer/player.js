@@ -1,4 +1,4 @@
-// The bar for camera tracks: play and pause, a slider, a choice of the track, and a button for a film.
+// The bar for camera tracks: play and pause, a slider, a choice of the track, a button for a film.
 import { button } from './body.js'
 
 const PLAY = 'M7 4.5v15l12-7.5z'
@@ -56,7 +56,6 @@ export class Player {
     play.querySelector('path').setAttribute('d', plays ? PAUSE : PLAY)
   }
 
-  /** Shows the progress of a film, 0 to 1; null: no film. */
   filming(share) {
     const { film, clock, time, play, track } = this.#ui
     const words = this.#host.language.of(share === null ? 'Save a film' : 'Stop the film')

@@ -1,11 +1,10 @@
-// The scenes of a viewer: the element <fixsplat-scene>, which adds a scene to a <fixsplat-viewer>, and the class Item,
-// the state of each scene.
+// The element <fixsplat-scene>, which adds a scene to a <fixsplat-viewer>, and the class Item, the state of a scene.
 
 import { addressOf, nameOf } from './views.js'
 
 const RADIANS = Math.PI / 360 // half a degree in radians, since quaternions have half angles
 
-/** Returns the numbers of an attribute, separated by spaces or commas; undefined without the attribute. */
+/** Returns the numbers of an attribute, separated by spaces or commas. */
 function numbersOf(element, name, ...counts) {
   const text = element.getAttribute(name)
   if (text === null) return undefined
@@ -21,7 +20,7 @@ const product = ([a, b, c, d], [e, f, g, h]) => [
   a * h + b * g - c * f + d * e,
 ]
 
-/** Returns the quaternion of a rotation by degrees about x, then y, then z, as in `fixsplat convert --rotate`. */
+/** Returns the quaternion of a rotation by degrees about x, then y, then z. */
 const quaternionOf = (degrees) =>
   degrees.map((angle, axis) => {
     const part = [Math.cos(angle * RADIANS), 0, 0, 0]
@@ -80,12 +79,11 @@ function wholeOf(source) {
   }
 }
 
-/** A scene that is wanted or loaded. */
 export class Item {
   key = ++keys
   engine = null
   facts = null
-  bytes = null // the packed scene, while it moves from one worker to another
+  bytes = null
   failed = false
   wrong = null // an Error in the placement; the last valid placement is kept
   #place = {}

@@ -7,7 +7,7 @@ import { followAddress } from './views.js'
 
 const ASK_MS = 1000
 const FIRST_MS = 300 // milliseconds between requests until a scene is shown
-const SILENT = 3 // unanswered requests before the page reports a failure
+const SILENT = 3
 
 const params = new URLSearchParams(location.search)
 const [, number] = (params.get('scene') ?? '').match(/^\/scenes\/(\d+)\//) ?? []
@@ -18,7 +18,7 @@ const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 const language = new Language()
 
 let viewer = null
-let shown = 0 // version of the scene that is shown, or that failed last
+let shown = 0
 
 function say(text, done) {
   told.hidden = !text

@@ -86,7 +86,7 @@ function trackOf(value, name) {
 
 // ---- Files of supersplat-viewer ------------------------------------------------------------------------------------
 
-/** Converts a vector of supersplat-viewer, which turns scenes by half a turn about the z axis. */
+/** Converts a vector: supersplat-viewer turns scenes by half a turn about z. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
 const UP = [0, -1, 0]
 
@@ -96,8 +96,7 @@ function poseOfTheirs({ position, target, fov } = {}) {
 
 const rowsOf = (list, i) => (Array.isArray(list) ? list.slice(3 * i, 3 * i + 3) : undefined)
 
-/** Converts a camera track of supersplat-viewer. Times are in frames, or in seconds in early files without a frame
-    rate. */
+/** Times of supersplat-viewer's tracks are in frames, or in seconds in early files without a frame rate. */
 function trackOfTheirs(track, fov) {
   if (!isObject(track)) return track
   const { name, duration, frameRate, loopMode, interpolation, smoothness, keyframes } = track
@@ -153,7 +152,7 @@ function fromTheirs(file, words) {
 
 // ---- Settings files ------------------------------------------------------------------------------------------------
 
-/** Checks each part of a settings file. Faulty parts are left out, with a line of text for each. */
+/** Leaves out each faulty part of a settings file, with a line of text. */
 function checked(file, words) {
   const settings = {}
   const take = (name, read) => {
@@ -188,8 +187,8 @@ function checked(file, words) {
   return settings
 }
 
-/** Reads a settings file. Returns { settings, words }, with a line of text for each ignored part. Throws an Error if
-    the text is not a settings file. */
+/** Returns { settings, words }, with a line of text for each ignored part. Throws an Error if the text is not a
+    settings file. */
 export function settingsOf(name, text) {
   let file
   try {

@@ -34,7 +34,6 @@ function turnsOfPart(x) {
   return (x * ((((even - 0.1420889944) * s + 0.1999355085) * s - 0.3333314528) * s + 1)) / TURN
 }
 
-/** Returns the angle atan2(y, x) in turns. */
 function turnsOf(y, x) {
   const a = Math.abs(y)
   const b = Math.abs(x)

@@ -10,7 +10,7 @@ import { addressOf, nameOf, textAt } from './views.js'
 
 const KEY_S = 2 // seconds between keys that are added to a track
 const FLIGHT_MS = 1000
-const NEARER = 0.6 // factor for the distance to an annotation without a camera
+const NEARER = 0.6
 const LONGEST_S = 0.5 // longest time step of a playing track in seconds
 const WAIT_MS = 100 // milliseconds before a film repeats a frame with missing parts
 const PATIENCE_MS = 30000 // longest wait for missing parts in milliseconds
@@ -18,8 +18,7 @@ const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar']
 const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight']
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
-/** Returns true if a settings file may use a picture. The picture must lie in the folder of the file or below, or be
-    a data: address. */
+/** Returns true for a picture in the folder of the settings file or below, and for a data: address. */
 const isOwn = (url) => /^data:/i.test(url.trim()) || staysInside(url.trim())
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
 
@@ -38,7 +37,7 @@ export class Tour {
   #last = null
   #filming = null
   #reading = null
-  #given = [] // attributes set by the settings file
+  #given = []
   #home = null
   #start = null
 
@@ -65,7 +64,7 @@ export class Tour {
 
   // ---- Settings files -----------------------------------------------------------------------------------------------
 
-  /** Reads settings. Returns a line of text for each ignored part, or no line if another read has begun meanwhile. */
+  /** Returns a line of text for each ignored part, or no line if another read has begun meanwhile. */
   async read(source) {
     const own = (this.#reading = {})
     const isAddress = typeof source === 'string'
@@ -146,7 +145,7 @@ export class Tour {
     return this.#index
   }
 
-  /** Opens an annotation by its index from 0, and flies to it. Messages of errors count annotations from `from`. */
+  /** Flies to an annotation by its index from 0. Error messages count annotations from `from`. */
   async goTo(index, from = 0) {
     const [one, { length }] = [this.#annotations[index], this.#annotations]
     const range = length ? `, expected ${from} to ${from + length - 1}` : ''
@@ -196,8 +195,7 @@ export class Tour {
 
   // ---- Tracks -------------------------------------------------------------------------------------------------------
 
-  /** Returns the path of the selected track. The path depends on the up direction, since keys may have no up vector
-      of their own. */
+  /** The path depends on the up direction, since keys may have no up vector. */
   get #path() {
     const [told, up] = [this.#tracks[this.#track], this.#host.up()]
     if (!told) return null
@@ -221,7 +219,7 @@ export class Tour {
     this.#tell()
   }
 
-  /** Adds the present camera to the track as a key, KEY_S seconds after the last key. Returns the number of keys. */
+  /** Adds the present camera to the track. Returns the number of keys. */
   addKey() {
     const key = this.#poseOf(this.#host.current())
     const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
@@ -304,8 +302,7 @@ export class Tour {
 
   // ---- Films --------------------------------------------------------------------------------------------------------
 
-  /** Makes a film of a track and returns { blob, codec, frames, width, height }. A 'pingpong' track is filmed there
-      and back. */
+  /** Returns { blob, codec, frames, width, height }. A 'pingpong' track is filmed there and back. */
   async film({ track = this.#track, rate, bitrate, progress = () => {}, ...size } = {}) {
     const told = this.#tracks[track]
     if (!told) throw new Error(`track ${track}: there are ${this.#tracks.length}`)

@@ -16,7 +16,7 @@ function closed(keys, duration) {
   return [...before.map((key) => later(key, -length)), ...keys, ...behind.map((key) => later(key, length))]
 }
 
-/** Returns the index of the last key at or before a time, by bisection; at most the last key but one. */
+/** Finds the last key at or before a time by bisection; at most the last key but one. */
 function segmentAt(keys, time) {
   let [low, high] = [0, keys.length - 2]
   while (low < high) {
@@ -27,7 +27,7 @@ function segmentAt(keys, time) {
   return low
 }
 
-/** Returns the slope of each number at key i: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
+/** Slope at key i: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
 function slopes(keys, i) {
   const [before, after] = [keys[Math.max(i - 1, 0)], keys[Math.min(i + 1, keys.length - 1)]]
   return after.values.map((x, k) => (x - before.values[k]) / (after.time - before.time))
@@ -47,7 +47,6 @@ const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1))
 export class Track {
   #keys
 
-  /** `up` is the up vector for keys without an up vector. */
   constructor(track, up) {
     Object.assign(this, track)
     const keys = track.loop === 'repeat' ? closed(track.keys, track.duration) : track.keys
@@ -79,7 +78,7 @@ export class Track {
   }
 }
 
-/** Converts the field of view of the longer side, if `longer` is set, to the vertical field of view. */
+/** Converts the field of view of the longer side to the vertical field of view. */
 export function upright({ longer, ...camera }, aspect) {
   const tan = Math.tan((camera.fov * Math.PI) / 360)
   return longer && aspect > 1 ? { ...camera, fov: (360 / Math.PI) * Math.atan(tan / aspect) } : camera

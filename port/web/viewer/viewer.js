@@ -17,7 +17,7 @@ import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf
 
 const STILL_MS = 150 // milliseconds without motion after which the picture is at rest
 const GLIDE_MS = 1000 // default duration of flyTo in milliseconds
-const KEPT_S = 60 // default seconds that a removed scene stays in memory
+const KEPT_S = 60
 const HINT_MS = 5000 // least milliseconds between two hints about the wheel
 // budgets of the slider in Gaussians; one more step means no limit
 const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6]
@@ -40,28 +40,28 @@ export class Viewer extends HTMLElement {
   #headset = null
   #room = null
   #engine = null
-  #opening = null // the scene that is loading in a new worker: { engine, item, views, view }
+  #opening = null
   #adding = null
   #taken = Promise.resolve() // promise of the last change queued by #inTurn
   #gathered = Promise.resolve()
   #items = []
-  #main = null // the Item of the scene of `src` or open()
-  #src = null // last opened value of the attribute `src`
+  #main = null
+  #src = null
   #dropped = []
   #leaving = 0
   #isHere = false
-  #scene = null // count, box and first view of all visible scenes together
+  #scene = null
   #picture
   #pilot = new Pilot(this, (moving, byHand) => this.#moved(moving, byHand))
   #good = null
   #asked = null
-  #linked = null // start view of the attribute `view`, if the scene began with it
+  #linked = null
   #busy = false
   #switching = false
   #held = false // true: the scenes are being copied or replaced, so other replacements wait
   #changed = false
   #missing = 0
-  #stuck = false // true: missing parts will not arrive
+  #stuck = false
   #movedAt = -Infinity
   #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
@@ -69,7 +69,7 @@ export class Viewer extends HTMLElement {
   #acts
   #stick = null
   #touches = matchMedia('(pointer: coarse)').matches
-  #tour = null // the Tour (annotations, tracks and settings files); null before its first use
+  #tour = null
   #touring = null
   #begins = null
   #noSky = ''
@@ -123,7 +123,7 @@ export class Viewer extends HTMLElement {
     } catch {} // gamepads are not supported or not allowed
   }
 
-  /** Waits for the end of the task, so that a viewer that is moved within the document keeps running. */
+  /** Waits, so that a viewer that is moved within the document keeps running. */
   disconnectedCallback() {
     this.#leaving = setTimeout(() => this.#leave())
   }
@@ -402,7 +402,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Opening a scene ----------------------------------------------------------------------------------------------
 
-  /** Opens the scene of `src` if the attribute has changed. An empty attribute removes the last scene. */
+  /** An empty attribute `src` removes the last scene. */
   #readSrc() {
     const src = this.getAttribute('src')
     if (src === this.#src) return
@@ -459,8 +459,7 @@ export class Viewer extends HTMLElement {
     return this.appendChild(element)
   }
 
-  /** Loads a scene in a new worker. When the scene or a preview has arrived, the new worker replaces the present
-      worker. */
+  /** When the scene or a preview has arrived, the new worker replaces the present worker. */
   async #openAlone(item, views, view) {
     const opening = (this.#opening = { item, views, view })
     this.#begin(item)
@@ -489,7 +488,6 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Replaces the scene without showing progress and without events. */
   async replace(url) {
     const [engine, item] = [this.#engine, this.#main]
     if (!this.#scene || !item || item.engine !== engine || this.#opening || this.#held) return false
@@ -526,7 +524,7 @@ export class Viewer extends HTMLElement {
   }
 
   /** Loads, places and removes scenes until the visible scenes are the wanted scenes. Returns true if a scene is
-      visible then. */
+      visible. */
   #gather() {
     const next = () => this.#gatherNow().catch((error) => this.#engine && this.#fail(error))
     return (this.#gathered = this.#gathered.then(next).then(() => !!this.#scene))
@@ -591,7 +589,7 @@ export class Viewer extends HTMLElement {
     } else this.#change()
   }
 
-  /** Keeps an unwanted scene for `keep` seconds, then frees it. Ends the worker after its last scene. */
+  /** Frees an unwanted scene after `keep` seconds, and the worker after its last scene. */
   #letGo(item) {
     const seconds = this.hasAttribute('keep') ? this.#numberOf('keep') : KEPT_S
     item.let(seconds, () => {
@@ -645,8 +643,7 @@ export class Viewer extends HTMLElement {
     engine?.end()
   }
 
-  /** Changes to another worker, or to none. `there` lists the Items that the worker holds; other Items are loaded
-      again. */
+  /** `there` lists the Items that the new worker holds; other Items are loaded again. */
   #leaveTo(engine, there = []) {
     this.#items = this.#items.filter((item) => item === this.#main || item.element || there.includes(item))
     for (const item of this.#items) item.engine = there.includes(item) ? engine : null
@@ -714,7 +711,6 @@ export class Viewer extends HTMLElement {
     return this.#inTurn(() => this.#takeNext(opening, scene, views))
   }
 
-  /** Runs changes of the worker or the back end one after the other. */
   #inTurn(change) {
     return (this.#taken = this.#taken.catch(() => {}).then(change))
   }
@@ -745,7 +741,7 @@ export class Viewer extends HTMLElement {
     else this.#takeViews(views, view ?? this.#asked)
   }
 
-  /** Fetches the bytes of the <fixsplat-scene> elements' scenes, so that the new worker need not download them. */
+  /** Fetches the packed scenes of the present worker for the new worker. */
   async #packAll() {
     for (const item of this.#shown.filter(({ element }) => element))
       item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // null for streamed scenes
@@ -873,8 +869,7 @@ export class Viewer extends HTMLElement {
     return asked in backends ? asked : ''
   }
 
-  /** Opens the back end of the attribute `backend`. Without the attribute, a later trial chooses the fastest back
-      end (#rest). */
+  /** Without the attribute `backend`, a later trial chooses the fastest back end (#rest). */
   async #switch(engine) {
     this.#switching = true
     const has = await this.#picture.open(engine, this.#wanted).finally(() => (this.#switching = false))
@@ -882,7 +877,6 @@ export class Viewer extends HTMLElement {
     return true
   }
 
-  /** Draws one picture. Changes during drawing cause another picture. */
   async #draw() {
     if (this.#busy || this.#switching || !this.#scene || document.hidden) return
     if (!this.clientWidth || !this.clientHeight || this.#headset?.isOn) return
@@ -913,7 +907,7 @@ export class Viewer extends HTMLElement {
     this.#tour?.drawn()
   }
 
-  /** Handles a failed picture: halves the pixels if memory was short, else goes back to the last good camera. */
+  /** Halves the pixels if memory was short, else goes back to the last good camera. */
   #refused(error) {
     if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
@@ -933,7 +927,7 @@ export class Viewer extends HTMLElement {
     else this.#rest()
   }
 
-  /** Works while nothing moves: measures the distance ahead for flying, and tries the other back ends once. */
+  /** Work while nothing moves: measures the distance ahead, and tries the other back ends once. */
   async #rest() {
     this.state = 'still'
     const [engine, options] = [this.#engine, this.#frame()]
@@ -974,7 +968,6 @@ export class Viewer extends HTMLElement {
     this.#panels.note(name ? 'View {0} of {1}: {2}' : 'View {0} of {1}', this.#pilot.index + 1, views.length, name)
   }
 
-  /** Picks a Gaussian at x, y, each 0 to 1 across the picture. */
   #pick(x, y, options) {
     const at = [x * options.width, y * options.height].map(Math.floor)
     return this.#engine.ask('pick', ...at, this.#pilot.rendered(options), options)
@@ -994,8 +987,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Headset ------------------------------------------------------------------------------------------------------
 
-  /** Shows the buttons for VR and AR. In a headset, the VR button is shown on insecure pages too, to tell why VR
-      fails. */
+  /** Browsers of headsets show the VR button on insecure pages too, to tell why VR fails. */
   async #findHeadset() {
     const { headset, room, arSize } = this.#ui
     const { xr } = navigator
@@ -1226,8 +1218,7 @@ export class Viewer extends HTMLElement {
     this.#listenToDrops()
   }
 
-  /** Returns true if the wheel zooms. With wheel="page" the wheel scrolls the page, unless the viewer has the focus
-      or Ctrl is held. */
+  /** With wheel="page" the wheel scrolls the page, unless the viewer has the focus or Ctrl is held. */
   #takesWheel({ ctrlKey, timeStamp }) {
     if (this.getAttribute('wheel') !== 'page' || ctrlKey || this.matches(':focus-within')) return true
     if (timeStamp - this.#hintedAt > HINT_MS) this.#panels.note('Click the scene, or hold Ctrl, and the wheel zooms')

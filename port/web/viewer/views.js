@@ -41,7 +41,7 @@ export function viewsOf(name, text) {
   return views
 }
 
-const MOST_TEXT = 64e6 // largest size of a text file in bytes
+const MOST_TEXT = 64e6
 
 export async function textAt(url, words) {
   const file = await download(new URL(addressOf(url)), { most: MOST_TEXT }).catch((error) => {
@@ -57,7 +57,7 @@ const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'thr
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']
 
-/** Sets attributes of the viewer by the page's address: by its parameters, and by each #fragment (view, annotation). */
+/** Sets attributes of the viewer by the page's address: parameters, and #view or #annotation. */
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)
   for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
@@ -83,7 +83,7 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
   return [...eye, ...look, ...up, fov, ...more].join()
 }
 
-/** Checks a camera and returns it. Missing fields are taken from `other`, else from the defaults. */
+/** Missing fields of a camera are taken from `other`, else from the defaults. */
 export function checkedCamera(given, other = {}) {
   const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
   for (const [name, value] of Object.entries(given)) {

@@ -3,10 +3,10 @@
 // height map is requested as the eye moves.
 import { add, cross, dot, unit } from './motion.js'
 
-const CELLS = 48 // cells along a side of a height map
+const CELLS = 48
 const FOCAL = 4096 // denominator of the renderer's focal lengths in pixels a unit
-// The lengths from CELL to PACE are multiples of the eye's height above the ground.
-const CELL = 1 / 16 // size of a cell of a height map
+// The lengths from CELL to PACE are multiples of the eye's height.
+const CELL = 1 / 16
 const REACH = 1.25 // walking farther from the middle of a height map waits for the next map
 const STALE = 0.4 // distance from the middle of a height map that requests the next map
 const FOOT = 0.12 // radius around a point for measuring the ground
@@ -20,7 +20,7 @@ const LEAST = 3 // blocked cells that stop the walk; fewer cells are stray Gauss
 const EASE = 10 // rate a second of the eye's exponential approach to its height
 const STALE_MS = 1000 // milliseconds after which a height map is renewed
 const GLIDE_MS = 500
-const TRIES = 8 // places to try for the first position, from the camera to its target
+const TRIES = 8
 // angles of ways along a wall, in radians
 const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180)
 
@@ -31,7 +31,7 @@ function middle(list) {
   return half.reduce((sum, x) => sum + x, 0) / half.length
 }
 
-/** A height map below a place, along `up`, for one height of the eye. A cell has the size `cell` in scene units. */
+/** A height map below a place, along `up`. A cell has the size `cell` in scene units. */
 class Ground {
   constructor(facts) {
     Object.assign(this, facts)
@@ -63,14 +63,13 @@ export class Walker {
   #host
   #ground = null
   #asking = null
-  #feet = 0 // height of the ground under the feet
+  #feet = 0
   #floats = false // true: no ground was found yet
   #eye = null // position of the eye as set by walking; another position requires begin()
   #usual = { scene: null, height: 1 }
   #last = 0
 
-  /** `host` has scene(), height() (0: estimated height), draw(camera, size), which returns a promise of depths, and
-      note(words). */
+  /** host.draw(camera, size) returns a promise of depths. host.height() is 0 for the estimated height. */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host
@@ -88,8 +87,7 @@ export class Walker {
     return unit(this.#pilot.up)
   }
 
-  /** Returns the horizontal direction of view. If the camera looks straight up or down, its up vector gives the
-      direction. */
+  /** If the camera looks straight up or down, its up vector gives the horizontal direction of view. */
   #level(camera) {
     const up = this.#up
     const ahead = add(camera.look, camera.eye, -1)
@@ -99,7 +97,7 @@ export class Walker {
     return unit(steep ? flat(camera.up.map((x) => -Math.sign(dot(ahead, up)) * x)) : level)
   }
 
-  /** Moves the eye to the ground: in front of a point, or below the camera, or on the way to the camera's target. */
+  /** Moves the eye to the ground: in front of a point, below the camera, or on the way to its target. */
   async begin(point = null) {
     const own = (this.#asking = {})
     const { camera } = this.#pilot
@@ -122,7 +120,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** Estimates the height of the eye from the start view, else as an eighth of the scene's height. */
+  /** Estimates the eye's height from the start view, else as an eighth of the scene's height. */
   async #findUsual() {
     const scene = this.#host.scene()
     if (this.#usual.scene === scene) return
@@ -152,7 +150,7 @@ export class Walker {
     return depths && new Ground({ place: eye, axes, cell: 1 / fx, height, depths })
   }
 
-  /** Returns the height of the ground at a point, between two heights; null without ground. */
+  /** Returns the ground's height at a point, between `low` and `high`; null without ground. */
   #groundAt(ground, point, height, low = -Infinity, high = Infinity) {
     const found = ground.heights(point, FOOT * height).filter((y) => y > low && y <= high)
     return found.length ? middle(found) : null
@@ -175,7 +173,7 @@ export class Walker {
     return add(add(point, this.#level(camera), -BACK * this.height), this.#up, this.height)
   }
 
-  /** Returns a camera at a position with the old target. The target is moved if it is too near or too steep. */
+  /** Keeps the camera's target, unless it is too near or too steep. */
   #upright(camera, eye) {
     const up = this.#up
     const ahead = add(camera.look, eye, -1)
@@ -229,7 +227,6 @@ export class Walker {
     return this.#ground.heights(place, BODY * this.height).filter((y) => y > limit).length
   }
 
-  /** Updates the height of the feet, which stays unchanged over a hole. */
   #stand(place) {
     const { height } = this
     const low = this.#floats ? -Infinity : this.#feet - DROP * height

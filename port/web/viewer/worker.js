@@ -39,8 +39,7 @@ function boxOf(list) {
 
 let seen = {}
 
-/** Returns the first view of all scenes. The view is chosen again if the list of scenes changes, not if a scene is
-    moved. */
+/** The first view is chosen again if the list of scenes changes, not if a scene is moved. */
 function firstOf(list) {
   const of = placed.filter(isThere).map(({ key }) => key).join()
   if (seen.of !== of || seen.last !== list.at(-1).scene) seen = { of, last: list.at(-1).scene, first: firstView(list) }
@@ -64,7 +63,7 @@ function put(key, scene) {
   scenes.set(key, scene)
 }
 
-/** Shows a preview. Loading waits until the page has drawn the preview. A preview of few Gaussians is skipped. */
+/** Loading waits until the page has drawn the preview. A preview of few Gaussians is skipped. */
 function preview(key, part, share) {
   if (part.count < SEEN && share < SEEN_SHARE) return part.free()
   put(key, part)
@@ -75,13 +74,13 @@ function preview(key, part, share) {
   })
 }
 
-/** Calls a function after the browser has shown the canvas. The worker must be idle until then. */
+/** Calls a function after the browser has shown the canvas, which needs an idle worker. */
 function onScreen(call) {
   if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
   else call()
 }
 
-/** Draws on a screen, or returns the pixels if the screen does not exist. Returns null if the screen has failed. */
+/** Without a screen, returns the pixels. Returns null if the screen has failed. */
 async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
@@ -114,7 +113,6 @@ async function withSky({ sky, ...options }, camera) {
 
 let last
 
-/** Prefetches parts for the camera AHEAD_MS from now, if the camera continues its motion. */
 function lookAhead(camera, options) {
   const list = objects()
   if (!list.some(({ scene }) => scene.paged && !scene.failure)) return
@@ -127,12 +125,12 @@ function lookAhead(camera, options) {
   const position = camera.position.map((x, i) => x + far * (x - before.position[i]))
   try {
     foresee(list, { ...camera, position }, options)
-  } catch {} // the extrapolated position is not valid for a camera
+  } catch {}
 }
 
 let eyes
 
-/** Draws the pictures of several cameras side by side on the GPU. Returns null if the canvas is too small. */
+/** Draws the pictures of several cameras side by side on the GPU; null if the canvas is too small. */
 async function bitmapOf(cameras, options, backend) {
   const { width, height } = options
   if (eyes?.screen.backend !== backend) {
@@ -174,7 +172,6 @@ const words = {
     return factsOf(scene)
   },
 
-  /** Sets the scenes to draw. Other scenes stay in memory. */
   place(list) {
     placed = list
     return whole()
@@ -207,8 +204,7 @@ const words = {
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
-  /** Draws one or two eyes, each with the same bytes as a mono picture. Returns { pictures } of pixels, or the {
-      bitmap } of a GPU. */
+  /** Draws one or two eyes. Returns { pictures } of pixels, or the { bitmap } of a GPU. */
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
@@ -230,7 +226,7 @@ const words = {
 
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
 
-  /** Returns the depth at some pixels as the farthest of 3 x 3 pixels, since a marker lies on a surface. */
+  /** The farthest depth of 3 x 3 pixels is used, since a marker lies on a surface. */
   depths(pixels, camera, options) {
     const { width, height } = options
     const depth = depthOf(camera, options)

@@ -5,20 +5,20 @@ import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
 const REACH = 2 // metres: distance from the head to the camera's target
-const NEAR = 0.1 // metres: distance of the near plane
+const NEAR = 0.1
 const AIM_MS = 50 // milliseconds to aim at for a pair of pictures
 const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
 const [PUSHED, IDLE] = [0.7, 0.3] // deflections of a thumbstick that start a turn, and that allow the next turn
 const DEAD = 0.15
 
-/** The placement of the room in the scene: its axes (right, up, back), its origin, and scene units a metre. */
+/** The placement of the room in the scene: axes (right, up, back), origin, scene units a metre. */
 export class Place {
   constructor(axes, units, origin = [0, 0, 0]) {
     Object.assign(this, { axes, units, origin })
   }
 
-  /** Returns a level placement, with a horizontal direction (x, z) of the room as the camera's direction of view. */
+  /** Returns a level placement. The horizontal direction (hx, hz) of the room becomes the direction of view. */
   static towards([hx, hz], { camera, up }, units) {
     const y = unit(up)
     const level = (a) => add(a, y, -dot(a, y))
@@ -39,18 +39,16 @@ export class Place {
     return [0, 1, 2].map((i) => x * this.axes[0][i] + y * this.axes[1][i] + z * this.axes[2][i])
   }
 
-  /** Converts a point of the room to the scene. */
   at(point) {
     return add(this.origin, this.turned(point), this.units)
   }
 
-  /** Converts a point of the scene to the room. */
   from(there) {
     const to = add(there, this.origin, -1)
     return this.axes.map((axis) => dot(axis, to) / this.units)
   }
 
-  /** Returns the placement, moved so that a point of the room is at a point of the scene. */
+  /** Moves the placement so that a point of the room lies at a point of the scene. */
   held(point, there) {
     const moved = new Place(this.axes, this.units)
     moved.origin = add(there, moved.turned(point), -this.units)
@@ -61,7 +59,7 @@ export class Place {
     return new Place(this.axes, this.units, add(this.origin, by, times))
   }
 
-  /** Returns the placement, turned about the vertical by an angle to the right, with the metre scaled by a factor. */
+  /** Turns the placement to the right about the vertical, and scales the metre by a factor. */
   changed(angle, times) {
     const axes = this.axes.map((axis) => rotate(axis, this.axes[1], -angle))
     return new Place(axes, this.units * times, this.origin)
@@ -79,7 +77,7 @@ const pushed = (x = 0) => (Math.abs(x) < DEAD ? 0 : x)
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
-/** The Guide of the VR mode: starts at the camera of the page, and moves by thumbsticks. */
+/** The Guide of the VR mode starts at the page's camera and moves by thumbsticks. */
 class Walker {
   #host
   #turning = false
@@ -88,7 +86,7 @@ class Walker {
     this.#host = host
   }
 
-  /** Moves in the direction of view by the left stick. The right stick turns, and moves up and down. */
+  /** The left stick moves in the direction of view. The right stick turns, and moves up and down. */
   step(place, { pose, session, seconds }) {
     const { matrix, position } = pose.transform
     place ??= Place.of(this.#host.view(), pose.transform)
@@ -137,8 +135,8 @@ export class Headset {
   #grips = []
   #last = 0
 
-  /** `host` has engine(), backend(), scene(), options(), view() with camera and up, the members that a Guide needs,
-      and the callbacks changed(isOn), drawn(detail), say(error). */
+  /** `host` has the state of the viewer, the members that a Guide needs, and the callbacks changed(isOn),
+      drawn(detail), say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -267,7 +265,7 @@ export class Headset {
     return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
   }
 
-  /** Requests one pair of pictures. The time until the answer decides the size of the next pair. */
+  /** Requests one pair of pictures. The waiting time decides the size of the next pair. */
   async #ask(engine, views) {
     const asked = (this.#asked = { engine })
     const scale = this.#scale.value

@@ -1,5 +1,4 @@
-// A program that uses the package, for each project of bundlers.mjs, which fills in the names of the entries. Stores
-// the results in `globalThis.result`.
+// A program that uses the package, for the projects of bundlers.mjs. Stores the results in `globalThis.result`.
 import { load, Screen, setAssets } from '@LOAD@'
 import '@VIEWER@'
 
