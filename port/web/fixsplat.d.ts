@@ -1,7 +1,7 @@
 /** True if the platform supports simd128, the vector instructions of WebAssembly. `load` then uses simd128. */
 export const hasSimd: boolean
 
-/** True if the platform also supports relaxed simd128, which renders the same pictures faster. */
+/** True if the platform also supports relaxed simd128, which renders faster. */
 export const hasRelaxed: boolean
 
 /** Pixels in a type that ImageData accepts in older and newer versions of TypeScript. The memory is not shared. */
@@ -10,8 +10,8 @@ export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 /** Bytes in a type that Blob and Response accept. The memory is not shared. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
-/** Sets the URL of the folder with the package's .wasm, .js and viewer/ files. The call is needed only with a
-    bundler that does not copy these files, and must precede all loading. */
+/** Sets the URL of the folder with the package's .wasm, .js and viewer/ files. Call this function first if a bundler
+    does not copy these files. */
 export function setAssets(folder: string | URL): void
 
 /** A vector of three numbers: x, y, z of a point, or red, green, blue of a colour. */
@@ -20,65 +20,55 @@ export type Vector = readonly [number, number, number]
 /** Options of `load` and `Screen.open`. `Screen.open` reads only `simd` and `threads`. */
 export interface LoadOptions {
   /** The packing profile; 'default' by default. With spherical harmonics (SH) of degree 3, a Gaussian takes 63.5
-      bytes as 'default', 39.6 as 'compact' and 19.6 as 'small'. An .fxs file is already packed and ignores the
-      profile. */
+      bytes as 'default', 39.6 as 'compact' and 19.6 as 'small'. Ignored for .fxs files. */
   profile?: 'default' | 'compact' | 'small'
   /** The axes x, y, z of an .spz file: 'rub' is right, up, back; 'rdf' is right, down, front. 'file', the default,
       uses the axes that the file states. */
   axes?: 'file' | 'rub' | 'rdf'
   /** The largest number of Gaussians to read; a larger scene is an Error. The default is 1,000,000 plus the size of
-      the file in bytes, at most 2 ** 26. An .fxs file ignores the limit. */
+      the file in bytes, at most 2 ** 26. Ignored for .fxs files. */
   maxGaussians?: number
-  /** The largest number of bytes of memory for reading and packing a file; a file that needs more is an Error. The
-      default follows from `maxGaussians`. An .fxs file ignores the limit. */
+  /** The largest number of bytes of memory for reading and packing a file. The default follows from `maxGaussians`.
+      Ignored for .fxs files. */
   maxMemory?: number
   /** Receives the progress of the download and of the preparation. */
   progress?: (progress: Progress) => void
-  /** Receives a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH.
-      Previews come during the download of .ply, .splat and .ksplat files of known length, and before a large scene
-      is packed. An .fxs file has no previews. The caller must call `free` on each preview. If the function returns a
-      promise, loading waits for it. */
+  /** Receives a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH. The
+      caller must call `free` on each preview. If the function returns a promise, loading waits for it. An .fxs file
+      has no previews. */
   preview?: (scene: Scene) => void | Promise<void>
-  /** A signal that cancels loading. The promise of `load` is rejected with the reason of the signal. The signal has
-      no effect after loading. */
+  /** A signal that cancels loading. The promise of `load` is then rejected with the reason of the signal. */
   signal?: AbortSignal
   /** The time-out of a request in milliseconds; 30000 by default. A request fails if fewer than 1000 bytes arrive in
-      this time. Waiting for `preview` does not count. */
+      this time. */
   silence?: number
   /** False loads the WebAssembly module without simd128; the default is `hasSimd`. All scenes of one picture need
       the same `simd` and the same `threads`. */
   simd?: boolean
   /** The number of drawing threads, 1 to 64, with the caller's thread. The default is the number of processors, at
-      most 8. A page needs simd128 and `crossOriginIsolated` for more than one thread. A server isolates a page by
-      the headers Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy: require-corp. The
-      pictures do not depend on the number of threads. */
+      most 8. A page needs `crossOriginIsolated` for more than one thread. A server isolates a page by the headers
+      Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy: require-corp. */
   threads?: number
   /** Options for streaming an .fxs file with levels of detail; false downloads the whole file first. A scene is
-      streamed if its address is http or https and ends in .fxs, and the server supports range requests. `load` then
-      fetches only the tables and the coarsest parts. `render` draws the loaded parts at once and requests missing
-      parts, the most important first. `changed` tells when to draw again. A picture without missing parts has the
-      same bytes as a picture of the whole file. */
+      streamed if its address is http or https and ends in .fxs, and the server supports range requests. `render`
+      draws the loaded parts at once and requests missing parts. `changed` tells when to draw again. */
   paging?: false | Paging
 }
 
-/** Options of streamed scenes. */
 export interface Paging {
-  /** The memory in bytes for the parts of the scene, called the pool; 512e6 by default, less if memory is short. The
-      tables take 290 bytes more for each 256 Gaussians. A full pool drops the least recently used part, except the
-      coarsest parts. `budget` can be at most half the capacity of the pool. The default budget is 1,000,000
-      Gaussians; a smaller scene is drawn whole. */
+  /** The memory in bytes for the parts of the scene, called the pool; 512e6 by default. A full pool drops the least
+      recently used part, except the coarsest parts. `budget` can be at most half the capacity of the pool. The
+      default budget is 1,000,000 Gaussians; a smaller scene is drawn whole. */
   memory?: number
   /** The capacity in bytes of the cache on disk, for all scenes together; 1e9 by default, 0: no cache. The cache
-      keeps parts for the next visit. The cache needs a browser, a secure page, and a server that sends ETag or
-      Last-Modified. */
+      needs a browser, a secure page, and a server that sends ETag or Last-Modified. */
   cache?: number
   /** The largest number of simultaneous requests; 6 by default. */
   requests?: number
   /** Overrides `LoadOptions.silence` for the requests of this scene. */
   silence?: number
   /** The callback for arrived parts, called at most every 50 ms. The callback receives an Error once if the file is
-      damaged, has changed on the server, or the server fails repeatedly. The scene can still be drawn. After a
-      network error, pictures request their parts again 5 seconds later. */
+      damaged, has changed, or the server fails repeatedly. The scene can still be drawn. */
   changed?: (error?: Error) => void
 }
 
@@ -93,19 +83,18 @@ export interface Progress {
 }
 
 /** Opens a scene file. Formats: @FORMATS@.
-    `source` is an address, the bytes of a file, a Blob, or a list of files; in Node also a path. A scene file may
-    name other files, which are read only from its folder or below. In a list of files, other files are found by
-    webkitRelativePath or name. Limits: 2 GB for one file, 4 GB for all files of a scene. The download stops early if
-    the first bytes are not a scene, or if the file is far longer than its header says. A redirection from https to
-    http is refused. If the scene cannot be opened, the promise is rejected with an Error that states the reason. */
+    `source` is an address, the bytes of a file, a Blob, or a list of files; in Node also a path. Other files that
+    the scene file names must lie in its folder or below. In a list of files, other files are found by
+    webkitRelativePath or name. Limits: 2 GB for one file, 4 GB for all files of a scene. If the scene cannot be
+    opened, the promise is rejected with an Error that states the reason. */
 export function load(
   source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
   options?: LoadOptions
 ): Promise<Scene>
 
-/** A camera given by its position and target. Positions are in scene units. The y axis points down by default; see
-    `up`. Without `eye` and `up`, fixsplat chooses an upright view that shows much of the objects; see `firstView`. A
-    single scene with a `start` view, without placement and without `fov`, uses its start view. */
+/** A camera given by its position and target, in scene units. The y axis points down by default; see `up`. Without
+    `eye` and `up`, fixsplat chooses an upright view; see `firstView`. A single scene with a `start` view, without
+    placement and without `fov`, uses its start view. */
 export interface LookAt {
   /** The position of the camera in scene units. If `up` is given without `eye`, the camera shows all objects
       completely. */
@@ -116,8 +105,7 @@ export interface LookAt {
   up?: Vector
   /** The vertical field of view, 1 to 170 degrees; 50 by default. */
   fov?: number
-  /** The depth of the near plane in scene units. The default is a hundredth of half the diagonal of the box around
-      the objects, at most 0.2. */
+  /** The depth of the near plane in scene units. The default depends on the size of the objects, and is at most 0.2. */
   near?: number
   /** The width and height of the picture in pixels. `FrameOptions.width` and `height` take precedence. */
   width?: number
@@ -132,8 +120,7 @@ export interface Pinhole {
   /** The position of the camera in the world, in scene units. */
   position: Vector
   /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size, the
-      focal lengths are multiplied by the ratio of the widths. The offset of the principal point from the middle is
-      multiplied by the same ratio. */
+      intrinsics are multiplied by the ratio of the widths. */
   fx: number
   /** The vertical focal length in pixels; `fx` by default. */
   fy?: number
@@ -152,7 +139,6 @@ export interface Pinhole {
 
 export type Camera = LookAt | Pinhole
 
-/** Options of a picture. */
 export interface FrameOptions {
   /** The size of the picture in pixels, 1 to 16384 each. The default is the size that the camera states, else 1280 x
       720. */
@@ -165,35 +151,33 @@ export interface FrameOptions {
   /** The highest degree of SH that is evaluated, 0 to 3; 3 by default. */
   shDegree?: 0 | 1 | 2 | 3
   /** The extent of a drawn Gaussian. 'mahalanobis', the default, ends a Gaussian at a Mahalanobis distance of 3.
-      'square' covers each tile of 16x16 pixels that a square of side 6 sigma around the centre touches (Kerbl et al.
-      2023). Sigma is the largest standard deviation of the Gaussian in the picture. */
+      'square' covers each tile of 16x16 pixels that a square of side 6 sigma touches (Kerbl et al. 2023). Sigma is
+      the largest standard deviation of the Gaussian in the picture. */
   cutoff?: 'mahalanobis' | 'square'
   /** The largest number of Gaussians in a picture, for scenes with levels of detail (`fixsplat convert --levels`).
-      Coarse Gaussians replace the parts with the least detail in the picture. All objects share the budget. The
-      default is no limit, except for streamed scenes; see `Paging.memory`. Scenes without levels ignore the budget. */
+      All objects share the budget. The default is no limit, except for streamed scenes; see `Paging.memory`. Scenes
+      without levels ignore the budget. */
   budget?: number
   /** The smallest detail to draw, 1/256 to 16384 pixels, for scenes with levels of detail. Coarse Gaussians replace
-      smaller details. The default is 0: no limit. The option can be combined with `budget`. */
+      smaller details. The default is 0: no limit. */
   detail?: number
   /** False draws a streamed scene with its loaded parts and requests no other parts. True by default. */
   fetch?: boolean
-  /** The largest number of bytes of working memory. The default is the memory of a whole frame. With less memory,
-      the same picture takes longer; too little memory is an Error. */
+  /** The largest number of bytes of working memory. The default is the memory of a whole frame. With less memory, a
+      picture takes longer; too little memory is an Error. */
   maxMemory?: number
 }
 
-/** Statistics of a picture. */
 export interface Drawn {
-  /** The number of processed Gaussians, visible or not, at most the budget. The budget does not limit scenes without
-      levels of detail, nor the first 256 Gaussians of another scene. */
+  /** The number of processed Gaussians, visible or not. The budget does not limit scenes without levels of detail. */
   readonly drawn: number
   /** The number of missing parts of streamed scenes, which coarser parts replace; see `LoadOptions.paging`. 0: the
       picture is complete. */
   readonly missing: number
 }
 
-/** The targets: pictures that a frame writes. A frame contains only the targets that are named here. `occluder` and
-    `backdrop` are inputs. An array of the wrong length is an Error. */
+/** The targets: pictures that a frame writes. `occluder` and `backdrop` are inputs. An array of the wrong length is
+    an Error. */
 export interface Targets {
   /** The format of the colours. 'rgba8': four bytes a pixel. 'premultiplied': four bytes a pixel, red, green and
       blue times the coverage, then the coverage. 'premultiplied16': premultiplied colours and coverage as four
@@ -202,8 +186,7 @@ export interface Targets {
   colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
   /** The coverage times 255. The coverage is the share of the light that the Gaussians at a pixel absorb. */
   coverage?: boolean
-  /** The median depth: the depth of the first Gaussian, from near to far, at which more than half of the light is
-      absorbed. */
+  /** The median depth: the depth of the first Gaussian at which more than half of the light is absorbed. */
   depth?: boolean
   /** The mean depth of the Gaussians at a pixel, weighted by their contributions. */
   meanDepth?: boolean
@@ -213,7 +196,7 @@ export interface Targets {
       its centre is farther than this depth. */
   occluder?: Uint32Array
   /** Input: a picture to draw instead of the background colour. Each pixel has four bytes: red, green, blue, and an
-      ignored byte. The premultiplied formats do not allow a backdrop. */
+      ignored byte. Not possible with premultiplied formats. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
@@ -233,14 +216,12 @@ export interface Frame extends Drawn {
   readonly ids?: Uint32Array
 }
 
-/** Options of a picture with named targets. */
 export interface TargetOptions extends FrameOptions {
   targets: Targets
   /** The number of fraction bits of depths, 1 to 28; 16 by default. */
   depthBits?: number
 }
 
-/** Options of a stereo picture with named targets. */
 export interface StereoTargetOptions extends FrameOptions {
   /** The targets of both eyes, or a pair with the targets of each eye. The colours of both eyes must have the same
       format. */
@@ -318,15 +299,15 @@ export class Scene {
   /** The size of the packed scene in bytes. */
   readonly bytes: number
   /** The view that fixsplat chooses for the scene. `up` is the up direction. `low` and `high` are the corners of the
-      viewed box: the scene, or its core if the surroundings extend far beyond. `from` is the direction from the
-      middle of the box to the camera. `part` is the distance of the camera as a share, 0.5 to 1, of the distance
-      that shows the whole box. With `part` 0, the camera is in the middle of the box and looks against `from`.
-      `known` is true if the .fxs file stores the up direction, false if the direction was estimated. */
+      viewed box, the scene or its core. `from` is the direction from the middle of the box to the camera. `part` is
+      the distance of the camera as a share, 0.5 to 1, of the distance that shows the whole box. With `part` 0, the
+      camera is in the middle of the box and looks against `from`. `known` is true if the .fxs file stores the up
+      direction. */
   readonly first: { up: number[]; from: number[]; part: number; low: number[]; high: number[]; known: boolean }
-  /** The start view that the .fxs file stores, as a camera for a picture of 2 x 2 pixels; null if the file has none.
-      `render` without a camera uses the start view. */
+  /** The start view that the .fxs file stores, as a camera for a picture of 2 x 2 pixels; else null. `render`
+      without a camera uses the start view. */
   readonly start: Pinhole | null
-  /** The number of started threads that draw the scene. Pictures do not wait for threads that are still starting. */
+  /** The number of started threads that draw the scene. */
   readonly threads: number
   /** A copy of the packed scene: the bytes of an .fxs file. A streamed scene throws an Error. */
   readonly packed: Bytes
@@ -341,19 +322,18 @@ export class Scene {
   /** Prefetches the parts of this scene for a camera; see the function `foresee`. */
   foresee(camera?: Camera, options?: FrameOptions): number
   /** Waits until all parts of a picture of this scene have arrived. The promise is rejected if requests fail, or if
-      the pool (`Paging.memory`) is too small for the picture. */
+      the pool (`Paging.memory`) is too small. */
   complete(camera?: Camera, options?: FrameOptions): Promise<void>
   /** Frees the memory of the scene. Further calls do nothing. */
   free(): void
 }
 
-/** Ends the threads that no scene and no Screen uses, and frees their memory. Otherwise, idle threads wait for the
-    next scene. Do not call this function while a scene is loading. */
+/** Ends the threads that no scene and no Screen uses, and frees their memory. Do not call this function while a
+    scene is loading. */
 export function end(): Promise<void>
 
-/** Draws objects into one picture, with the Gaussians of all objects sorted together by depth. Returns the pixels
-    from the top row down, four bytes each: red, green, blue, alpha. With `targets`, returns a Frame of the named
-    targets instead. An invalid argument or too little memory throws an Error that states the reason. */
+/** Draws objects into one picture, with all Gaussians sorted together by depth. Returns the pixels from the top row
+    down, four bytes each: red, green, blue, alpha. With `targets`, returns a Frame of the named targets instead. */
 export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
 export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Pixels
 
@@ -365,8 +345,7 @@ export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: FrameOptions,
 ): [Pixels, Pixels]
 
-/** Chooses a view of the objects, in the form of `Scene.first`. The choice takes about 0.2 seconds, once for the
-    same objects. */
+/** Chooses a view of the objects, in the form of `Scene.first`. The choice takes about 0.2 seconds and is cached. */
 export function firstView(objects: readonly Placed[]): Scene['first']
 
 /** Prefetches parts of streamed scenes (`LoadOptions.paging`) for a camera, without drawing. Missing parts of the
@@ -390,15 +369,14 @@ export interface IntoTexture {
   y?: number
   /** A depth buffer of other geometry at the same pixels, in a depth format and with the usage TEXTURE_BINDING. A
       Gaussian is hidden at a pixel if its centre is farther than the depth there. `planes` are the distances from
-      the camera, in scene units, of the depths 0 and 1. Either plane may be the far plane, which hides nothing and
-      may be at Infinity. `linear` is true if depths are linear in distance, as with an orthographic camera; false by
-      default. */
+      the camera of the depths 0 and 1, in scene units. Either may be Infinity. `linear` is true if depths are linear
+      in distance, as with an orthographic camera. */
   depth?: { texture: GPUTexture; planes: readonly [number, number]; linear?: boolean }
   /** With `alpha`: true blends the picture over the texture; false, the default, overwrites the texture. */
   over?: boolean
 }
 
-/** Buffers of the device for the targets of a Frame, with the back end 'webgpu'. Targets are 32-bit numbers in rows
+/** Buffers of the device for the targets of a Frame, with the back end 'webgpu'. A target has 32-bit numbers in rows
     of pixels from the top. `colour` has four bytes a pixel: red, green, blue, alpha. A buffer needs the usage
     COPY_DST and 4 bytes a pixel, or 8 for `ids`. The buffers are complete when `finish` is fulfilled. */
 export interface IntoBuffers {
@@ -415,10 +393,9 @@ export interface ScreenOptions extends FrameOptions {
   /** The number of fraction bits of depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
   /** Draws into another target instead of the whole canvas. For 'webgpu', see IntoTexture. For 'webgl2',
-      `framebuffer` belongs to the Screen's context; null, the default, is the canvas, which keeps its size. `x` and
-      `y` are the lower left pixel of the picture in the framebuffer, 0 and 0 by default. `depth` is the depth buffer
-      of a perspective camera: a texture with the filter NEAREST, aligned with the picture at the lower left corner.
-      Its `planes` are as in IntoTexture. */
+      `framebuffer` belongs to the Screen's context; null, the default, is the canvas. `x` and `y` are the lower left
+      pixel of the picture in the framebuffer, 0 and 0 by default. `depth` is a perspective depth buffer: a texture
+      with the filter NEAREST, aligned with the picture at the lower left corner. */
   into?:
     | {
         framebuffer?: WebGLFramebuffer | null
@@ -434,17 +411,17 @@ export interface ScreenOptions extends FrameOptions {
 type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
 /** A Screen draws any number of pictures on a canvas, in the page or in a Worker. A canvas keeps the kind of its
-    context, so a Screen with another kind of context needs another canvas. A freed Screen throws an Error. */
+    context, so another back end may need another canvas. A freed Screen throws an Error. */
 export class Screen {
   private constructor()
   /** Opens a Screen with a back end. All back ends draw the same bytes:
       - 'wasm' copies the picture of `render` to the canvas.
-      - 'webgpu' renders on the GPU, with one copy of each scene there. Streamed scenes are not supported.
+      - 'webgpu' renders on the GPU. Streamed scenes are not supported.
       - 'webgl2' prepares the picture on the processor and draws the picture on the GPU.
 
-      The promise is rejected if the canvas has a context of another kind. All back ends except 'wasm' need simd128
-      and WebGPU or WebGL 2. The scenes must be loaded with the same `simd` and `threads`. For 'webgpu', the canvas
-      may be null, and `device` may be a device of the caller. By default all Screens share one device. */
+      The promise is rejected if the canvas has a context of another kind, or if the platform lacks the back end. The
+      scenes must be loaded with the same `simd` and `threads`. For 'webgpu', the canvas may be null, and `device`
+      may be a device of the caller. */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas | null,
     backend: 'webgpu',
@@ -465,12 +442,10 @@ export class Screen {
   /** The device of the back end 'webgpu'; undefined with other back ends. */
   readonly device: GPUDevice | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. With 'webgpu', the picture is
-      complete at the latest when `finish` is fulfilled. Until then the canvas shows the previous picture. If several
-      pictures wait, only the last picture is shown. */
+      complete at the latest when `finish` is fulfilled. If several pictures wait, only the last picture is shown. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
   /** Returns a promise that is fulfilled when the GPU has completed all pictures. With 'webgpu', the promise is
-      rejected with a one-line Error if the last picture failed. A failed picture is not shown, and `draw` may be
-      called again. */
+      rejected if the last picture failed. A failed picture is not shown, and `draw` may be called again. */
   finish(): Promise<void>
   /** Returns the pixels of the last picture from the top row down, four bytes each: red, green, blue, alpha. The
       back end 'webgpu' returns a promise of the pixels. */

@@ -1,7 +1,6 @@
-// The package for browsers and Node, which runs the C library as WebAssembly modules. The class Module is an instance
-// of a WebAssembly module with its memory. A reader module packs a scene file into the bytes of an .fxs file, and is
-// then dropped with its memory. Threads are workers that run the same module on shared memory. fixsplat.d.ts describes
-// the public functions and classes.
+// The package for browsers and Node, which runs the C library as WebAssembly modules. A reader module packs a scene
+// file into the bytes of an .fxs file, and is then dropped. Threads are workers that run the same module on shared
+// memory.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, SourceFile, urlOf } from './read.js'
@@ -249,10 +248,9 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-// Packs the files of a scene with a new instance of a reader module. `share` is the downloaded share of the first file.
-// `most` is the largest number of Gaussians of a preview; 0: no limit. With `look`, the first file is only checked, as
-// if it had this many bytes. Returns the `bytes` of an .fxs file or an `error`. isElsewhere: another module may
-// succeed. `missing`: names of missing files. isShort: the reader needs bytes that have not arrived.
+// Packs the files of a scene with a new reader module. `share`: downloaded share of the first file. `most`: largest
+// number of Gaussians of a preview; 0: no limit. With `look`, only checks the first file. isElsewhere: another module
+// may succeed. isShort: the reader needs bytes that have not arrived.
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -333,8 +331,8 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-// Checks the first bytes of a download. Throws an Error if they are not a scene, or if the file is far longer than its
-// header says. Returns the number of bytes at which to check again.
+// Throws an Error if the first bytes are not a scene, or if the file is far longer than its header says. Returns the
+// number of bytes at which to check again.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
@@ -349,9 +347,8 @@ async function lookAt(file, files, options) {
   return Infinity
 }
 
-// Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share` is the downloaded
-// share. `isNow` ignores the timing. `waited` is the time of checks in milliseconds, which is no download time. The
-// pauses between previews grow with the time that a preview takes.
+// Returns a function (share, isNow, waited) that makes previews when due. `isNow` ignores the timing. `waited`:
+// milliseconds that were spent on checks. Pauses grow with the time that a preview takes.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()

@@ -1,6 +1,5 @@
-// Finds the other files of the package: WebAssembly modules and worker scripts. Without a bundler, the files lie in the
-// folder of this script. Bundlers recognise the literal `new URL('./...', import.meta.url)` below and move the files.
-// For other bundlers, `setAssets` sets the folder, or inline/files.js contains the files.
+// Finds the other files of the package. Bundlers recognise the literal `new URL('./...', import.meta.url)` below and
+// move the files. For other bundlers, `setAssets` sets the folder, or inline/files.js contains the files.
 
 export const inNode = typeof process === 'object' && !!process.versions?.node
 

@@ -1,8 +1,7 @@
 // Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
-// loaded first. A chunk is the data of 256 Gaussians, called rows, and is loaded when a picture needs it. Chunks lie in
-// a pool of bounded size in the module's memory. A full pool evicts the least recently used chunk. One request loads
-// neighbouring chunks. Leaves are the chunks of the finest level, nodes the coarser chunks. Chunk numbers begin with
-// the leaves. web_paged.c is the module's side.
+// loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool when a picture needs it. A full pool
+// evicts the least recently used chunk. Leaves are the chunks of the finest level, nodes the coarser chunks. Chunk
+// numbers begin with the leaves.
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
@@ -574,8 +573,8 @@ export class Pager {
   }
 }
 
-// Opens a file for streaming and returns { core, pager, at, facts }. Returns { answer } if the server sends the whole
-// file. Returns {} without range requests, or if the file is not an .fxs file of this version.
+// Opens a file for streaming and returns { core, pager, at, facts }. Returns { answer } with the whole file, or {} if
+// streaming is not possible.
 export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
   const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)

@@ -1,7 +1,6 @@
-// Shared code of the three.js and PlayCanvas adapters. Converts cameras and rays, and draws all Splats objects that a
-// camera sees as one picture (class Stage). With WebGL, the picture is drawn in the middle of the engine's render.
-// WebGLStage copies the engine's depths, so that meshes hide Gaussians, and the engine's colours if blending needs
-// them. A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
+// Shared code of the three.js and PlayCanvas adapters, which draw all Splats objects that a camera sees as one picture.
+// WebGLStage draws in the middle of the engine's render, and copies the engine's depths, so that meshes hide Gaussians.
+// A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
 
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
@@ -22,8 +21,8 @@ function unit(a) {
   return a.map((value) => value / length)
 }
 
-/** Converts the world matrix and the projection matrix of a camera to a Pinhole. An orthographic camera is moved
-    along its axis until the near plane is at depth 1, since the near plane may lie behind the camera. */
+/** Converts the matrices of a camera to a Pinhole. An orthographic near plane may lie behind the camera, which is
+    then moved back. */
 export function viewOf(world, projection, near, width, height) {
   const orthographic = isOrthographic(projection)
   const back = orthographic ? 1 - near : 0
@@ -64,8 +63,8 @@ function pixelOf({ rotation, position, fx, fy, cx, cy, orthographic }, point) {
   return [(fx * x) / depth + cx, (fy * y) / depth + cy].map(Math.floor)
 }
 
-/** Returns the hit of a ray on an object between the distances `near` and `far`, or null. With the camera `view`,
-    picks at the ray's pixel in a picture of that camera. Without `view`, picks in a one-pixel picture along the ray. */
+/** Returns the hit of a ray on an object, or null. Without the camera `view`, picks in a one-pixel picture along the
+    ray. */
 export function hitOf(placed, ray, view, options, near, far) {
   const { width, height } = view ? options : { width: 1, height: 1 }
   const size = lengthOf(plus(placed.scene.high, placed.scene.low, -1)) * placed.scale
@@ -187,8 +186,8 @@ void main()
     gl_FragDepth = depth == places.z ? 0.0 : min(near_by_z, 1.0);
 }`
 const [PERSPECTIVE, ORTHOGRAPHIC, LOGARITHMIC] = [0, 1, 2]
-// Multisampled buffers and depth buffers can be copied only to a buffer of the same format. WebGL does not report the
-// format of a canvas, so these formats are tried in turn.
+// A copy of a multisampled buffer or of depths must have the same format. WebGL does not report a canvas's format, so
+// these formats are tried in turn.
 const DEPTHS = ['DEPTH24_STENCIL8', 'DEPTH_COMPONENT24', 'DEPTH_COMPONENT32F', 'DEPTH_COMPONENT16', 'DEPTH32F_STENCIL8']
 const COLOURS = ['RGBA16F', 'RGBA8', 'RGBA32F', 'SRGB8_ALPHA8', 'R11F_G11F_B10F', 'RGB10_A2']
 

@@ -1,23 +1,19 @@
 import type { AppBase, BoundingBox, CameraComponent, Entity, Quat, Ray, Vec3 } from 'playcanvas'
 import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from './fixsplat.js'
 
-/** A scene of Gaussians as an entity of PlayCanvas, for a device of WebGL 2. The world transform places the entity.
-    The scales of x, y and z must be equal and above 0, else the frame throws an Error. All Splats that a camera sees
-    on a layer are sorted and blended together, as one picture. Opaque meshes hide the Gaussians behind them, pixel
-    by pixel, and show through transparent Gaussians in front.
+/** A scene of Gaussians as an entity of PlayCanvas, for a device of WebGL 2. The world transform places the entity;
+    its scales must be equal and above 0. All Splats that a camera sees on a layer are blended together, as one
+    picture. Opaque meshes hide the Gaussians behind them.
 
     The picture is drawn after the opaque meshes of its layer and before the transparent meshes. The picture writes
-    no depth. Its colours are the trained colours. The tone mapping of a camera does not apply; the tone mapping of a
-    CameraFrame does.
+    no depth. The tone mapping of a camera does not apply; the tone mapping of a CameraFrame does.
 
     The event 'change' asks for a new picture, because parts of a streamed scene have arrived or a lost WebGL context
-    was restored. The event has an Error if requests of a streamed scene have failed. An application that renders
-    continuously need not listen. */
+    was restored. The event has an Error if requests have failed. */
 export class Splats extends Entity {
   private constructor()
   /** Loads a scene for an application, with the options of `load`. `source` may also be a Scene, which the caller
-      keeps and frees. All scenes of an application need the same `simd` and the same `threads`. The promise is
-      rejected with an Error if the scene cannot be opened, or if the application has no WebGL 2. */
+      keeps and frees. All scenes of an application need the same `simd` and the same `threads`. */
   static load(
     app: AppBase,
     source: Parameters<typeof import('./fixsplat.js').load>[0] | Scene,
@@ -44,19 +40,16 @@ export class Splats extends Entity {
   /** The entity as an argument of fixsplat's functions, placed by its world transform. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /** Finds the Gaussian of this entity on a ray; null if the ray meets none. With `camera`, the ray must start at
-      the camera, and the pixel of the camera's picture is searched. Without `camera`, a pixel of 1/1000 radian along
-      the ray is searched. Returns the hit point in world units, its distance from the origin of the ray, and the
-      index of the Gaussian. */
+      the camera, and the pixel of the camera's picture is searched. Returns the hit point in world units, its
+      distance from the origin of the ray, and the index of the Gaussian. */
   raycast(ray: Ray, camera?: CameraComponent): { point: Vec3; distance: number; index: number } | null
   /** Makes another entity of the same scene, which shares the Gaussians in memory. */
   clone(): this
   /** Removes the entity and its children from the scene and frees their memory. The Gaussians are freed with the
-      last clone of the entity, unless `load` was given a Scene. The last entity of an application also frees
-      everything that was made in the WebGL context. */
+      last clone of the entity, unless `load` was given a Scene. */
   destroy(): void
 }
 
-/** Converts a PlayCanvas camera to a fixsplat camera for a picture of this size in pixels. The world transform of
-    the camera's entity and the projectionMatrix are used. An orthographic camera is moved back until its near plane
-    is at depth 1. */
+/** Converts a PlayCanvas camera to a fixsplat camera for a picture of this size in pixels. An orthographic camera is
+    moved back until its near plane is at depth 1. */
 export function viewOf(camera: CameraComponent, width: number, height: number): Pinhole

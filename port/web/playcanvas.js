@@ -1,5 +1,5 @@
-// The PlayCanvas adapter: Splats is an entity in a PlayCanvas scene, on a device of WebGL 2. Gaussians and meshes hide
-// each other. placed.WebGLStage draws the picture during the render of each layer.
+// The PlayCanvas adapter: Splats is an entity in a PlayCanvas scene, on a device of WebGL 2. placed.WebGLStage draws
+// during the render of each layer.
 
 import {
   BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA, BlendState, BoundingBox, Entity, GAMMA_NONE,
@@ -16,9 +16,8 @@ export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
 /** Converts a rectangle from shares of a target's size to pixels. */
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
-// Writes premultiplied colours. The picture must be blended in display colours, but a linear target blends linear
-// light. The shader therefore reads the colours behind the picture and writes the difference. PlayCanvas uses a gamma
-// of 2.2.
+// The picture must be blended in display colours, but a linear target blends linear light. The shader therefore reads
+// the colours behind the picture and writes the difference. PlayCanvas uses a gamma of 2.2.
 const SHOW = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;

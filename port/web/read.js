@@ -189,9 +189,8 @@ async function answerOf(name, url, watch, begun) {
   return answer
 }
 
-/** Downloads a file. came(file, share) is called after each part, and the download waits for its promise. `share` is
-    undefined if the size is unknown. `begun` is a promise of an answer that was already requested. `options` are the
-    options of Watch, and `most`, the largest number of bytes. */
+/** came(file, share) is called after each part, and the download waits for its promise. `share` is undefined if the
+    size is unknown. `begun`: promise of an earlier answer. `options.most`: largest number of bytes. */
 export async function download(url, options, came = () => {}, begun) {
   const name = nameOf(url)
   const watch = new Watch(name, options)

@@ -1,5 +1,5 @@
-// Caches ranges of files in the browser's Cache API for the next visit. The address of a cached range is
-// PLACE/file/version/first-end. A full cache drops ranges of other files first.
+// Caches ranges of files in the browser's Cache API. The address of a cached range is PLACE/file/version/first-end. A
+// full cache drops ranges of other files first.
 
 const NAME = 'fixsplat'
 const PLACE = 'https://fixsplat.invalid/'

@@ -6,27 +6,24 @@ export interface Renderer {
   readonly domElement: HTMLCanvasElement | OffscreenCanvas
 }
 
-/** The events of Splats, in addition to the events of Object3D. The event 'change' asks for a new render, because
-    parts of a streamed scene have arrived or a lost WebGL context was restored. A program that renders continuously
-    need not listen. `error` is set if requests of a streamed scene have failed. */
+/** The events of Splats. The event 'change' asks for a new render, because parts of a streamed scene have arrived or
+    a lost WebGL context was restored. `error` is set if requests have failed. */
 export interface SplatsEventMap extends Object3DEventMap {
   change: { error?: Error }
 }
 
-/** A scene of Gaussians as an object of three.js. The matrixWorld places the object. The scales of x, y and z must
-    be equal and above 0, else the render throws an Error. All Splats that a camera sees in a three.js scene are
-    sorted and blended together, as one picture. Opaque meshes hide the Gaussians behind them, pixel by pixel, and
-    show through transparent Gaussians in front.
+/** A scene of Gaussians as an object of three.js. The matrixWorld places the object; its scales must be equal and
+    above 0. All Splats that a camera sees in a three.js scene are blended together, as one picture. Opaque meshes
+    hide the Gaussians behind them.
 
-    The picture takes the place of the first loaded Splats among the transparent objects, by `renderOrder`, then by
-    distance. A transparent mesh is completely under the picture or completely over it. The picture writes no depth.
-    Its colours are the trained colours, without the tone mapping of a WebGLRenderer. */
+    The picture takes the place of the first loaded Splats among the transparent objects. A transparent mesh is
+    completely under the picture or completely over it. The picture writes no depth. The tone mapping of a
+    WebGLRenderer does not apply. */
 export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   private constructor()
   /** Loads a scene for a renderer, with the options of `load`. `source` may also be a Scene, which the caller keeps
       and frees. All scenes of a renderer need the same `simd` and the same `threads`. A WebGPURenderer does not
-      stream scenes. The promise is rejected with an Error if the scene cannot be opened, or if the renderer has no
-      WebGL 2 and no WebGPU. */
+      stream scenes. */
   static load(
     renderer: Renderer,
     source: Parameters<typeof import('./fixsplat.js').load>[0] | Scene,
@@ -51,18 +48,16 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   /** The object as an argument of fixsplat's functions, placed by its matrixWorld. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /** Draws all Splats of this scene for the next `render` with this camera, to the current render target or the
-      canvas. Only a WebGPURenderer needs this call. Await the promise before `render`, which otherwise shows the
-      last picture, because WebGPU reports only later that a picture is complete. The opaque meshes are rendered once
-      more for their depths. On failure, the promise is rejected with an Error. */
+      canvas. Only a WebGPURenderer needs this call; await the promise before `render`. The opaque meshes are
+      rendered once more for their depths. */
   update(camera: Camera): Promise<void>
   /** Makes another object of the same scene, which shares the Gaussians in memory. */
   clone(recursive?: boolean): this
   /** Removes the object from its scene and frees its memory. The Gaussians are freed with the last clone of the
-      object, unless `load` was given a Scene. The last object of a renderer also frees everything that was made in
-      the context. Further calls do nothing. */
+      object, unless `load` was given a Scene. Further calls do nothing. */
   dispose(): void
 }
 
-/** Converts a three.js camera to a fixsplat camera for a picture of this size in pixels. The matrixWorld and the
-    projectionMatrix are used. An orthographic camera is moved back until its near plane is at depth 1. */
+/** Converts a three.js camera to a fixsplat camera for a picture of this size in pixels. An orthographic camera is
+    moved back until its near plane is at depth 1. */
 export function viewOf(camera: Camera & { near: number }, width: number, height: number): Pinhole

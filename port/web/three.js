@@ -1,6 +1,5 @@
-// The three.js adapter: Splats is an object in a three.js scene. Gaussians and meshes hide each other. With a
-// WebGLRenderer, placed.WebGLStage draws the picture during the render. With a WebGPURenderer, `update` draws the
-// picture before the render.
+// The three.js adapter: Splats is an object in a three.js scene. With a WebGLRenderer, the picture is drawn during the
+// render. With a WebGPURenderer, `update` draws the picture before the render.
 
 import {
   Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType,
@@ -36,9 +35,8 @@ const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
 
 const COVER = 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }'
 
-// three.js encodes the shader's output and blends premultiplied colours. The picture must be blended in sRGB, but a
-// linear target blends linear light. The shader therefore reads the colours behind the picture and writes the
-// difference.
+// The picture must be blended in sRGB, but a linear target blends linear light. The shader therefore reads the colours
+// behind the picture and writes the difference.
 const SHOW = `
 uniform highp sampler2D picture;
 uniform highp sampler2D behind;

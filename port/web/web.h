@@ -15,8 +15,8 @@ enum { NUMBERS = 80 };
 __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
                                        uint32_t jobs);
 
-/* A scene in the memory of the module. The members from `coarse` on are for streamed scenes (web_paged.c). The
-   `data` of a streamed scene holds the header of the file, all tables and a pool of chunks. */
+/* A scene in the memory of the module. The members from `coarse` on are for streamed scenes, with the header, all
+   tables and a pool of chunks in `data`. */
 typedef struct fxs_web_scene {
     fxs_scene scene;               /* must be first: fxs_options.want gets its address */
     const void *data;              /* packed scene, which begins with the header of the file */
@@ -53,8 +53,8 @@ void fxs_web_request(fxs_request *request, uint32_t background, int sh_degree, i
 /* Hands over the crop boxes of the objects. The caller frees them. */
 void *fxs_web_take_crops(void);
 
-/* Begins a frame and allocates its working memory, at most `limit` bytes (0: no limit). fxs_web_frame_end frees the
-   memory; after a trap, the next frame does. Returns FXS_ERR_MEMORY if memory ran out. */
+/* Begins a frame with at most `limit` bytes of working memory (0: no limit). fxs_web_frame_end frees the memory;
+   after a trap, the next frame does. */
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
                         uint32_t detail_q8, size_t limit);
 

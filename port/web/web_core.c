@@ -82,8 +82,7 @@ EXPORT(release) void fxs_web_release(void *block)
     free(block);
 }
 
-/* Returns the browser's tan, since a C version would need a large table of pi. An error of an ulp does not matter,
-   since cameras are rounded to 2^-12. */
+/* The browser's tan saves a large table of pi. Cameras are rounded to 2^-12, so an error of an ulp does not matter. */
 double tan(double x)
 {
     return fxs_web_tan(x);
@@ -248,8 +247,8 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
     return error ? error : take_camera(behind[1] != 0 ? behind[1] : view.near);
 }
 
-/* Returns 1 with the start view of a scene for a picture of 2 x 2 pixels, or 0 without a start view. Out: fy,
-   position, rotation (world to camera, in rows). */
+/* Returns 1 with the start view for 2 x 2 pixels, or 0 without a start view. Out: fy, position, rotation (world to
+   camera, in rows). */
 EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
 {
     if (!fxs_view_of_start(&view, l->data, 2, 2))
@@ -260,8 +259,8 @@ EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
     return 1;
 }
 
-/* Adds the camera of a scene's start view. The scene must be the only object. `near` 0 derives the near plane from
-   the box of the scene. Returns 1, or 0 without a start view. */
+/* Adds the camera of a scene's start view; the scene must be the only object. `near` 0: chosen. Returns 0 without a
+   start view. */
 EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int width, int height)
 {
     if (!fxs_view_of_start(&view, l->data, width, height))

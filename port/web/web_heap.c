@@ -1,5 +1,5 @@
 /* malloc and free of a module, for few, mostly large blocks, aligned to 64 bytes. First fit in a list of free blocks
-   in ascending order of addresses. Adjacent free blocks are merged. */
+   in ascending order of addresses, with merging. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* The readers of scene formats and the packer as WebAssembly modules, apart from the renderer. make/web.mk lists the
-   readers of each module. A module reads files by imports of fixsplat.js, and makes an .fxs file in its memory. */
+/* The readers of scene formats and the packer as WebAssembly modules. make/web.mk lists the readers of each module.
+   A module reads files by imports of fixsplat.js, and makes an .fxs file in its memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -104,8 +104,7 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
             s->gaussians[s->count++] = part[until_next];
 }
 
-/* Enlarges the Gaussians of a sample to cover as much as `all` Gaussians. The area of a Gaussian grows by all /
-   count, so log(scale) grows by log(all / count) / 2. */
+/* Enlarges the Gaussians of a sample to cover as much as `all` Gaussians: log(scale) grows by log(all / count) / 2. */
 static void enlarge(sample *s, double all)
 {
     const float more = (float)(fxs_log(all / (double)s->count) / 2);
@@ -120,8 +119,8 @@ static double least_gain(double there)
     return there < 1 ? 2 : 6;
 }
 
-/* Packs a sample of at most `most` Gaussians. `there` is the downloaded share of the file, 0 to 1. Does nothing if
-   the preview would delay the whole scene too much. */
+/* Packs a sample of at most `most` Gaussians. `there`: downloaded share of the file. Does nothing if the preview is
+   not worth its time. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
@@ -148,8 +147,8 @@ static int is_elsewhere(const char *name)
     return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
 }
 
-/* Opens file 0. In: limits of Gaussians and of memory in bytes; 0: default. Returns 0, or 1 if another module may
-   read the file, or an error with a message in `words`. */
+/* Opens file 0. In: limits of Gaussians and of memory in bytes (0: default). Returns 0, 1 if another module may read
+   the file, or an error. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
@@ -170,9 +169,8 @@ EXPORT(look) int fxs_web_look(const char *name, int axes)
     return error;
 }
 
-/* Packs file 0, or a sample of the file if `most` is not 0. In: limits of open_first, downloaded share of the file,
-   number of threads. Out: address and size of the .fxs file; size 0 if a sample is not worth its time. Returns the
-   result of open_first. */
+/* Packs file 0, or a sample if `most` is not 0. In: limits of open_first, downloaded share of the file, number of
+   threads. Out: address and size of the .fxs file; size 0: no worthwhile sample. Returns the result of open_first. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;

@@ -1,7 +1,6 @@
-/* Streamed scenes. paged.js fetches the tables and chunks, and writes them into the memory of this module. A chunk
-   has 256 Gaussians. Leaves are the chunks of the finest level, nodes the coarser chunks. One block of memory holds
-   the tables of the leaves, the tables of the nodes, and the pool of chunks. A chunk without a loaded header has a
-   copy of its parent's header, because the parent is visible whenever the chunk is. */
+/* Streamed scenes, for paged.js. A chunk has 256 Gaussians. Leaves are the finest chunks, nodes the coarser chunks.
+   One block of memory holds the tables of the leaves, the tables of the nodes, and the pool of chunks. A chunk
+   without a loaded header has a copy of its parent's header, because the parent is visible whenever the chunk is. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,8 +31,8 @@ static uint32_t leaves_of(const void *data)
     return header.chunk_count;
 }
 
-/* Checks the header of a file. Returns 1 if the file has levels of detail, else 0. Out: size of the file in bytes,
-   size of a chunk in bytes, number of chunks of all levels. */
+/* Checks the header of a file. Returns 0 without levels of detail. Out: bytes of the file, bytes of a chunk, number
+   of chunks of all levels. */
 EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *header)
 {
     fxs_scene_parts p;
@@ -69,11 +68,10 @@ EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
     release(s);
 }
 
-/* Allocates a scene by its header, with a pool for `places` chunks. Returns null if memory ran out or the header is
-   not valid.
-   Out: the number of leaves. An address, an offset in the file and a size in bytes for each of four tables: the
-   palette, the tree up to the node headers, the node headers, the leaf headers. The offsets in the file of the
-   leaves and of the nodes. The addresses of the pool, the places, the stamps and the list of wanted chunks. */
+/* Allocates a scene with a pool for `places` chunks. Returns null if memory ran out or the header is not valid.
+   Out: number of leaves; address, file offset and size of the palette, of the tree, of the node headers and of the
+   leaf headers; file offsets of the leaves and of the nodes; addresses of the pool, the places, the stamps and the
+   list of wanted chunks. */
 EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
 {
     fxs_scene_parts p;

@@ -1,6 +1,6 @@
 /* Threads for fxs_config.run in a module with shared memory. A helper is a worker (thread.js) with another instance
-   of the module and its own stack. One batch of jobs runs at a time, and jobs start no batch. The caller always runs
-   job 0 and does not wait for helpers that have not started. */
+   of the module. One batch of jobs runs at a time. The caller always runs job 0 and does not wait for helpers that
+   have not started. */
 #include <stdint.h>
 #include <stdlib.h>
 

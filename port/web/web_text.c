@@ -1,5 +1,5 @@
 /* A subset of the C library's functions for messages: %s %d %u %c %f %g, with h, l, ll, z and t, and a precision for
-   strings. JavaScript converts numbers to text, so the module needs no code for the conversion. */
+   strings. JavaScript converts numbers to text. */
 #include <limits.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -50,9 +50,8 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* Draws into a framebuffer at (x, y), with the arguments of `render`. `depth` is the texture of a depth buffer, or
-   0. plane_0 and plane_1 are the distances of its depths 0 and 1. `backdrop` is a texture to draw instead of the
-   background, or 0. */
+/* Draws into a framebuffer at (x, y). `depth`: texture of a depth buffer, or 0. plane_0 and plane_1: distances of
+   its depths 0 and 1. `backdrop`: texture to draw instead of the background, or 0. */
 EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, uint32_t framebuffer, uint32_t depth, uint32_t backdrop,
                                         int x, int y, float plane_0, float plane_1, int format, uint32_t background,
                                         int sh_degree, int square, uint32_t budget, uint32_t detail_q8, size_t limit)

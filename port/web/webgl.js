@@ -1,6 +1,5 @@
-// The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. C code names objects by numbers,
-// as in OpenGL; #objects maps the numbers to WebGL objects. All buffers are for uploads to textures, and lie in the
-// module's memory to save a copy.
+// The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. #objects maps the numbers of
+// OpenGL objects to WebGL objects. Buffers for uploads lie in the module's memory to save a copy.
 
 const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // words a pixel of the uploaded layouts RGBA_INTEGER and RG_INTEGER
 const NUM_EXTENSIONS = 0x821d // a parameter of OpenGL that WebGL lacks

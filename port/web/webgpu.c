@@ -1,5 +1,5 @@
-/* Plans frames of compute shaders (kernels/compute/plan.h), which webgpu.js executes with WebGPU. gpu_begin takes
-   the objects and the camera, and gpu_lay_out makes uniforms and steps. After the frame, gpu_look checks the status. */
+/* Plans frames of compute shaders, which webgpu.js executes with WebGPU. gpu_begin takes the objects and the camera,
+   and gpu_lay_out makes uniforms and steps. After the frame, gpu_look checks the status. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,8 +56,8 @@ EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_w
     return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
 }
 
-/* Describes a part of a scene, or its chunk headers. Out: the size in bytes; then for each of 3 pieces an address, a
-   size in bytes and an offset in the part. */
+/* Describes a part of a scene, or its chunk headers. Out: bytes of the part; for each of 3 pieces: address, bytes,
+   offset. */
 EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
 {
     double *out = fxs_web_numbers();
@@ -80,8 +80,8 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* Sets targets that lie on the device only. Bits of `asked`, from bit 0: colour, mean depth, median depth, ids,
-   occluder, backdrop. The addresses are placeholders: the rows of all images lie side by side in a common row. */
+/* Bits of `asked`, from bit 0: colour, mean depth, median depth, ids, occluder, backdrop. Images lie on the device;
+   their rows lie side by side from a placeholder address. */
 static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
 {
     fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
@@ -136,9 +136,8 @@ static void take_step(void *argument, const fxs_step *step)
     w->steps[w->step_count++] = *step;
 }
 
-/* Lays out the frame. Out: address and size of the uniforms; address, size and device offset of the places; address
-   and number of the steps; the device offsets of the images of take_targets; the size of each buffer. Device offsets
-   are in words, sizes in bytes. */
+/* Lays out the frame. Out: address and bytes of the uniforms; address, bytes and device offset of the places;
+   address and number of the steps; device offsets of the images of take_targets, in words; bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;

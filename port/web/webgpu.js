@@ -1,6 +1,6 @@
-// The back end 'webgpu'. The module plans a frame (webgpu.c), and this file executes the plan with the shaders of
-// kernels/compute. The device reports a status after each frame. If all lists fitted their buffers, the picture is
-// shown; else the frame is repeated with larger buffers. Pixels stay on the device.
+// The back end 'webgpu' executes the plan of a frame (webgpu.c) with the shaders of kernels/compute. The device reports
+// a status after each frame. If all lists fitted their buffers, the picture is shown; else the frame is repeated with
+// larger buffers.
 
 import { parts, texts } from './stages.js'
 
@@ -17,9 +17,8 @@ const NOTHING = 0xffffffff      // value for "no depth": FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
 const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images, and the count of all images
 
-// The first and the last shader of a frame. One shader writes the words of the picture as colours of a texture; an
-// 8-bit format stores k / 255 exactly. Another shader converts the caller's depth buffer to the occluder, as
-// kernels/gles/mesh.frag does.
+// The shaders around a frame. One shader writes the picture as colours of a texture; an 8-bit format stores k / 255
+// exactly. Another shader converts the caller's depth buffer to the occluder.
 const ENDS = `
 struct Place {
     corner: vec2<i32>,

@@ -1,8 +1,7 @@
 // node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
-// tools/scripts/bench.sh. FOLDER caches derived scenes. MODULES is made by tools/scripts/page_modules.sh. PART is:
-// cuts: budgets compared with equal numbers of Gaussians by splat-transform, Spark and pruning.
-// budgets: PSNR, time and bytes of frames with falling budgets. ROUNDS of timing (5); Gaussians of the LANDSCAPE
-// (10000000).
+// tools/scripts/bench.sh. FOLDER caches derived scenes. PART is:
+// cuts: budgets compared with equal numbers of Gaussians by other programs.
+// budgets: PSNR, time and bytes of frames with falling budgets. ROUNDS of timing (5), LANDSCAPE Gaussians (10000000).
 // steps: changes between FRAMES (240) on a slow path.
 // boards: Gaussians that a board draws in a tenth of a second.
 import { execFileSync, spawnSync } from 'node:child_process'
@@ -85,8 +84,8 @@ const sideBySide = (files, to) => {
     parts.forEach(part => rmSync(part))
 }
 
-// Opens a scene with levels of detail and its measured views: every eighth of its cameras, or views around the scene. A
-// synthetic scene has the view that `fixsplat render` chooses.
+// A scene has every eighth of its cameras as views, or views around it. A synthetic scene has the view that `fixsplat
+// render` chooses.
 const open = name => {
     const { file, made, beside, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))

@@ -1,8 +1,6 @@
-// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: tests the npm package in programs built by the
-// bundlers in MODULES, and without a bundler. Each program runs in Chromium, isolated; with `all` also not isolated.
-// The program must draw the command's pictures with every WebAssembly module, with threads, and with the viewer
-// element. Prints a table; with `all`, the table of docs/web.md. WORK has scene.ply. Projects are made next to MODULES,
-// so that they find MODULES.
+// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm package by the bundlers
+// in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures with every
+// WebAssembly module and with the viewer. WORK has scene.ply. Projects lie beside MODULES.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'

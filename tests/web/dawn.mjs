@@ -1,8 +1,6 @@
-// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: tests WebGPU in Node by Dawn (npm package
-// webgpu, in MODULES) with this machine's Vulkan driver. Checks that a Screen has the command's pixels of
-// SCENES/NAME/NAME.ply (guitar, snowmiku). Then measures fixsplat, PlayCanvas and three.js as webgpu_peers.mjs does.
-// VK_DRIVER_FILES chooses a driver, such as Chromium's vk_swiftshader_icd.json. FRAMES: frames for the median (7).
-// PICTURES: folder for the drawn pictures.
+// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: checks and measures WebGPU in Node by Dawn
+// (npm package webgpu). VK_DRIVER_FILES chooses a driver, such as Chromium's vk_swiftshader_icd.json. FRAMES: frames
+// for the median (7). PICTURES: folder for the drawn pictures.
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'

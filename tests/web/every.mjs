@@ -1,6 +1,5 @@
-// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real in the viewer's page with
-// the command, with one and two threads, by the processor and by WebGL 2. Then opens and closes 100 scenes, and checks
-// that memory does not grow.
+// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real with the command. Then
+// opens and closes 100 scenes, and checks that memory does not grow.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'

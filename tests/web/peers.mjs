@@ -181,9 +181,8 @@ function processorTime(root) {
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/** Runs in every page and records frames. `peer.frames` has the completion time of each picture and, while
-    `peer.small` is true, the picture at 160x90. A WebGL frame is complete once a pixel has been read back at the end
-    of its animation frame. */
+/** Records the time of each picture in `peer.frames` and, while `peer.small` is true, the picture at 160x90. A WebGL
+    frame is complete once a pixel has been read back. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {

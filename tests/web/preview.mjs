@@ -1,6 +1,5 @@
-// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks that the page of `fixsplat fit SET --preview` shows the scene
-// during the fit, keeps a turned camera, draws the curve, and ends with the last scene. Runs in SET/.. and leaves
-// page.fxs there.
+// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks the page of `fixsplat fit SET --preview`. Runs in SET/.. and
+// leaves page.fxs there.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { once } from 'node:events'

@@ -1,5 +1,4 @@
-// node publish.mjs SITE MODULES PICTURES SCENE...: checks that pages written by `fixsplat publish`, served as plain
-// files, show their scenes in the viewer. Checks that the list has a picture of each scene.
+// node publish.mjs SITE MODULES PICTURES SCENE...: checks pages written by `fixsplat publish`, served as plain files.
 import assert from 'node:assert/strict'
 import { existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'

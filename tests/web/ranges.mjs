@@ -4,9 +4,8 @@ import { createServer } from 'node:http'
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** Serves a file. faults({ first, end, count }, request) returns changes of an answer: { status, headers, bytes (a
-    function of the right bytes), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay
-    (milliseconds) }. */
+/** faults({ first, end, count }, request) returns changes of an answer: { status, headers, bytes (a function of the
+    right bytes), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay (milliseconds) }. */
 export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
   const file = openSync(path)
   const { size } = statSync(path)

@@ -1,5 +1,4 @@
-// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks that the pages of `fixsplat view --web FOLDER` list its
-// scenes with pictures, show a scene, keep the camera when the file changes, and report a damaged file. FOLDER has
+// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks the pages of `fixsplat view --web FOLDER`. FOLDER has
 // knot.ply and a damaged bad.ply.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'

@@ -1,8 +1,7 @@
-// Runs the reader of Spark (the worker of @sparkjsdev/spark, with its WebAssembly) on a .rad file, without a browser.
-// node spark.mjs MODULES decode FILE.rad OUT.ply: writes a .ply of floats with SH; of a tree, the leaves.
+// Runs the reader of Spark (@sparkjsdev/spark) on a .rad file, without a browser.
+// node spark.mjs MODULES decode FILE.rad OUT.ply: writes a .ply with SH; of a tree, the leaves.
 // node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the nodes, at most SPLATS, that Spark would draw of
-// a .rad or of the tree of its quality builder. VIEW is a position X,Y,Z, for all directions. With the camera's axes
-// (right, down, ahead) behind, VIEW has Spark's defaults: fewer nodes to the sides and behind.
+// a tree. VIEW is a position X,Y,Z, or a position and the camera's axes (right, down, ahead).
 import { readFileSync, writeFileSync } from 'node:fs'
 
 const [modules, command, file, ...rest] = process.argv.slice(2)

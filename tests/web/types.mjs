@@ -1,6 +1,5 @@
 // node types.mjs TARBALL MODULES PAGE_MODULES [all]: compiles the code of port/web/README.md, docs/web.md and
-// bundlers/types.tsx with strict TypeScript, types of React 19 and bundler module resolution. `all`: also with Node's
-// resolution, and with React 18. Prints the errors.
+// bundlers/types.tsx with strict TypeScript. `all`: also with Node's module resolution, and with React 18.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { dirname, join, resolve } from 'node:path'

@@ -5,8 +5,8 @@ export const VIEWS = {
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// Code of a function for each viewer. The function opens the scene at `url`, turned by 180 degrees about x, with
-// `bring` as import. It returns a function that draws from an eye into the canvas and waits for the device.
+// Code that opens the scene at `url`, turned by 180 degrees about x, with `bring` as import. Returns a function that
+// draws from an eye and waits for the device.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]
@@ -67,9 +67,8 @@ export const VIEWERS = {
     }`,
 }
 
-/** Returns the source of a function that measures a viewer. The function takes bring, canvas, url, width, height and
-    a number of frames. It returns the milliseconds of each frame, after two warm-up frames, while the camera goes
-    around the scene. */
+/** Source of a function that measures a viewer: the milliseconds of each frame while the camera goes around the
+    scene. */
 export const measureText = (name, scene) => `
   const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}
   const [x, y, z] = eye.map((e, i) => e - look[i])

@@ -1,8 +1,6 @@
 // node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: measures WebGPU frames of fixsplat,
-// of PlayCanvas's engine and of three.js's GaussianSplat, with the camera going around a scene (guitar) at a size
-// (1280x720). MODULES is a node_modules with playcanvas, three and puppeteer-core. Each viewer runs in a fresh browser,
-// in turns. FXS_WEBGPU_FLAGS: flags of Chromium instead of the flags for SwiftShader. FRAMES: frames for the median
-// (7).
+// PlayCanvas and three.js, in turns. Defaults: the scene guitar at 1280x720. FXS_WEBGPU_FLAGS: flags of Chromium.
+// FRAMES: frames for the median (7).
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'

@@ -58,8 +58,8 @@ function prepare() {
   }
 }
 
-/** Runs in the page: simulates a phone with one view, and AR sessions that show the page over the camera's picture.
-    The sessions find surfaces: a wall close by, and level surfaces at given heights. */
+/** Simulates a phone with one view, and AR sessions that find surfaces: a wall close by, and level surfaces at given
+    heights. */
 function prepareRoom() {
   const { test } = window
   Object.assign(test, { isPhone: false, heights: [0], finds: true, hasFloor: true, hasPage: true, asked: [] })
@@ -238,9 +238,8 @@ function direction(left, up) {
 }
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
-/** Converts a vector of the room to the placed scene, with `units` a metre. The page's camera looks along z with y
-    down, which is the direction from the person at `eye` to `foot` when the scene was placed. The scene was then
-    turned left, seen from above. */
+/** Converts a vector of the room to the placed scene. The page's camera looks along z with y down, from the person
+    at `eye` to `foot`. */
 function inScene([x, y, z], eye, foot, turn, units) {
   const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
   const [c, s] = [Math.cos(turn), Math.sin(turn)]

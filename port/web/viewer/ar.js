@@ -1,7 +1,6 @@
-// Augmented reality (WebXR, immersive-ar): puts the scene upright on a floor or table of the room. A ring shows the
-// place, which WebXR hit tests find. A tap or the trigger of a controller puts the scene there. Dragging the scene
-// moves it, dragging elsewhere turns it, and two fingers on a screen turn and scale it. xr.js has the session and the
-// pictures.
+// Augmented reality (WebXR): puts the scene upright on a floor or table of the room. A ring shows the place, which
+// WebXR hit tests find. A tap or trigger puts the scene there. Dragging the scene moves it, dragging elsewhere turns
+// it, and two fingers turn and scale it.
 import { button, ICONS } from './body.js'
 import { programOf } from './eyes.js'
 import { add, dot, unit } from './motion.js'

@@ -35,8 +35,8 @@ async function take(entry, files) {
     }
 }
 
-// Finds scenes among files, and a file of views or settings. A scene is a file or a list of files. An index file gets
-// all files below its folder. A single file without a known ending is tried as a scene.
+// Finds scenes among files, and a file of views or settings. An index file gets all files below its folder. A single
+// file without a known ending is tried as a scene.
 export function scenesIn(files) {
   const isViews = (file) => /\.json$/i.test(file.name) && !isIndex(file)
   const rest = new Set([...files].sort((a, b) => (a.name < b.name ? -1 : 1)))

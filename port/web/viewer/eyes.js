@@ -1,5 +1,5 @@
-// Shows the pictures for the eyes of a headset. Each eye has a camera and a picture. A picture is reprojected to the
-// present pose of the head, as a plane at the distance of the scene.
+// Shows the pictures for the eyes of a headset. A picture is reprojected to the present pose of the head, as a plane at
+// the distance of the scene.
 
 /** Returns the camera of an XRView. `margin` enlarges the picture by pixels on each side. `place` maps the room to
     the scene. */
@@ -30,9 +30,8 @@ const sum = (a, r, b, c) => a[r] * b[c] + a[r + 1] * b[3 + c] + a[r + 2] * b[6 +
 const product = (a, b) => ROWS.flatMap((r) => COLUMNS.map((c) => sum(a, r, b, c)))
 const transposed = (a) => COLUMNS.flatMap((c) => ROWS.map((r) => a[r + c]))
 
-/** Returns the homography, by rows, from the pixels of a camera to the pixels of another, for a plane at depth
-    `far`. With intrinsics K, rotation R and eye e, the matrix is K' R'^T M K^-1. M is R with (e - e') / far added to
-    its last column. */
+/** Returns the homography between the pixels of two cameras for a plane at depth `far`: K' R'^T M K^-1. K, R and e
+    are intrinsics, rotation and eye. M is R with (e - e') / far added to its last column. */
 export function turnBetween(from, to, far) {
   const rays = [1 / from.fx, 0, -from.cx / from.fx, 0, 1 / from.fy, -from.cy / from.fy, 0, 0, 1]
   const pixels = [to.fx, 0, to.cx, 0, to.fy, to.cy, 0, 0, 1]
@@ -113,8 +112,7 @@ export class Eyes {
     })
   }
 
-  /** Draws the picture of an eye for its present camera. If the camera is unchanged, the bytes are copied; else the
-      picture is reprojected as a plane at the depth `far`. */
+  /** If the camera is unchanged, the bytes of the picture are copied; else the picture is reprojected. */
   draw(eye, camera, far, { x, y, width, height }) {
     const gl = this.#gl
     const index = Math.min(eye, this.cameras.length - 1)
@@ -143,8 +141,8 @@ const STEP = 1.25
 const MARGIN = 1 / 8
 const PATIENCE = 4 // quick pictures in a row before the size of pictures grows
 
-/** Controls the size of pictures, as a share of the viewport, so that each picture takes about `aim` milliseconds.
-    Pictures below full size get a margin, because the head turns until they are shown. */
+/** Controls the size of pictures, as a share of the viewport, for a drawing time of `aim` milliseconds. Smaller
+    pictures get a margin, because the head turns meanwhile. */
 export class Scale {
   value = 0.5
   #aim

@@ -1,7 +1,5 @@
 // Makes a film of a camera track as a .webm file, frame by frame. WebCodecs encodes each frame with its time in the
-// film, independent of the drawing time. Without WebCodecs, MediaRecorder records each frame for its duration by the
-// clock. The codec is VP9 or VP8 in 4:2:0. The quality is constant if the encoder supports that, else the bit rate is
-// in proportion to the pixels.
+// film. Without WebCodecs, MediaRecorder records each frame for its duration by the clock.
 
 const CODECS = { 'vp09.00.51.08': 'VP9', vp8: 'VP8' }
 const BITS_A_PIXEL = 0.3
@@ -148,8 +146,8 @@ async function recorded(film, frames) {
   return { blob: new Blob(parts, { type: 'video/webm' }), codec: 'MediaRecorder', frames: count }
 }
 
-// Makes a film and returns { blob, codec, frames, width, height }. `asked` is { width, height, rate, seconds, bitrate
-// }. draw(seconds, width, height) returns the pixels of a frame. progress(share) may throw to cancel.
+// Returns { blob, codec, frames, width, height }. draw(seconds, width, height) returns the pixels of a frame.
+// progress(share) may throw to cancel.
 export async function filmOf(asked, draw, progress) {
   const even = (n) => Math.max(2 * Math.round(n / 2), 2)
   const { rate = 30, seconds } = asked

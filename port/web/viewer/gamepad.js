@@ -1,5 +1,5 @@
-// Polls gamepads with the standard mapping (w3.org/TR/gamepad) while a gamepad is connected. A gamepad controls the
-// viewer with the focus, else the viewer with the largest visible share.
+// Gamepads with the standard mapping (w3.org/TR/gamepad). A gamepad controls the viewer with the focus, else the viewer
+// with the largest visible share.
 const DEAD = 0.15 // dead zone of a stick as a share of its range
 const FAST = 4 // factor for the speed with a trigger pressed
 

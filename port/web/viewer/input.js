@@ -1,6 +1,5 @@
 // Listens to pointers and keys, and calls the functions of an object `act`. drag, look and pan get distances in pixels,
-// zoom a factor, focus and click a pixel, fly and arrows seconds, press a key. act.takesWheel(event) returns true if
-// the wheel should zoom.
+// zoom a factor, focus and click a pixel, fly and arrows seconds, press a key.
 
 const CLICK_PIXELS = 4 // pixels: a pointer that moves farther is a drag, not a click
 

@@ -1,5 +1,4 @@
-// Translates the texts of the viewer. The source code has English texts. A table for each other language maps them to
-// translations and is loaded when needed. tests/web/language.mjs checks that each table is complete.
+// Translates the texts of the viewer. A table for each language other than English is loaded when needed.
 
 const TABLES = { de: () => import('./language_de.js'), zh: () => import('./language_zh.js') }
 const NAMES = ['aria-label', 'title', 'placeholder']

@@ -1,5 +1,5 @@
 // Annotations: numbered markers on the picture, and the caption of the selected marker. Markers that the scene hides
-// are faded; the worker finds them by the depths of a small picture.
+// are faded, by the depths of a small picture.
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 

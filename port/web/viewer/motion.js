@@ -1,5 +1,5 @@
 // The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units. `look`
-// is the target of a camera; views.js describes the other fields.
+// is the target of a camera.
 
 const POLE = 0.02 // least angle between the direction of view and up, radians
 

@@ -1,5 +1,5 @@
-// Chooses the size of pictures while the camera moves, by the measured times at each size. The chosen size is the
-// largest that takes at most AIM_MS, or at most WORTH times the time of the smallest size.
+// Chooses the size of pictures while the camera moves: the largest size that takes at most AIM_MS, or at most WORTH
+// times the time of the smallest size.
 
 const AIM_MS = 40 // milliseconds to aim at for a picture in motion
 const WORTH = 1.3 // largest useful time, as a multiple of the time of the smallest picture

@@ -1,6 +1,5 @@
-// The picture in the page: its canvas, the back end that draws on the canvas, and its size. The first back end is
-// 'wasm', unless the page names another. A trial in a second worker then times the GPU back ends once, and the fastest
-// back end draws.
+// The picture in the page: its canvas, back end and size. The first back end is 'wasm', unless the page names another.
+// A trial then times the GPU back ends once, and the fastest back end draws.
 import { Pace } from './pace.js'
 
 const MOST_PIXELS = 1 << 23
@@ -101,8 +100,8 @@ export class Picture {
     return this.#most >= LEAST_PIXELS
   }
 
-  // Times the GPU back ends once, on hidden canvases in a new worker. copy(engine) gives the worker the scenes. A
-  // faster back end draws from now on, and its engine is returned; else null.
+  // Times the GPU back ends once, on hidden canvases in a new worker. Returns the engine of a faster back end, else
+  // null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true

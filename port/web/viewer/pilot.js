@@ -1,5 +1,5 @@
-// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys. The effect of the
-// input depends on the mode: orbit, fly or walk.
+// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys in the modes orbit,
+// fly and walk.
 import * as motion from './motion.js'
 
 const GLIDE_MS = 350

@@ -1,7 +1,6 @@
-// Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part of a
-// file is left out, with a line of text. The result is { camera, annotations, tracks, skybox, start } and some settings
-// of the viewer. Each field may be missing. A camera is { eye, look, up, fov, longer }. With `longer`, fov is the field
-// of view of the longer side of the picture.
+// Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part is
+// left out, with a line of text. A camera is { eye, look, up, fov, longer }. With `longer`, fov is the field of view of
+// the longer side of the picture.
 import { LOOPS } from './track.js'
 import { hasNumbers } from './views.js'
 

@@ -1,5 +1,5 @@
-// The script of a page of `fixsplat publish --single`, which contains all files of the viewer and the scene. Makes a
-// blob: address for each file, changes imports and `new URL` to these addresses, and opens the scene.
+// The script of a page of `fixsplat publish --single`, which contains all files. Makes a blob: address for each file,
+// and changes imports and `new URL` to these addresses.
 
 const carried = (id) => document.getElementById(id)
 
@@ -57,9 +57,8 @@ function addressAll(files) {
   return addresses
 }
 
-// The script of a worker. On file://, a worker cannot be a module and cannot use blob: addresses of the page. The page
-// therefore sends the files, and the worker makes its own addresses. Messages that arrive before the real script has
-// started are kept for that script.
+// On file://, a worker cannot be a module and cannot use blob: addresses of the page. The page therefore sends the
+// files, and the worker makes its own addresses. Messages that arrive early are kept.
 function work(addressAll) {
   const kept = []
   const keep = (event) => kept.push(event.data)

@@ -1,6 +1,5 @@
-// The skybox: makes the backdrop of a frame from an equirectangular picture, in the worker. The middle column of the
-// picture is ahead, along the z axis, or along -y if z is up. The top row is up. Only sums, products, quotients and
-// square roots of doubles are used, so all browsers give the same bytes.
+// The skybox: makes the backdrop of a frame from an equirectangular picture. The middle column of the picture is ahead,
+// along z, or along -y if z is up. Only exactly rounded operations are used, so all browsers give the same bytes.
 import { download } from '../read.js'
 import { add, cross, dot, unit } from './motion.js'
 
@@ -84,8 +83,8 @@ function sample({ width, height, pixels }, u, v, out, at) {
   out[at + 3] = 255
 }
 
-// Returns the pixels of a frame that shows the sky. u and v are exact for every SPAN-th pixel of a row and interpolated
-// linearly between. Near the poles and where u wraps around, all pixels are exact.
+// Every SPAN-th pixel of a row has an exact direction, and the pixels between are interpolated linearly. Near the poles
+// and where u wraps around, all pixels are exact.
 function seen(sky, camera, up, width, height) {
   const { right, down, forward, step, cx, cy } = raysOf(camera, width, height)
   const axes = axesOf(up)

@@ -1,5 +1,4 @@
-// Settings files, annotations, camera tracks and films of the viewer, loaded on first use. settings.js reads the files,
-// markers.js shows annotations, track.js computes the path of a camera track, player.js is the bar that plays a track.
+// Settings files, annotations, camera tracks and films of the viewer, loaded on first use.
 import { staysInside } from '../read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'

@@ -1,13 +1,12 @@
-// Camera tracks: interpolates cameras between keys with times, by cubic Hermite curves. A track is { name, loop,
-// duration, smoothness, step, longer, keys }. A key is { time, eye, look, up, fov }. Times and durations are in
-// seconds. settings.js has checked the track.
+// Camera tracks: interpolates cameras between keys by cubic Hermite curves. A track is { name, loop, duration,
+// smoothness, step, longer, keys }. A key is { time, eye, look, up, fov }. Times and durations are in seconds.
 
 export const LOOPS = ['none', 'repeat', 'pingpong']
 
 const flat = ({ eye, look, up, fov }) => [...eye, ...look, ...up, fov]
 
-/** Returns the keys of a repeated track, with two more keys before and after, which close the path. If the track
-    ends with its last key, one second is inserted before the next round, as in supersplat-viewer. */
+/** Two more keys before and after close the path of a repeated track. If the track ends with its last key, one
+    second is inserted before the next round, as in supersplat-viewer. */
 function closed(keys, duration) {
   if (keys.length < 2) return keys
   const length = duration + (duration === keys.at(-1).time ? 1 : 0)

@@ -56,7 +56,6 @@ export class PlacedScene extends HTMLElement {
   source: File | File[] | null
 }
 
-/** A loaded scene of a viewer. */
 export interface ShownScene {
   /** The address, the file or the files of the scene. */
   source: string | File | File[]
@@ -81,7 +80,7 @@ export interface Found {
   scene: ShownScene
 }
 
-/** The settings of the viewer. A setting with an attribute has the name of the attribute. */
+/** The settings of the viewer. */
 export interface Settings {
   /** The background colour, #rrggbb. The default is dark or light, as the system prefers. */
   background: string
@@ -100,9 +99,7 @@ export interface Settings {
   eyeHeight: number
   /** A factor for the speed of flying and walking, 0.1 to 2; 0.5 by default. */
   speed: number
-  /** The vertical field of view, 1 to 170 degrees. */
   fov: number
-  /** True for an orthographic camera. */
   flat: boolean
   /** The up direction of the scene. */
   up: number[]
@@ -138,7 +135,7 @@ export interface ViewerEvents {
   error: ErrorEvent
   /** The camera has changed. `byHand` is true for input by pointer, key or gamepad, false for a program. */
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
-  /** The mode has changed. */
+  /** The mode (orbit, fly or walk) has changed. */
   mode: CustomEvent<{ mode: Settings['mode'] }>
   /** A click on the scene. `x` and `y` are CSS pixels of the element. `found` is null if no Gaussian is at the
       pixel. */
@@ -160,7 +157,6 @@ export interface ViewerEvents {
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
-/** A camera in a settings file. */
 export interface Pose {
   eye: Vector
   look: Vector
@@ -211,16 +207,13 @@ export interface SettingsFile
   camera?: Pose
   /** The address of an equirectangular picture in the folder of the settings file or below, or a data: address. */
   skybox?: string
-  /** At most 200 annotations. */
   annotations?: readonly Annotation[]
-  /** At most 20 tracks. */
   tracks?: readonly CameraTrack[]
   /** The action after the scene is loaded. 'track' plays the first track, 'annotation' opens the first annotation.
       'camera', the default, shows the start view. */
   start?: 'camera' | 'track' | 'annotation'
 }
 
-/** Options of `Viewer.film`. */
 export interface FilmOptions {
   /** The index of the track, from 0; the selected track by default. */
   track?: number
@@ -230,13 +223,12 @@ export interface FilmOptions {
   /** The number of frames a second, 1 to 120; 30 by default. */
   rate?: number
   /** The bit rate in bits a second. The default is a constant quality if the encoder supports that, else 0.3 bits a
-      pixel. MediaRecorder has a default of 16e6. */
+      pixel. */
   bitrate?: number
   /** Receives the completed share, 0 to 1. An exception from this function cancels the film. */
   progress?: (share: number) => void
 }
 
-/** A film as a .webm file. */
 export interface Film {
   blob: Blob
   /** The encoder. Without WebCodecs, 'MediaRecorder' records each frame for its duration by the clock. */
@@ -256,8 +248,9 @@ export class Viewer extends HTMLElement {
   /** The back end that draws; undefined before the first scene. Setting the property sets the attribute `backend`. */
   get backend(): Backend | undefined
   set backend(name: Backend | '' | null | undefined)
-  /** The camera as text: eye, look, up and field of view, ten numbers separated by commas. Three more numbers follow
-      if any is not 0: 1 for an orthographic camera, then `ViewerCamera.shift`. The text is empty without a scene. */
+  /** The camera as text: eye, look, up and field of view, ten numbers separated by commas. An orthographic or
+      shifted camera has three more numbers: 1 if orthographic, then `ViewerCamera.shift`. The text is empty without
+      a scene. */
   get view(): string
   /** Sets the attribute `view`, the start view. */
   set view(text: string | null | undefined)
@@ -266,28 +259,26 @@ export class Viewer extends HTMLElement {
   /** The scenes in the picture. */
   readonly scenes: ShownScene[]
   /** A copy of the camera; null without a scene. Setting some fields keeps the other fields. Before a scene is
-      loaded, setting the camera sets the start view and needs `eye` and `look`. A field with the wrong count of
-      numbers throws an Error. */
+      loaded, setting the camera sets the start view and needs `eye` and `look`. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
   /** All settings. Setting an object changes the settings in the object. Setting a string sets the attribute
-      `settings`, the address of a settings file. */
+      `settings`. */
   get settings(): Settings
   set settings(values: { [Name in keyof Settings]?: Settings[Name] | null } | string)
-  /** Opens a scene: an address, a file, or the files of one scene. The scene replaces the scene of `src` or of an
-      earlier `open`. Returns false if the scene cannot be opened; the earlier scene then stays. */
+  /** Opens a scene: an address, a file, or the files of one scene. Returns false if the scene cannot be opened; the
+      earlier scene then stays. */
   open(source: string | File | File[]): Promise<boolean>
   /** Adds a scene to the picture, as a new <fixsplat-scene> in this viewer. */
   add(source: string | File | File[], place?: Place): PlacedScene
   /** Removes the scenes opened by `src`, by `open` or by the user. Each <fixsplat-scene> of the page stays. */
   clear(): void
-  /** Replaces the scene by the scene of another address, and keeps the camera. Returns false if no scene is loaded
-      or the viewer is busy. */
+  /** Replaces the scene by the scene of another address, and keeps the camera. Returns false if the viewer is busy. */
   replace(source: string): Promise<boolean>
   /** Shows a view of the attribute `cameras`. The index counts from 0 and wraps around. */
   showView(index: number): void
   /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion.
-      Returns true on arrival, false without a scene or if the camera was moved otherwise before arrival. */
+      Returns true on arrival, false if the camera was moved otherwise. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
   /** Finds the Gaussian at a point of the element, in CSS pixels; null if no Gaussian is there. */
   pick(x: number, y: number): Promise<Found | null>
@@ -299,11 +290,9 @@ export class Viewer extends HTMLElement {
       `error`. */
   get tracks(): CameraTrack[]
   set tracks(list: readonly CameraTrack[])
-  /** Opens the caption of an annotation, by its index from 0, and flies to the annotation. Returns true on arrival.
-      The promise is rejected if the annotation does not exist. */
+  /** Opens the caption of an annotation, by its index from 0, and flies to the annotation. Returns true on arrival. */
   goTo(index: number): Promise<boolean>
-  /** Plays a track, by its index from 0; the selected track by default. A paused track continues. The promise is
-      rejected if the track does not exist. */
+  /** Plays a track, by its index from 0; the selected track by default. A paused track continues. */
   play(track?: number): Promise<void>
   pause(): void
   /** Pauses the track, and shows the track at a time in seconds. */
@@ -316,9 +305,8 @@ export class Viewer extends HTMLElement {
   /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`. The lossy codec then changes
       the pixels. */
   film(options?: FilmOptions): Promise<Film>
-  /** Reads a settings file: an address, a File, or the content of a file as an object. Its camera, annotations and
-      tracks replace the present ones. Returns a line of text for each ignored part. The promise is rejected if the
-      source is not a settings file. */
+  /** Reads a settings file: an address, a File, or the content of a file as an object. Returns a line of text for
+      each ignored part. The promise is rejected if the source is not a settings file. */
   readSettings(source: string | File | object): Promise<string[]>
   addEventListener<Name extends keyof ViewerEvents>(
     name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: How): void

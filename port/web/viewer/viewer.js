@@ -1,8 +1,7 @@
-// The element <fixsplat-viewer> shows scenes in a page: the scene of its attribute `src`, and a scene for each
-// <fixsplat-scene> in it. A worker loads and draws the scenes (engine.js, worker.js). `src` and `open` load their scene
-// in a new worker, which replaces the present worker when the scene has arrived (#openAlone). Further scenes are loaded
-// in the present worker (#load). #gather makes the loaded scenes match the wanted scenes. Pilot moves the camera,
-// Picture owns the canvas and the back end, Panels the visible texts and buttons.
+// The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> in it.
+// `src` and `open` load their scene in a new worker, which replaces the present worker when the scene has arrived
+// (#openAlone). Further scenes are loaded in the present worker (#load). #gather makes the loaded scenes match the
+// wanted scenes.
 import { addressIn } from '../fixsplat_assets.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
@@ -243,8 +242,7 @@ export class Viewer extends HTMLElement {
     return typeof source === 'string' ? source : ''
   }
 
-  /** Returns a link to the viewer's page with this scene and view. The link goes to this page instead if `linksHere`
-      is set, or if a bundler left the viewer's page out. */
+  /** The link goes to this page if `linksHere` is set, or if a bundler left the viewer's page out. */
   get link() {
     const link = this.linksHere ? null : addressIn('viewer/index.html')
     if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`

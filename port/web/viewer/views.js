@@ -1,6 +1,6 @@
 // Reads views from cameras.json files, links and the page's address, and writes links. A camera is { eye, look, up,
-// fov, flat, shift }. `look` is the target that the camera turns about. `flat` means orthographic. `shift` is the
-// offset of the camera's axis from the middle of the picture, right and down, in heights of the picture.
+// fov, flat, shift }. `look` is the target. `flat` means orthographic. `shift` is the offset of the camera's axis from
+// the middle of the picture, right and down, in heights of the picture.
 import { download } from '../read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)

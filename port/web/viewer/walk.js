@@ -1,6 +1,5 @@
-// Walking: the eye stays at its height above the ground, low steps are climbed, walls stop. Ground and walls are found
-// in a height map, a small orthographic picture of depths that the worker draws straight down from the eye. A new
-// height map is requested as the eye moves.
+// Walking: the eye stays at its height above the ground, low steps are climbed, walls stop. A height map finds ground
+// and walls. The height map is a small orthographic picture of depths, straight down from the eye.
 import { add, cross, dot, unit } from './motion.js'
 
 const CELLS = 48

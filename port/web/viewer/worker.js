@@ -1,6 +1,6 @@
-// The worker of a viewer, which loads and draws the scenes, so that the page stays responsive. The page (engine.js)
-// sends requests { id, word, args }; the table `words` has the function of each word. Every request gets an answer {
-// id, result } or { id, error }. Messages with a `stage` are sent without a request.
+// The worker of a viewer, which loads and draws the scenes. The page (engine.js) sends requests { id, word, args }; the
+// table `words` has the function of each word. Every request gets an answer { id, result } or { id, error }. Messages
+// with a `stage` need no request.
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from '../fixsplat.js'
 
 const SEEN = 40000 // least number of Gaussians in an early preview

@@ -1,6 +1,6 @@
 // Shows the scene in a headset or a phone by WebXR. The worker draws a picture for each eye at the latest pose of the
-// head. Drawing takes longer than a frame of the device. Each frame therefore shows the latest complete pictures,
-// reprojected to the present pose (eyes.js). VR puts the scene around the user; ar.js puts the scene into the room.
+// head. Each frame shows the latest complete pictures, reprojected to the present pose (eyes.js), since drawing takes
+// longer than a frame.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
@@ -106,10 +106,9 @@ class Walker {
   }
 }
 
-/** A mode has the type of the WebXR session, the words for errors, the reference spaces to try in order, `clear` for
-    a transparent background, and the class Guide. A Guide places the room in the scene. step(place, now) returns the
-    Place of a frame, or null if none is chosen yet. Optional members are `options` of the session, begin(session,
-    space), end(), and show(gl, view, viewport) for frames without a Place. */
+/** A mode has the type of the WebXR session, texts, the reference spaces to try in order, and the class Guide. A
+    Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if none is chosen yet.
+    Optional members of a Guide: `options`, begin(session, space), end(), show(gl, view, viewport). */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
