@@ -9,7 +9,7 @@ export { setAssets } from './fixsplat_assets.js'
 
 const SHOWN = 100000            // largest number of Gaussians in a preview
 const PAUSE = 400               // milliseconds before the first preview, and between previews
-const SOON = 1000               // no preview if the rest of the download takes fewer milliseconds
+const SOON = 1000
 // A WebAssembly module with one function that uses simd128, to detect support.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
@@ -56,7 +56,7 @@ class Module {
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
     this.pagers = []
-    this.ahead = false          // true while parts of streamed scenes are prefetched
+    this.ahead = false
     this.fetches = true
   }
 
@@ -280,7 +280,7 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   try {
     reader = readerOf(module, imports, threads)
   } catch (error) {
-    return { missing, error, isElsewhere: true }   // no shared memory: tries the next reader module
+    return { missing, error, isElsewhere: true }
   }
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share, threads)
@@ -365,7 +365,7 @@ function previewsOf(files, options) {
       const bytes = await importAll(files, quietly, { share, most: SHOWN })
       if (bytes.length) scene = sceneOf(await coreFor(options), SourceFile.of(files.all[0].name, bytes))
     } catch {
-      return                    // loading the whole scene reports the error
+      return
     }
     if (scene) await options.preview(scene)
     last = performance.now()
@@ -637,7 +637,6 @@ function budgetOf({ pagers }, { budget }) {
   return Math.min(budget || Math.min(...pagers.map((pager) => pager.budget || Infinity)), 2 ** 32 - 1)
 }
 
-/** Returns budget in Gaussians, detail in 1/256 pixel and memory in bytes. 0: no limit. */
 function boundsOf(core, options) {
   const { detail = 0 } = options
   const budget = budgetOf(core, options)
@@ -757,7 +756,6 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Requests missing parts and returns their number. `ahead`: after the missing parts of the last picture. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead
@@ -796,7 +794,6 @@ function resize(canvas, width, height) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
 }
 
-/** The back end 'wasm' of a Screen copies pictures to a canvas with a 2D context. */
 class Copied {
   #context
   #pixels
@@ -828,7 +825,6 @@ class Copied {
 
 const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
 
-/** The back end 'webgl2' of a Screen: the module calls WebGL 2. */
 class Drawn {
   #core
   #functions

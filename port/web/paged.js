@@ -30,7 +30,6 @@ const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 
 // ---- The server -----------------------------------------------------------------------------------------------
 
-/** Reads ranges of a file on a server. A change of the file is a permanent Error. */
 class Remote {
   #url
   #options
@@ -45,7 +44,6 @@ class Remote {
     this.#options = { silence, signal }
   }
 
-  /** After opening, only `end` aborts requests. */
   opened() {
     this.#options.signal = undefined
   }
@@ -178,7 +176,7 @@ export class Pager {
   #layout
   #places
   #used = 0
-  #spare = []                   // free places of the pool below #used
+  #spare = []
   #victims = []                 // places of the pool to evict, the least recently used last
   #fullAt = -1
   #chunkOf
@@ -187,7 +185,7 @@ export class Pager {
   #cursor = 0
   #marks
   #mark = 0
-  #turn = 0                     // number of frames and prefetches until now
+  #turn = 0
   #busy = new Set()
   #blocks                       // state of each block of chunk headers: 0 missing, 1 requested, 2 loaded
   #pendingBlocks = 0
@@ -210,7 +208,6 @@ export class Pager {
     this.#text = core.copyText(remote.name)
   }
 
-  /** Loads the tables and the coarsest nodes. Returns the scene's address in the module and its properties. */
   async open(header, total, { memory = MEMORY, progress }) {
     const core = this.#core
     this.#allocate(header, total, memory)
@@ -251,7 +248,6 @@ export class Pager {
     return { at: this.#at, facts }
   }
 
-  /** Halves the pool of chunks until the memory suffices. */
   #allocate(header, total, memory) {
     const core = this.#core
     const at = core.copy(header)
@@ -320,7 +316,6 @@ export class Pager {
     this.#fetch()
   }
 
-  /** Returns a promise of the next arrival of data. The promise is rejected if no request is running. */
   arrival() {
     if (this.failure) return Promise.reject(this.failure)
     if (!this.#running) {
@@ -408,7 +403,6 @@ export class Pager {
     }
   }
 
-  /** Returns a request for a chunk and its wanted neighbours. */
   #jobOfRows(chunk) {
     const { leaves, chunks, chunkBytes, leafRows, nodeRows } = this.#layout
     const isLeaf = chunk < leaves

@@ -5,7 +5,7 @@
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
 const ALIKE = 1e-4
-const RAY = 1000                // focal length in pixels of the one-pixel picture for a ray without a camera
+const RAY = 1000
 
 // ---- Cameras and rays -----------------------------------------------------------------------------------------
 
@@ -280,7 +280,7 @@ class Surface {
 export class WebGLStage extends Stage {
   #formats
   #depths
-  #turned                       // copy of the engine's depths as near / distance
+  #turned
   #turn
   #restored = () => this.#reopen()
 

@@ -13,7 +13,6 @@ const xyz = ({ x, y, z }) => [x, y, z]
 export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
   placed.viewOf(entity.getWorldTransform().data, projectionMatrix.data, nearClip, width, height)
 
-/** Converts a rectangle from shares of a target's size to pixels. */
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
 // The picture must be blended in display colours, but a linear target blends linear light. The shader therefore reads

@@ -38,7 +38,6 @@ export class SourceFile {
     return Object.assign(new Error(`${this.name}: ${words}`), { isLarge: true })
   }
 
-  /** Sets the least size of the file. Much larger files are refused. */
   limit(least) {
     this.#check(least)
     this.#least = least
@@ -152,7 +151,6 @@ export class Watch {
   }
 }
 
-/** Calls fetch, but refuses a redirection from https to http. */
 export async function fetched(name, url, options) {
   const answer = await fetch(url, options)
   if (!/^https:/i.test(url) || !/^http:/i.test(answer.url)) return answer
@@ -247,7 +245,6 @@ const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.f
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
-/** The files of a scene: the opened file, then files with names relative to its folder. */
 export class Files {
   #files = new Map()
   #asked = new Set()
@@ -308,7 +305,6 @@ export class Files {
     return [...this.#files.keys()].indexOf(name)
   }
 
-  /** Requests other files of the scene; returns false if all were requested before. */
   async ask(names) {
     const isNew = (name) => !this.#asked.has(name) && staysInside(name)
     const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter(isNew))

@@ -11,7 +11,6 @@ function entryOf(request) {
   return end > first ? { request, file: parts[0], version: parts[1], first, end } : null
 }
 
-/** The cached ranges of one version of a file. All files share the capacity of the cache. */
 export class Store {
   #cache
   #prefix
@@ -28,7 +27,6 @@ export class Store {
     this.#most = most
   }
 
-  /** Returns null if caching is off or impossible, as in Node or an insecure page. */
   static async open(url, version, { cache: most = MOST }) {
     if (!version || !most || !globalThis.caches) return null
     try {
@@ -37,7 +35,7 @@ export class Store {
       await store.#list(file, of)
       return store
     } catch {
-      return null               // the browser's storage is switched off
+      return null
     }
   }
 
@@ -77,7 +75,6 @@ export class Store {
     return undefined
   }
 
-  /** After a failed write, no further range is cached. */
   put(first, end, bytes) {
     const size = end - first
     if (size > this.#most) return

@@ -26,7 +26,6 @@ function isVisible(object) {
 const seenOf = (stage, root, camera) =>
   [...stage.splats].filter((one) => rootOf(one) === root && isVisible(one) && camera.layers.test(one.layers))
 
-/** Returns true if the shader must decode sRGB, because three.js encodes the output again. */
 const isDecoded = ({ outputColorSpace }) => ColorManagement.enabled || outputColorSpace !== LinearSRGBColorSpace
 
 const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
@@ -78,7 +77,6 @@ class WebGL extends placed.WebGLStage {
     return this.renderer.getRenderTarget()
   }
 
-  /** Draws the picture of all Splats if `one` is the first visible Splats; returns true then. */
   show(one, scene, camera, material) {
     if (material !== this.material || !this.screen) return false
     const seen = seenOf(this, rootOf(one), camera)

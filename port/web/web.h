@@ -20,11 +20,11 @@ __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, u
 typedef struct fxs_web_scene {
     fxs_scene scene;               /* must be first: fxs_options.want gets its address */
     const void *data;              /* packed scene, which begins with the header of the file */
-    double low[3], high[3];        /* bounds of the visible part of the scene */
+    double low[3], high[3];
 
     fxs_scene coarse;              /* coarsest chunks of the scene, to choose a first view */
     uint32_t *stamps;              /* for each place in the pool, the last frame or prefetch that wanted its chunk */
-    uint32_t *wanted;              /* missing chunks, the most important first */
+    uint32_t *wanted;
     uint32_t wanted_count, turn;
 } fxs_web_scene;
 

@@ -113,7 +113,6 @@ static void enlarge(sample *s, double all)
             s->gaussians[i].scale[axis] += more;
 }
 
-/* Returns the least worthwhile ratio of all Gaussians to the Gaussians of a preview. */
 static double least_gain(double there)
 {
     return there < 1 ? 2 : 6;
@@ -158,7 +157,6 @@ static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_sce
     return error && is_elsewhere(name) ? 1 : error;
 }
 
-/* Opens and closes file 0 as a check. Returns the result of open_first. */
 EXPORT(look) int fxs_web_look(const char *name, int axes)
 {
     fxs_scene_file *file;

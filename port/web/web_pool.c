@@ -82,7 +82,6 @@ static void leave(void)
     wake(&inside);
 }
 
-/* Sets whether the calling thread may sleep while waiting; else the thread spins. */
 EXPORT(may_wait) void fxs_web_may_wait(int yes)
 {
     may_wait = yes;

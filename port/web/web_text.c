@@ -119,7 +119,6 @@ static const char *skip_digits(const char *text)
     return text;
 }
 
-/* Reads the decimal numbers of JSON. */
 double strtod(const char *text, char **end)
 {
     const char *begin = text + (*text == '-' || *text == '+'), *at = skip_digits(begin);

@@ -4,7 +4,6 @@
 const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // words a pixel of the uploaded layouts RGBA_INTEGER and RG_INTEGER
 const NUM_EXTENSIONS = 0x821d // a parameter of OpenGL that WebGL lacks
 
-/** Functions that take the same numbers in OpenGL and WebGL. */
 const SAME = [
   'ActiveTexture',
   'BlendEquationSeparate',
@@ -26,7 +25,7 @@ export class Functions {
   #core
   #objects = [null]
   #free = []
-  #guests = []                 // numbers of the caller's WebGL objects, valid for one draw
+  #guests = []
   #locations = []
   #unpack = 0
   #staging = { at: 0, bytes: 0 }
@@ -51,7 +50,6 @@ export class Functions {
       this[`Uniform${kind}`] = (location, ...values) => gl[`uniform${kind}`](this.#locations[location], ...values)
   }
 
-  /** Returns true if WebGL accepts this memory. Some browsers refuse shared memory. */
   #takes(memory) {
     try {
       this.#gl.readPixels(0, 0, 0, 0, this.#gl.RGBA, this.#gl.UNSIGNED_BYTE, new Uint8Array(memory, 0, 4))

@@ -9,11 +9,10 @@ const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // numbers of buffers in
 const BUFFERS = 7               // number of buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // bytes in a uniform: FXS_COMPUTE_STRIDE
-const STEP = 13                 // words in a step of the plan (fxs_step)
+const STEP = 13
 const PLACE = 10
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // value for "no depth": FXS_NOTHING
-// words a pixel of each target, in the order of the images
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
 const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images, and the count of all images
 
@@ -89,7 +88,6 @@ function ownDevice() {
   return own
 }
 
-/** The Error of a failure has the line of the shader that does not compile. */
 async function pipelineOf(kind, device, what, module, descriptor) {
   try {
     return await device[`create${kind}PipelineAsync`](descriptor)
@@ -182,7 +180,7 @@ export class Computed {
   #pipelines = {}
   #rooms
   #buffers = []
-  #groups = []                 // bind groups of the last frame, reused by the next frame
+  #groups = []
   #bound = 0
   #status
   #place

@@ -13,7 +13,7 @@ const SETS = asked ? [asked] : [
   `${COMMON} --enable-features=Vulkan --use-gl=angle --use-angle=gl-egl --use-vulkan=native`,
   `${COMMON} --enable-features=Vulkan --use-angle=swiftshader --enable-unsafe-swiftshader --use-vulkan=native`,
 ]
-const LIMIT = 15000 // milliseconds for each set of flags
+const LIMIT = 15000
 
 const server = createServer((_, answer) => answer.setHeader('content-type', 'text/html').end('<!doctype html>'))
   .listen(0, '127.0.0.1')

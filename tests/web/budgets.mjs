@@ -50,7 +50,6 @@ const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0)
 const cross = (a, b) => [0, 1, 2].map(k => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
 const unit = v => v.map(x => x / Math.hypot(...v))
 
-// Views around the middle of the scene, in turn at a distance that shows all, near and far.
 const around = ({ seen: [low, high] }, up) => {
     const half = low.map((x, k) => (high[k] - x) / 2), middle = low.map((x, k) => x + half[k])
     const first = unit(Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]), side = cross(up, first)
@@ -68,7 +67,6 @@ const around = ({ seen: [low, high] }, up) => {
     })
 }
 
-// Writes scenes in three columns. Each scene is scaled so that its largest side spans -1 to 1.
 const sideBySide = (files, to) => {
     const { up } = SCENES['boatyard-tile3'], parts = files.map((file, i) => {
         const [turned, part] = ['turned', 'part'].map(name => `${folder}/${name}-${i}.ply`)
@@ -250,7 +248,6 @@ const watch = (scene, keys, films, visit) => {
     opened.forEach(closeSync)
 }
 
-// Returns the RMS change between two frames, for the picture and for each tile.
 const change = difference => {
     const tiles = []
     let all = 0

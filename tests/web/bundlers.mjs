@@ -140,7 +140,6 @@ async function works(page, { isolated = true, inline = false } = {}) {
   if (inline) assert.match(plain, /core\.wasm: is no part of fixsplat\/inline/)
   else assert.deepEqual(plain, one)
   assert.equal(await shown(page), WANTED_VIEW, 'the element shows another picture')
-  // The viewer has one worker. With threads, the viewer and the program have another worker each.
   assert.equal(page.workers().length, isolated ? 3 : 1, 'workers')
   await page.evaluate(() => document.querySelector('fixsplat-viewer').setAttribute('backend', 'webgl2'))
   await until(page, () => document.querySelector('fixsplat-viewer').backend === 'webgl2', 'no WebGL 2 in the worker')
@@ -148,7 +147,6 @@ async function works(page, { isolated = true, inline = false } = {}) {
   assert.equal(await page.evaluate(() => globalThis.said), undefined)
 }
 
-/** Checks docs/examples/react.jsx: the viewer appears, changes its view, and goes with its workers. */
 async function reacts(page) {
   assert.equal(await shown(page), WANTED_VIEW)
   await page.click('#wider')
@@ -191,7 +189,6 @@ async function shows(folder, how = {}) {
 
 const SIZES = /WARNING in (asset|entrypoint) size limit|compiled with \d warnings?/g
 
-/** Builds `dist`. `how.page` has the page's scripts if the bundler makes no page. */
 async function built(name, files, lines, how = {}) {
   const folder = project(name, files)
   for (const line of lines) {

@@ -24,9 +24,7 @@ export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 export const changes = {}
 /** state of the scene server: bytes sent, seconds for an answer, ETag, changes of answers */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
-/** The Content-Security-Policy that is sent with every file, if not empty. */
 export const policy = { text: '' }
-/** Milliseconds of delay for addresses that contain "slow". */
 const SLOW = 1500
 
 async function answer(request, response) {
@@ -133,7 +131,7 @@ export const inside = (body, ...args) =>
 export const still = () =>
   page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
-const QUIET_MS = 250 // milliseconds with an unchanged camera, nothing moving or loading
+const QUIET_MS = 250
 
 /** Waits until all pictures are drawn and the page has been still since. */
 export async function moved() {

@@ -26,7 +26,6 @@ Object.assign(globalThis, globals)
 const gpu = create([])
 Object.defineProperty(globalThis, 'navigator', { value: { gpu, userAgent: 'node' }, configurable: true })
 
-/** Makes the parts of a page that other engines use. */
 function makePage() {
   const shown = {}
   const listens = { addEventListener() {}, removeEventListener() {} }

@@ -4,7 +4,6 @@ import { mkdirSync, writeFileSync } from 'node:fs'
 import { base, frame, hashOf, work } from './screens.mjs'
 
 export const [WIDTH, HEIGHT] = [160, 100]
-// The camera of the pages for the command. Engines have y up and z back.
 export const EYE = ['--eye', '0,-1,-4', '--look', '0,0,0', '--near', '0.1']
 export const seen = frame('knot', WIDTH, HEIGHT, EYE)
 
@@ -96,7 +95,7 @@ export async function example(browser, address) {
     return seen
   }
   const before = await until(`${address}-before`, ({ drawn }) => drawn >= 50000)
-  await page.mouse.click(8 + 150, 8 + 265)                   // a point away from the object
+  await page.mouse.click(8 + 150, 8 + 265)
   const after = await until(`${address}-after`, ({ marked }) => marked > 20)
   await page.close()
   assert.deepEqual(faults, [])

@@ -42,7 +42,7 @@ for (const file of files)
   }
 
 async function memory() {
-  await pause(5000) // until the notes on the picture have gone
+  await pause(5000)
   const { bytes } = await page.evaluate(() => performance.measureUserAgentSpecificMemory())
   const resident = (id) => 4096 * Number(readFileSync(`/proc/${id}/statm`, 'utf8').split(' ')[1])
   return { bytes, resident: Math.max(...(await processes('renderer')).map(resident)) }

@@ -132,7 +132,6 @@ const words = {
     assert.deepEqual(await packedOf(join(root, 'foreign', 'lod-meta.json')), want)
     const within = pathToFileURL(join(root, 'foreign')).href
     for (const url of read.filter((url) => !url.endsWith('.wasm'))) assert.ok(url.startsWith(`${within}/`), url)
-    // A symbolic link that leads out of the folder is not followed.
     const [image] = readdirSync(join(root, 'foreign'), { recursive: true }).filter((name) => /\.webp$/.test(name))
     fs.mkdirSync(join(root, 'out'))
     fs.renameSync(join(root, 'foreign', image), join(root, 'out', 'image'))
@@ -225,7 +224,6 @@ const words = {
     server.closeAllConnections()
   },
 
-  // A redirection from https to http is refused.
   async redirected(fxs) {
     const { fetch } = globalThis
     globalThis.fetch = async (url, { headers } = {}) => {

@@ -6,7 +6,6 @@ import { pathToFileURL } from 'node:url'
 
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
-// Scripts without texts of the viewer.
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
 // Texts that need no translation, such as names of keys and messages for programmers.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
@@ -64,7 +63,7 @@ export async function wordsOfViewer() {
   const parts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, '')))
   const texts = parts.map((text) => text.trim()).filter(isWords)
   const all = [...html, ...Object.values(backends), ...texts].map((words) => words.trim())
-  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // names of formats and keys need no translation
+  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/
   return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !isName.test(words)).sort()
 }
 

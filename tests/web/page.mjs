@@ -158,7 +158,7 @@ const tests = {
         own.remove()
       }
     }, at)
-    await are(enginesOf, 2) // two of the removed viewers keep their scenes
+    await are(enginesOf, 2)
   },
 
   async 'several scenes at their places, moved, taken away and put back'() {
@@ -191,7 +191,6 @@ const tests = {
       const names = new Set(found.filter(Boolean).map(({ scene }) => scene.name))
       assert.deepEqual(names, new Set(['scene.ply', 'levels.fxs']))
 
-      // A viewer that is moved or briefly removed keeps its worker and downloads nothing.
       const before = { ...counts }
       await inside(`document.getElementById('b').append(v)`)
       await moved()
@@ -275,7 +274,7 @@ const tests = {
     await page.mouse.down()
     await page.mouse.move(420, 220, { steps: 3 })
     await page.mouse.up()
-    assert.equal(await flight, false) // input of the user ended the flight
+    assert.equal(await flight, false)
     const cameras = await told('camera')
     assert.ok(cameras.some(({ byHand }) => byHand) && cameras.some(({ byHand }) => !byHand))
 
@@ -307,7 +306,7 @@ const tests = {
       await pause(400)
       return [(await viewOf()) !== before, (await page.evaluate(() => scrollY)) !== top]
     }
-    assert.deepEqual(await wheel(), [true, false]) // the clicks gave the focus to the viewer
+    assert.deepEqual(await wheel(), [true, false])
     await inside('document.activeElement.blur()')
     assert.deepEqual(await wheel(), [false, true])
     assert.match(await inside(`return $('note').textContent`), /hold Ctrl/)
@@ -323,7 +322,6 @@ const tests = {
     const [ups, given] = [[0.5, -0.8660254, 0], [0.6, -0.64, 0.48]]
     const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0)
     const near = (a, b) => assert.ok(a.every((x, i) => Math.abs(x - b[i]) < 2e-4), `${a} is not ${b}`)
-    /** Returns the roll of a camera, its turn, and its height above the target. */
     const seen = async (up) => {
       const { eye, look, up: top } = await inside('return v.camera')
       const [b, a] = [top, eye.map((x, i) => x - look[i])]
@@ -434,7 +432,7 @@ const tests = {
     await moved()
     assert.equal(await inside(`return $('name').textContent + ' | ' + $('count').textContent`),
       'levels.fxs and 1 more | 40,000 splats')
-    assert.equal(await inside(`return $('after').hidden`), false) // the views are loaded
+    assert.equal(await inside(`return $('after').hidden`), false)
     assert.equal(await hash(), rendered('levels.fxs', `${scenes}/scene.ply`, '--cameras', `${scenes}/cameras.json`,
       '--size', '640x360', '--bg', '0e1116'))
 
@@ -707,7 +705,7 @@ const tests = {
     assert.ok(count > 3)
     await open(PARTS)
     await exact()
-    assert.equal(ranges.sent, 192) // the other bytes came from the cache
+    assert.equal(ranges.sent, 192)
     await page.evaluate(async () => {
       const cache = await caches.open('fixsplat')
       for (const key of await cache.keys()) {
@@ -748,7 +746,7 @@ const tests = {
     await moved()
     await page.keyboard.press('ArrowLeft', { delay: 60 })
     await moved()
-    await open('?scene=/scenes/parts.fxs&budget=3000') // a server without ranges sends the whole file
+    await open('?scene=/scenes/parts.fxs&budget=3000')
     assert.equal(await inside(`return $('error').hidden`), true)
   },
 
@@ -767,7 +765,7 @@ const tests = {
       })
     await open(SCENE)
     await pause(1000)
-    assert.equal(enginesOf().length, 1) // WebGL by software is not tried
+    assert.equal(enginesOf().length, 1)
   },
 
   async 'a lost context: the same anew, and the processor where it is lost again'() {

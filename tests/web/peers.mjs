@@ -13,7 +13,7 @@ const [folder, scenes, makes, modules, pictures, rounds = '3', ...asked] = proce
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', json: 'application/json' }
 const [WIDTH, HEIGHT] = [1280, 720]
-const STEP = 2 // degrees that the camera turns in a frame
+const STEP = 2
 const LEAST_FRAMES = 8
 const MOTION_MS = 12000 // least milliseconds of motion; at most five times as long
 const QUIET_MS = 6000 // a viewer has finished after these milliseconds without a frame
@@ -168,7 +168,6 @@ function downloaded() {
 
 // ---- Measuring --------------------------------------------------------------------------------------------------------
 
-/** Returns the processor seconds of a process and its descendants. */
 function processorTime(root) {
   const all = readdirSync('/proc').filter((name) => /^\d+$/.test(name))
   const fields = new Map()

@@ -128,7 +128,7 @@ try {
   await test('it goes on when the fit does, and has the last scene when that is over', async () => {
     const steps = Number(long.said().match(/stopped after (\d+)/)[1]) + 3000
     const rest = await begin(port, '--resume', 'page.fxs.fit', '--steps', String(steps))
-    await inside(`v.setAttribute('backend', 'webgl2')`)   // the back end's script comes from the new server
+    await inside(`v.setAttribute('backend', 'webgl2')`)
     await until(`return v.backend === 'webgl2'`)
     await until(`return $('state').textContent === 'The fit is over'`)
     assert.deepEqual(await rest.exit, [0, null])

@@ -28,7 +28,7 @@ try {
   await open('')
   if (names.length > 1) {
     const loaded = () => [...document.images].every((image) => image.naturalWidth)
-    await page.waitForFunction(loaded, { timeout: 10000 }).catch(() => {}) // pictures load lazily
+    await page.waitForFunction(loaded, { timeout: 10000 }).catch(() => {})
     const widths = await page.$$eval('img', (all) => all.map((image) => image.naturalWidth))
     assert.deepEqual(widths, names.map(() => 640), 'a picture for each scene')
     console.log('ok the list')

@@ -139,7 +139,6 @@ export const FRAMES = {
 export const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
 
-/** Checks Screens of some back ends: with a backdrop against `render`, without against the command. */
 export async function drawsOverBackdrop(run, ...backends) {
   const [over, ...seen] = await run(
     `const { render } = await import('/fixsplat.js')

@@ -67,7 +67,7 @@ try {
     await still()
     await count('2,000')
     const named = `document.querySelector('fixsplat-viewer').shadowRoot.getElementById('name').textContent`
-    assert.equal(await page.evaluate(named), 'knot.ply') // the name of the scene file, not of the packed file
+    assert.equal(await page.evaluate(named), 'knot.ply')
     await compare(knot)
   })
   let view

@@ -177,4 +177,4 @@ for (const [name, run] of Object.entries(cases)) {
   console.log(name)
   await run()
 }
-console.log('all')                 // Node must exit although threads wait forever
+console.log('all')

@@ -112,7 +112,7 @@ const tests = {
     await inside(`$('later').click()`)
     await moved()
     assert.equal(await inside(`return $('caption').querySelector('h2').textContent`), 'Annotation 3')
-    assert.ok(Math.abs((await numbersOf())[3] - 2) < 1e-9) // an annotation without a camera becomes the camera's target
+    assert.ok(Math.abs((await numbersOf())[3] - 2) < 1e-9)
     await page.keyboard.press('Escape')
     assert.equal(await inside(`return $('caption').hidden`), true)
     assert.deepEqual(await inside('return v.told'), [[0, 'The knot'], [1, 'Behind'], [2, ''], [-1, null]])
@@ -148,7 +148,7 @@ const tests = {
       await page.keyboard.press('Escape')
       assert.deepEqual(await outside(), [[], true])
       await inside('await v.goTo(0)')
-      assert.deepEqual(await outside(), [[], width > 400]) // in a narrow viewer, the caption replaces the bars
+      assert.deepEqual(await outside(), [[], width > 400])
       const [caption, text] = await inside(`return ['caption', 'captionText'].map((id) => $(id).offsetHeight)`)
       assert.ok(caption <= Math.max(150, 0.9 * height - 74) && text > 40, `${caption}, ${text}`)
       if (width === 320) await picture('card')
@@ -157,7 +157,7 @@ const tests = {
     await inside(`v.camera = { eye: [0, -2.6, -6], look: [0, -2.6, 0] }; $('mark').click()`)
     await until('v.annotations.length === 4')
     const foot = await inside(`return ['newTitle', 'remove'].map((id) => $(id).getBoundingClientRect().bottom)`)
-    assert.ok(foot[0] < foot[1] && foot[1] < 240, `${foot}`) // the text of the caption scrolls, its buttons stay
+    assert.ok(foot[0] < foot[1] && foot[1] < 240, `${foot}`)
     assert.deepEqual(await outside(), [[], false])
     const arrows = () => inside(`return ['earlier', 'later', 'linkTo'].map((id) => $(id).checkVisibility())`)
     assert.deepEqual(await arrows(), [true, true, true])

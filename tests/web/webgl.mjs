@@ -190,7 +190,7 @@ const tests = {
     assert.equal(lost, true)
     assert.match(draws, /context was lost: open another Screen/)
     assert.match(opens, /context is lost: take another canvas/)
-    assert.equal(still, true) // a restored context has lost its objects
+    assert.equal(still, true)
     assert.match(stays, /context was lost: open another Screen/)
     assert.equal(again, hashOf(FRAMES.framed))
   },

@@ -25,7 +25,6 @@ for (const kind of ['knot', 'landscape', 'needles', 'fog', 'layers', 'cubes'])
   for (const profile of ['default', 'compact', 'small'])
     golden[`${kind} ${profile}`] = frame(`${kind}-${profile}`, 96, 64)
 
-// Random objects, far enough away for the command's depths to have 26 fraction bits.
 const random = ((state) => (low, high) => {
   state = (Math.imul(state, 1664525) + 1013904223) >>> 0
   return low + ((high - low) * state) / 2 ** 32

@@ -45,7 +45,6 @@ function prepare() {
     else postMessage.call(this, message, ...more)
   }
   addEventListener('eyes', ({ detail }) => test.seen.push(detail), true)
-  /** Returns the RGBA pixels of both eyes, left eye first, rows from the top. */
   test.pixels = () => {
     const { gl } = test
     const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
@@ -251,7 +250,6 @@ const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
 const TABLE = 2 * longest // units a metre: the longest side of the scene is half a metre
 
-/** Checks the camera of a picture for an eye before the scene, which stands at `at`. */
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
   near(position, middle().map((x, i) => x + to[i]), 1e-4)
@@ -260,7 +258,7 @@ function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, 
 
 const EYE = [0.4, 1.6, 0.2]
 const LOOKS = [30, -45]
-const HEIGHT = 0.9 // metres: height of the table
+const HEIGHT = 0.9
 const BEFORE = 0.7
 
 const tests = {

@@ -92,7 +92,6 @@ function meetsBox({ from, along }, { low, high }) {
   return enters <= leaves
 }
 
-/** Returns an angle in the range -pi to pi. */
 const least = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI))
 
 function apart([a, b], { matrix }) {
@@ -112,8 +111,8 @@ class Stand {
   #floor = false
   #since = 0
   #taps = false
-  #asked = null // function of a pressed button, which changes the Place
-  #held = [] // fingers, or input sources with a pressed trigger
+  #asked = null
+  #held = []
   #rays = []
   #moves = false
   #program = null
@@ -202,7 +201,6 @@ class Stand {
     return add(low.map((x, i) => (x + high[i]) / 2), up, -h)
   }
 
-  /** Returns the Place on the ring after a tap, or in front of the user if no surface is found. */
   #stand({ pose, frame, space }, taps) {
     this.#ring = this.#hits && this.#surface(frame, space)
     if (this.#ring) return taps ? this.#at(this.#ring, pose.transform) : null
@@ -229,7 +227,6 @@ class Stand {
     return unit(Math.hypot(...ahead) > 0.01 ? ahead : [matrix[4], matrix[6]])
   }
 
-  /** Places the scene at a point. The side that the page shows faces the user. */
   #at(point, { position, matrix }) {
     const to = [point[0] - position.x, point[2] - position.z]
     const heading = Math.hypot(...to) > 0.01 ? unit(to) : this.#heading(matrix)

@@ -1,8 +1,6 @@
 // Shows the pictures for the eyes of a headset. A picture is reprojected to the present pose of the head, as a plane at
 // the distance of the scene.
 
-/** Returns the camera of an XRView. `margin` enlarges the picture by pixels on each side. `place` maps the room to
-    the scene. */
 export function cameraOf(view, place, { width, height, margin = 0 }, near) {
   const [p, m] = [view.projectionMatrix, view.transform.matrix]
   const axis = (i, sign) => place.turned([sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]])
@@ -126,7 +124,6 @@ export class Eyes {
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
-  /** Sets the colour outside the pictures, 0xrrggbb; null: transparent. */
   set ground(rgb) {
     const gl = this.#gl
     const parts = rgb === null ? [0, 0, 0, 0] : [...[16, 8, 0].map((shift) => ((rgb >> shift) & 255) / 255), 1]

@@ -11,7 +11,7 @@ const STATES = {
   stopped: 'Stopped, and saved',
   failed: 'The fit has failed',
 }
-const TICKS = 4 // largest number of intervals on an axis
+const TICKS = 4
 
 const ui = {}
 for (const element of document.querySelectorAll('[id]')) ui[element.id] = element

@@ -3,7 +3,6 @@
 const DEAD = 0.15 // dead zone of a stick as a share of its range
 const FAST = 4 // factor for the speed with a trigger pressed
 
-// Axes and buttons of motions. `pressed` maps a button to a function of the mode that returns an equivalent key.
 const BINDINGS = {
   fly: [0, 1], // axes of the left stick
   turn: [2, 3], // axes of the right stick
@@ -25,7 +24,7 @@ const BINDINGS = {
 
 const viewers = new Map()
 const watch = new IntersectionObserver((list) => list.forEach(seen), { threshold: [0, 0.25, 0.5, 0.75, 1] })
-let last = 0 // time of the last poll; 0: not polling
+let last = 0
 let before = []
 
 export function join(viewer, act) {

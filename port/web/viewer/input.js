@@ -64,7 +64,6 @@ function isForText(target) {
   return target.matches?.('input, select, textarea')
 }
 
-/** Held keys move the camera once an animation frame; other keys call act.press. Returns the set of held keys. */
 export function listenToKeys(element, act) {
   const held = new Set()
   let last = 0

@@ -16,7 +16,6 @@ export class Language {
   #seen = new WeakMap()
   #roots = []
 
-  /** Inserts values for {0}, {1}. After a prefix such as "file: ", only the rest is translated. */
   of(words, ...values) {
     let [at, text] = [0, this.#table.get(words)]
     while (!text && (at = words.indexOf(': ', at) + 2) > 1) text = this.#table.get(words.slice(at))
@@ -32,7 +31,6 @@ export class Language {
     this.write(root)
   }
 
-  /** Translates the texts and attributes below an element, except in elements with translate="no". */
   write(root) {
     const own = (node) => (node.translate === false ? NodeFilter.FILTER_REJECT : NodeFilter.FILTER_ACCEPT)
     const walker = document.createTreeWalker(root, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT, own)

@@ -89,7 +89,6 @@ export class Markers {
     ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
   }
 
-  /** Moves the focus from the caption to its marker, or to the picture if the marker is hidden. */
   #leave() {
     const marker = this.#layer.querySelector('[aria-expanded="true"]:not([hidden])')
     ;(marker ?? this.#host.ui.stage).focus({ focusVisible: false })

@@ -66,7 +66,6 @@ export function fly(camera, right, down, forward) {
   return { ...camera, eye: move(camera.eye), look: move(camera.look) }
 }
 
-/** Moves the camera by pixels of a picture, at the depth of the target. */
 export function pan(camera, height, right, down) {
   const unitsAPixel = heightAt(camera) / height
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
@@ -80,7 +79,6 @@ export function zoom(camera, factor, nearest) {
   return { ...camera, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** Changes the projection, but not the size of the visible area at the target. */
 export function flatten(camera, flat, fov) {
   const times = slope(camera.fov) / slope(fov)
   return { ...camera, flat, fov, eye: mix(camera.look, camera.eye, times) }

@@ -32,7 +32,6 @@ export class Pace {
     this.#choose()
   }
 
-  /** After the first KEPT pictures, a change of the time scales the times of all sizes. */
   #measure(milliseconds) {
     this.#recent = [...this.#recent, milliseconds].slice(-KEPT)
     const [time, before] = [median(this.#recent), this.#times[this.#step]]
@@ -41,7 +40,6 @@ export class Pace {
     this.#times[this.#step] = time
   }
 
-  /** Returns a measured time, or interpolates linearly over the number of pixels. */
   #timeAt(step) {
     if (this.#times[step]) return this.#times[step]
     const finer = STEPS.findLast((one) => one < step && this.#times[one])

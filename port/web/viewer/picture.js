@@ -7,7 +7,6 @@ const LEAST_PIXELS = 1 << 14
 const SHOWN_MS = 100
 const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner is not opened again
 const TRIES = 3
-// names of GPUs that the processor emulates
 const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i
 const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' }
 
@@ -77,7 +76,6 @@ export class Picture {
     return { width: w, height: h, divisor }
   }
 
-  /** Returns statistics of the picture; null if the screen was lost or changed meanwhile. */
   async draw(camera, { divisor, ...options }) {
     const screen = this.#screen
     const { pixels, lost, ...facts } = await screen.engine.ask('draw', screen.id, camera, options)

@@ -41,7 +41,6 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** `view` is the start view, if not the first of the list. home() returns the start view without a list. */
   takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0
@@ -98,7 +97,6 @@ export class Pilot {
     this.#moved(true, byHand)
   }
 
-  /** Returns true on arrival, false if the camera was moved otherwise. */
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
@@ -208,7 +206,6 @@ export class Pilot {
     else this.act(motion.zoom(this.camera, factor, 1e-4 * this.radius))
   }
 
-  /** Moves the camera. In the mode 'walk', `down` turns left and right. */
   fly(right, down, forward) {
     if (!this.#scene || !(right || down || forward)) return
     if (this.walks) {

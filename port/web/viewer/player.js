@@ -26,7 +26,7 @@ export class Player {
     ui.play.onclick = () => acts.toggle()
     ui.time.oninput = () => acts.seek(Number(ui.time.value))
     ui.time.onkeydown = ({ key }) => {
-      if (key.toLowerCase() === 'k') acts.toggle() // keys in fields do not reach the viewer
+      if (key.toLowerCase() === 'k') acts.toggle()
     }
     ui.track.onchange = () => acts.choose(Number(ui.track.value))
     ui.film.onclick = () => acts.film()

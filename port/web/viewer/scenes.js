@@ -4,7 +4,6 @@ import { addressOf, nameOf } from './views.js'
 
 const RADIANS = Math.PI / 360 // half a degree in radians, since quaternions have half angles
 
-/** Returns the numbers of an attribute, separated by spaces or commas. */
 function numbersOf(element, name, ...counts) {
   const text = element.getAttribute(name)
   if (text === null) return undefined

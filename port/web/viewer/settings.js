@@ -7,10 +7,10 @@ import { hasNumbers } from './views.js'
 const MOST_ANNOTATIONS = 200
 const MOST_TRACKS = 20
 const MOST_KEYS = 10000
-const MOST_TITLE = 200 // largest length of a title in characters
+const MOST_TITLE = 200
 const MOST_TEXT = 5000
 const MOST_SECONDS = 86400
-const MOST_WORDS = 5 // largest number of lines of text about a file
+const MOST_WORDS = 5
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
   ['eyeHeight', 0, FAR]]
@@ -151,7 +151,6 @@ function fromTheirs(file, words) {
 
 // ---- Settings files ------------------------------------------------------------------------------------------------
 
-/** Leaves out each faulty part of a settings file, with a line of text. */
 function checked(file, words) {
   const settings = {}
   const take = (name, read) => {

@@ -63,7 +63,6 @@ export class Tour {
 
   // ---- Settings files -----------------------------------------------------------------------------------------------
 
-  /** Returns a line of text for each ignored part, or no line if another read has begun meanwhile. */
   async read(source) {
     const own = (this.#reading = {})
     const isAddress = typeof source === 'string'
@@ -144,7 +143,6 @@ export class Tour {
     return this.#index
   }
 
-  /** Flies to an annotation by its index from 0. Error messages count annotations from `from`. */
   async goTo(index, from = 0) {
     const [one, { length }] = [this.#annotations[index], this.#annotations]
     const range = length ? `, expected ${from} to ${from + length - 1}` : ''
@@ -194,7 +192,6 @@ export class Tour {
 
   // ---- Tracks -------------------------------------------------------------------------------------------------------
 
-  /** The path depends on the up direction, since keys may have no up vector. */
   get #path() {
     const [told, up] = [this.#tracks[this.#track], this.#host.up()]
     if (!told) return null
@@ -218,7 +215,6 @@ export class Tour {
     this.#tell()
   }
 
-  /** Adds the present camera to the track. Returns the number of keys. */
   addKey() {
     const key = this.#poseOf(this.#host.current())
     const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
@@ -263,7 +259,7 @@ export class Tour {
     let before = performance.now()
     const step = (now) => {
       if (!this.#plays) return
-      if (this.#host.current() !== this.#last) return this.pause() // the user or a program has moved the camera
+      if (this.#host.current() !== this.#last) return this.pause()
       this.#seconds += Math.min((now - before) / 1000, LONGEST_S)
       before = now
       this.#show()
@@ -301,7 +297,6 @@ export class Tour {
 
   // ---- Films --------------------------------------------------------------------------------------------------------
 
-  /** Returns { blob, codec, frames, width, height }. A 'pingpong' track is filmed there and back. */
   async film({ track = this.#track, rate, bitrate, progress = () => {}, ...size } = {}) {
     const told = this.#tracks[track]
     if (!told) throw new Error(`track ${track}: there are ${this.#tracks.length}`)

@@ -41,7 +41,7 @@ export class Viewer extends HTMLElement {
   #engine = null
   #opening = null
   #adding = null
-  #taken = Promise.resolve() // promise of the last change queued by #inTurn
+  #taken = Promise.resolve()
   #gathered = Promise.resolve()
   #items = []
   #main = null
@@ -57,7 +57,7 @@ export class Viewer extends HTMLElement {
   #linked = null
   #busy = false
   #switching = false
-  #held = false // true: the scenes are being copied or replaced, so other replacements wait
+  #held = false
   #changed = false
   #missing = 0
   #stuck = false
@@ -96,7 +96,7 @@ export class Viewer extends HTMLElement {
   connectedCallback() {
     clearTimeout(this.#leaving)
     this.#leaving = 0
-    if (this.#isHere) return this.#readSrc() // the viewer was moved within the document
+    if (this.#isHere) return this.#readSrc()
     this.#isHere = true
     away.delete(this)
     this.state = this.#scene ? 'loading' : 'empty'
@@ -119,7 +119,7 @@ export class Viewer extends HTMLElement {
     addEventListener('gamepadconnected', this.joined)
     try {
       if (navigator.getGamepads().some(Boolean)) this.joined()
-    } catch {} // gamepads are not supported or not allowed
+    } catch {}
   }
 
   /** Waits, so that a viewer that is moved within the document keeps running. */
@@ -137,7 +137,7 @@ export class Viewer extends HTMLElement {
     this.#headset?.end()
     const isLoading = this.#opening
     this.#cancel()
-    if (isLoading) this.#src = null // loads the scene again after the return
+    if (isLoading) this.#src = null
     for (const item of this.#items) this.#letGo(item)
     away.add(this)
     if (away.size > MOST_AWAY) [...away][0].#end()
@@ -204,7 +204,6 @@ export class Viewer extends HTMLElement {
     else this.#asked = camera && checkedCamera(camera)
   }
 
-  /** Sets the camera without motion. Scenes that are added later do not change the camera. */
   #goTo(camera) {
     if (camera && this.#scene) this.#pilot.touched = true
     this.#pilot.show(camera)
@@ -400,7 +399,6 @@ export class Viewer extends HTMLElement {
 
   // ---- Opening a scene ----------------------------------------------------------------------------------------------
 
-  /** An empty attribute `src` removes the last scene. */
   #readSrc() {
     const src = this.getAttribute('src')
     if (src === this.#src) return
@@ -641,7 +639,6 @@ export class Viewer extends HTMLElement {
     engine?.end()
   }
 
-  /** `there` lists the Items that the new worker holds; other Items are loaded again. */
   #leaveTo(engine, there = []) {
     this.#items = this.#items.filter((item) => item === this.#main || item.element || there.includes(item))
     for (const item of this.#items) item.engine = there.includes(item) ? engine : null
@@ -739,7 +736,6 @@ export class Viewer extends HTMLElement {
     else this.#takeViews(views, view ?? this.#asked)
   }
 
-  /** Fetches the packed scenes of the present worker for the new worker. */
   async #packAll() {
     for (const item of this.#shown.filter(({ element }) => element))
       item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // null for streamed scenes
@@ -867,7 +863,6 @@ export class Viewer extends HTMLElement {
     return asked in backends ? asked : ''
   }
 
-  /** Without the attribute `backend`, a later trial chooses the fastest back end (#rest). */
   async #switch(engine) {
     this.#switching = true
     const has = await this.#picture.open(engine, this.#wanted).finally(() => (this.#switching = false))
@@ -925,7 +920,6 @@ export class Viewer extends HTMLElement {
     else this.#rest()
   }
 
-  /** Work while nothing moves: measures the distance ahead, and tries the other back ends once. */
   async #rest() {
     this.state = 'still'
     const [engine, options] = [this.#engine, this.#frame()]
@@ -1148,7 +1142,6 @@ export class Viewer extends HTMLElement {
     does[key.length === 1 ? key.toLowerCase() : key]?.()
   }
 
-  /** The getter and the setter of each setting, with the names of settings files. */
   #table = {
     background: [() => this.#colour, (value) => this.#setAttribute('background', value)],
     backend: [() => this.#wanted, (value) => this.#setAttribute('backend', value)],

@@ -57,7 +57,6 @@ const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'thr
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']
 
-/** Sets attributes of the viewer by the page's address: parameters, and #view or #annotation. */
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)
   for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
@@ -83,7 +82,6 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
   return [...eye, ...look, ...up, fov, ...more].join()
 }
 
-/** Missing fields of a camera are taken from `other`, else from the defaults. */
 export function checkedCamera(given, other = {}) {
   const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
   for (const [name, value] of Object.entries(given)) {

@@ -63,7 +63,7 @@ export class Walker {
   #ground = null
   #asking = null
   #feet = 0
-  #floats = false // true: no ground was found yet
+  #floats = false
   #eye = null // position of the eye as set by walking; another position requires begin()
   #usual = { scene: null, height: 1 }
   #last = 0
@@ -149,7 +149,6 @@ export class Walker {
     return depths && new Ground({ place: eye, axes, cell: 1 / fx, height, depths })
   }
 
-  /** Returns the ground's height at a point, between `low` and `high`; null without ground. */
   #groundAt(ground, point, height, low = -Infinity, high = Infinity) {
     const found = ground.heights(point, FOOT * height).filter((y) => y > low && y <= high)
     return found.length ? middle(found) : null
@@ -220,7 +219,6 @@ export class Walker {
     return place
   }
 
-  /** Returns the number of cells around a position that are too high for a step. */
   #stops(place) {
     const limit = this.#feet + STEP * this.height
     return this.#ground.heights(place, BODY * this.height).filter((y) => y > limit).length

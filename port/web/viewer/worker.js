@@ -39,7 +39,6 @@ function boxOf(list) {
 
 let seen = {}
 
-/** The first view is chosen again if the list of scenes changes, not if a scene is moved. */
 function firstOf(list) {
   const of = placed.filter(isThere).map(({ key }) => key).join()
   if (seen.of !== of || seen.last !== list.at(-1).scene) seen = { of, last: list.at(-1).scene, first: firstView(list) }
@@ -130,7 +129,6 @@ function lookAhead(camera, options) {
 
 let eyes
 
-/** Draws the pictures of several cameras side by side on the GPU; null if the canvas is too small. */
 async function bitmapOf(cameras, options, backend) {
   const { width, height } = options
   if (eyes?.screen.backend !== backend) {

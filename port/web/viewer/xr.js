@@ -48,7 +48,6 @@ export class Place {
     return this.axes.map((axis) => dot(axis, to) / this.units)
   }
 
-  /** Moves the placement so that a point of the room lies at a point of the scene. */
   held(point, there) {
     const moved = new Place(this.axes, this.units)
     moved.origin = add(there, moved.turned(point), -this.units)
@@ -134,8 +133,6 @@ export class Headset {
   #grips = []
   #last = 0
 
-  /** `host` has the state of the viewer, the members that a Guide needs, and the callbacks changed(isOn),
-      drawn(detail), say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -264,7 +261,6 @@ export class Headset {
     return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
   }
 
-  /** Requests one pair of pictures. The waiting time decides the size of the next pair. */
   async #ask(engine, views) {
     const asked = (this.#asked = { engine })
     const scale = this.#scale.value

@@ -6,5 +6,4 @@ declare module 'webgpu' {
   export function create(options: string[]): GPU
   export const globals: object
 }
-/** Missing in TypeScript; the npm package @webgpu/types has the name. */
 declare const GPUBufferUsage: Record<'COPY_DST' | 'STORAGE', number>
