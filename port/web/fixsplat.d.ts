@@ -4,10 +4,10 @@ export const hasSimd: boolean
 /** True if the platform also supports relaxed simd128, which renders faster. */
 export const hasRelaxed: boolean
 
-/** Pixels in a type that ImageData accepts in older and newer versions of TypeScript. The memory is not shared. */
+/** Pixels in a type that ImageData accepts. */
 export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 
-/** Bytes in a type that Blob and Response accept. The memory is not shared. */
+/** Bytes in a type that Blob and Response accept. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
 /** Sets the URL of the folder with the package's .wasm, .js and viewer/ files. Call this function first if a bundler
@@ -72,7 +72,6 @@ export interface Paging {
   changed?: (error?: Error) => void
 }
 
-/** The progress of a call of `load`. */
 export interface Progress {
   /** The stage of loading: 'download' while a file is fetched, then 'prepare' while the file is read and packed. */
   stage: 'download' | 'prepare'
@@ -281,7 +280,6 @@ export class Scene {
   private constructor()
   /** The name of the scene's file; 'scene' for bytes without a name. */
   readonly name: string
-  /** The number of Gaussians in the scene. */
   readonly count: number
   /** True if the scene has levels of detail, which `budget` and `detail` need. */
   readonly levels: boolean

@@ -14,8 +14,8 @@ const SOON = 1000
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
-// i16x8.q15mulr_sat_s is five x86 instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768 *
-// -32768, which no picture depends on.
+// On x86, i16x8.q15mulr_sat_s takes five instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768
+// * -32768, which no picture depends on.
 const PRECISE = [253, 130, 1]
 const RELAXED = [253, 145, 2]
 const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
@@ -93,7 +93,7 @@ class Module {
     return new Error(this.text(this.c.words()))
   }
 
-  /** Returns a result, or throws the module's message if the result is negative. */
+  /** Returns a result, or throws the module's error message if the result is negative. */
   check(result) {
     if (result < 0) throw this.error()
     return result
@@ -104,7 +104,7 @@ class Module {
     return at >>> 0
   }
 
-  /** After a trap, waits for the threads, which use the frame's memory. */
+  /** After a trap of WebAssembly, waits for the threads, which still use the frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -158,7 +158,7 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
 const STACK = 131072            // bytes of stack for each thread
-const PAGES = 16                // initial pages of a shared memory; also in the Makefile
+const PAGES = 16                // initial pages of a shared memory; the Makefile has the same number
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
@@ -189,7 +189,7 @@ async function threadedCore(threads) {
   const module = await compile('threads')
   const core = new Module(module, { memory: sharedMemory() }, threads)
   const started = Array.from({ length: threads - 1 }, () => oneMore(core, module).catch(() => null))
-  core.workers = Promise.all(started)   // keeps the workers from garbage collection
+  core.workers = Promise.all(started)   // keeps the workers from being garbage-collected
   return core
 }
 
@@ -348,7 +348,7 @@ async function lookAt(file, files, options) {
 }
 
 // Returns a function (share, isNow, waited) that makes previews when due. `isNow` ignores the timing. `waited`:
-// milliseconds that were spent on checks. Pauses grow with the time that a preview takes.
+// milliseconds that were spent on checks.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
@@ -390,7 +390,6 @@ function sceneOf(core, file) {
   }
 }
 
-/** Opens a streamed scene and returns { scene }; { answer } if the server sends the whole file; else {}. */
 async function paged(source, options) {
   if (options.paging === false || !(typeof source === 'string' || source instanceof URL)) return {}
   const url = await urlOf(String(source)).catch(() => null)
@@ -442,7 +441,7 @@ export class Scene {
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
     Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
     core.scenes++
-    core.chosen = null   // drops the cached first view: the address may have belonged to another scene
+    core.chosen = null   // drops the cached first view, since a scene's address may be reused
   }
 
   get threads() {
@@ -453,7 +452,7 @@ export class Scene {
     return !this.#scene
   }
 
-  /** Internal: the module, the address of the scene in its memory, and the scene's Pager. */
+  /** Internal: the module, the address of the scene in its memory, and the scene's loader (Pager). */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene, this.#pager]
@@ -650,13 +649,13 @@ function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', 
   return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
 }
 
-/** Chunk headers of a streamed scene that have not arrived count as missing parts. */
 function drawnBy(core) {
   const [drawn, missing] = core.get(0, 2)
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// The array type and the numbers a pixel of formats and targets, in the order of take_targets in web_core.c.
+// For each format and target: the array type and the count of numbers a pixel, in the order of take_targets in
+// web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
   premultiplied: [Uint8ClampedArray, 4],
@@ -842,7 +841,7 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
-  /** Stays true, since a restored context has lost its objects. */
+  /** A context once lost stays lost, since a restored context has lost its objects. */
   get lost() {
     return (this.#gone ||= this.gl.isContextLost())
   }

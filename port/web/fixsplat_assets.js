@@ -5,11 +5,11 @@ export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** Bundlers do not see this import of system.js, so node.js sets the functions. */
+/** Bundlers do not follow this import of system.js; in a bundle, node.js sets its functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// The development server of vite copies only a package's scripts to this folder.
+// The development server of vite copies only the scripts of a package to this folder.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
 function published() {

@@ -8,11 +8,11 @@ import { Store } from './store.js'
 
 const HEADER = 192
 const CHUNK_HEADER = 128
-const GAUSSIANS = 256           // Gaussians in a chunk
+const GAUSSIANS = 256           // number of Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
 const TOP = 64                  // coarsest nodes, loaded before the first picture and never evicted
-const BLOCK = 2048              // chunk headers in one request
-const PIECE = 1 << 20           // bytes of the tree in one request
+const BLOCK = 2048              // number of chunk headers in one request
+const PIECE = 1 << 20           // bytes of the level-of-detail tree in one request
 const RUN = 1 << 19             // largest size of one request for chunks, in bytes
 const GAP = 1 << 15             // largest gap in bytes between wanted chunks in one request
 const AT_ONCE = 6               // default number of simultaneous requests
@@ -28,7 +28,7 @@ const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseco
 
 const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 
-// ---- The server -----------------------------------------------------------------------------------------------
+// ---- Requests to the server -----------------------------------------------------------------------------------
 
 class Remote {
   #url
@@ -164,7 +164,7 @@ class Remote {
   }
 }
 
-// ---- The scene ------------------------------------------------------------------------------------------------
+// ---- The scene in memory --------------------------------------------------------------------------------------
 
 /** Loads the chunks of a scene into the pool. A place of the pool holds a chunk. */
 export class Pager {
@@ -434,7 +434,7 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** Passes a range to `take`. If `take` throws, the range is read once more, from the server. */
+  /** Passes a range of the file to `take`. If `take` throws, the range is read once more, from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -480,7 +480,7 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Stores chunks first to end - 1. Unwanted chunks take only free places of the pool. */
+  /** Stores chunks first to end - 1. Chunks that no picture wants take only free places of the pool. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -530,8 +530,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** Returns an eighth of the pool to evict, the least recently used place last, without places of the last two
-      frames. */
+  /** Returns an eighth of the pool to evict, the least recently used place last, without places that the last two
+      frames used. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0

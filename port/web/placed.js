@@ -63,8 +63,6 @@ function pixelOf({ rotation, position, fx, fy, cx, cy, orthographic }, point) {
   return [(fx * x) / depth + cx, (fy * y) / depth + cy].map(Math.floor)
 }
 
-/** Returns the hit of a ray on an object, or null. Without the camera `view`, picks in a one-pixel picture along the
-    ray. */
 export function hitOf(placed, ray, view, options, near, far) {
   const { width, height } = view ? options : { width: 1, height: 1 }
   const size = lengthOf(plus(placed.scene.high, placed.scene.low, -1)) * placed.scale
@@ -83,10 +81,9 @@ export function placedOf({ name, scene, opacity, tint, crops }, translation, [x,
   return { scene, translation, rotation: [w, x, y, z], scale: scale[0], opacity, tint, crops }
 }
 
-// ---- Stages: the Splats of a renderer -------------------------------------------------------------------------
+// ---- Stages: all Splats of a renderer -------------------------------------------------------------------------
 
-/** Draws all Splats that a camera sees as one picture. A subclass has changed(one, error), called when an object has
-    changed. */
+/** A subclass has changed(one, error), which is called when an object has changed. */
 export class Stage {
   splats = new Set()
   users = 0
@@ -169,7 +166,7 @@ void main()
 {
     gl_Position = vec4(float(gl_VertexID % 2) * 4.0 - 1.0, float(gl_VertexID / 2) * 4.0 - 1.0, 0.0, 1.0);
 }`
-// Converts a depth buffer to near / distance; 0: no geometry.
+// Shader that converts a depth buffer to near / distance; 0: no geometry.
 const TURN = `#version 300 es
 precision highp float;
 uniform highp sampler2D depths;
@@ -357,7 +354,6 @@ export class WebGLStage extends Stage {
     return gl.getFramebufferAttachmentParameter(target, gl.DEPTH_ATTACHMENT, kind) !== gl.NONE
   }
 
-  /** Copies a whole buffer of the read framebuffer, as multisampled buffers require. */
   #copy(framebuffer, surface, formats, bit) {
     const { gl } = this
     const { width, height } = this.target ?? { width: gl.drawingBufferWidth, height: gl.drawingBufferHeight }

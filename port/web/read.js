@@ -4,7 +4,7 @@ import { inNode, ofSystem } from './fixsplat_assets.js'
 
 const MOST = 2e9
 const MOST_ALL = 4e9
-const BLOCK = 1 << 20          // bytes in a block of a SourceFile
+const BLOCK = 1 << 20
 const AT_ONCE = 16             // simultaneous requests for files that a scene file names
 // a request times out if fewer bytes arrive in these milliseconds
 const SLOWEST = { bytes: 1000, milliseconds: 30000 }
@@ -319,7 +319,6 @@ export class Files {
     return asked.size > 0
   }
 
-  /** Returns a name and the AT_ONCE names with the same ending that follow it in an index file. */
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {

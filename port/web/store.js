@@ -91,7 +91,6 @@ export class Store {
       })
   }
 
-  /** Drops the oldest range of another file, else an unused range of this file first. */
   #dropOldest() {
     const other = this.#others.shift()
     if (other) {

@@ -23,7 +23,6 @@ static fxs_message message;
 static fxs_context context;
 static fxs_file_view view;
 
-/* The next frame: cameras of one or two eyes, objects and their crop boxes. */
 static fxs_camera cameras[2];
 static uint32_t eyes;
 static fxs_object *objects;
@@ -307,7 +306,6 @@ static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limi
     return working = fxs_web_allocate(*bytes);
 }
 
-/* Begins a frame or a prefetch: clears the lists of wanted chunks. */
 static void begin_turn(void)
 {
     for (uint32_t i = 0; i < object_count; i++)
@@ -393,7 +391,6 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t backgroun
     return fxs_web_frame_end(&f, fxs_render(&context, &f.request, f.memory, f.bytes, &f.stats));
 }
 
-/* Finds the missing chunks of a frame without drawing. */
 EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;

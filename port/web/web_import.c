@@ -16,7 +16,7 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Imports that read numbered files; 0 is the opened file. Negative results: missing file or missing bytes. */
+/* Imports that read files by numbers; 0 is the opened file. Negative results: missing file or missing bytes. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);

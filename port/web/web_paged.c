@@ -134,7 +134,6 @@ EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name
     return error;
 }
 
-/* Checks the loaded headers of chunks first to end - 1. */
 EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
 {
     fxs_chunk chunk;
@@ -144,7 +143,6 @@ EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const ch
     return 0;
 }
 
-/* Checks the loaded data of chunks first to end - 1. */
 EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
 {
     int error = 0;

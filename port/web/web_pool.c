@@ -6,11 +6,11 @@
 
 #include "web.h"
 
-#define HOT __attribute__((aligned(64)))       /* in a cache line of its own */
+#define HOT __attribute__((aligned(64)))       /* puts a variable into a cache line of its own */
 /* rounds of spinning, some ten microseconds, less than a wake-up takes */
 #define SPINS 2000u
 
-static HOT uint32_t turn;          /* odd while a batch accepts helpers; a late helper sees that the number has grown */
+static HOT uint32_t turn;          /* counter of batches; odd while a batch of jobs accepts helpers */
 static HOT uint32_t inside;
 static HOT uint32_t next;
 static HOT void (*batch_job)(void *, uint32_t);
@@ -59,7 +59,7 @@ EXPORT(settle) void fxs_web_settle(void)
 void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
-    fxs_web_settle();              /* needed after a batch that trapped */
+    fxs_web_settle();              /* ends the last batch if a job of it trapped */
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;
@@ -94,7 +94,7 @@ EXPORT(help) void fxs_web_help(void)
     while (seen = get(&turn), !get(&ending)) {     /* reads `turn` before `ending`, which fxs_web_end writes first */
         if (seen & 1) {
             add(&inside, 1);
-            if (get(&turn) == seen)            /* unchanged: the caller waits for this helper */
+            if (get(&turn) == seen)            /* if the batch is unchanged, the caller waits for this helper */
                 work();
             leave();
         }

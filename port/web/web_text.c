@@ -28,7 +28,6 @@ static void put_number(writer *w, double x)
     put(w, digits, fxs_web_number(x, digits, sizeof digits));
 }
 
-/* Numbers above 2^53 occur in messages only as limits, so rounding does not matter. */
 static void put_integer(writer *w, va_list *arguments, int is_long, int is_signed)
 {
     if (is_long)

@@ -31,8 +31,6 @@ const kept = (name, make) => {
 }
 const convert = (from, name, ...words) => kept(name, to => run(fixsplat, 'convert', from, to, words))
 
-// ---- Scenes and views -----------------------------------------------------------------------------------------------
-
 const SCENES = {
     snowmiku: { file: 'snowmiku/snowmiku.ply', cameras: 'snowmiku/cameras.json', timed: 1 },
     'luma-seal': { file: 'luma-seal/luma-seal.ply', up: [0, -1, 0] },
@@ -82,8 +80,6 @@ const sideBySide = (files, to) => {
     parts.forEach(part => rmSync(part))
 }
 
-// A scene has every eighth of its cameras as views, or views around it. A synthetic scene has the view that `fixsplat
-// render` chooses.
 const open = name => {
     const { file, made, beside, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
@@ -105,8 +101,6 @@ const refined = (scene, own = scene.given) => kept(`${scene.name}-refined${scene
     run(fixsplat, 'convert', scene.source, to, '--levels', '--refine', own ? ['--cameras', others] : [])
 })
 
-// ---- Pictures -------------------------------------------------------------------------------------------------------
-
 const squares = (a, b, from = 0, to = a.length) => {
     let sum = 0
     for (let i = from; i < to; i++) sum += (i & 3) === 3 ? 0 : (a[i] - b[i]) ** 2
@@ -126,8 +120,6 @@ const round = x => x.toFixed(1)
 const summary = values => ({ mean: mean(values), worst: Math.min(...values) })
 const both = ({ mean, worst }) => Number.isFinite(mean) ? `${round(mean)} (${round(worst)})` : 'equal'
 const against = (whole, frames) => summary(frames.map((frame, i) => psnr(frame, whole.frames[i])))
-
-// ---- Comparison with other programs ---------------------------------------------------------------------------------
 
 const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.ply`, to =>
     run('node', `${modules}/splat-transform-3/bin/cli.mjs`, '-q', '-w', '-g', 'cpu', scene.source, mode, count, to))
@@ -194,9 +186,6 @@ const cuts = () => {
     }
 }
 
-// ---- Falling budgets ------------------------------------------------------------------------------------------------
-
-// Returns the user time for a frame in milliseconds: the median of interleaved rounds with `more` additional frames.
 const times = (commands, more) => {
     const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash',
         fixsplat, 'bench', words, '--threads', 1, '--frames', frames))
@@ -225,8 +214,6 @@ const budgets = () => {
     for (const name of ['landscape', 'captured', 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
         less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
 }
-
-// ---- A slow path of the camera --------------------------------------------------------------------------------------
 
 const TILE = 16
 
@@ -292,8 +279,6 @@ const steps = () => {
     }
 }
 
-// ---- Boards ---------------------------------------------------------------------------------------------------------
-
 const [STEPS, KNOT] = [8, 100000]
 // instructions a second, from docs/boards.md
 const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]
@@ -324,9 +309,7 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    // bisection in chunks of 256 Gaussians: the first board reaches ten frames
-    let [low, high] = [1, 200]
-                                                    // a second with `low`, not with `high`
+    let [low, high] = [1, 200]                      // bisection for ten frames a second, in chunks of 256 Gaussians
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

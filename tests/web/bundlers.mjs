@@ -29,8 +29,6 @@ const WANTED = rendered('--size', '64x48', '--eye', '2,-1,-4')
 const WANTED_VIEW = rendered(...VIEW, '45')
 const WANTED_WIDER = rendered(...VIEW, '60')
 
-// ---- Projects -----------------------------------------------------------------------------------------------------
-
 const published = (() => {
   const folder = join(home, 'installed')
   mkdirSync(folder)
@@ -74,8 +72,6 @@ function isMinified(folder) {
   assert.ok(scripts.length > 0)
   for (const name of scripts) assert.doesNotMatch(readFileSync(join(folder, name), 'utf8'), /sharedMemory/, name)
 }
-
-// ---- In Chromium --------------------------------------------------------------------------------------------------
 
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
@@ -160,8 +156,6 @@ async function reacts(page) {
   assert.equal(await shown(page), WANTED_WIDER)
 }
 
-// ---- Columns of the table -----------------------------------------------------------------------------------------
-
 const EVERYTHING = ['worker', 'wasm', 'element']
 const BUILD = ['build', 'minified', ...EVERYTHING]
 const DEV = ['dev', ...EVERYTHING]
@@ -211,8 +205,6 @@ async function servedBy(folder, line, pages) {
     await server.end()
   }
 }
-
-// ---- Cases --------------------------------------------------------------------------------------------------------
 
 const VITE = { 'index.html': pageOf(MODULE), 'main.js': MAIN }
 const AT_PORT = '--host 127.0.0.1 --port PORT'
@@ -284,7 +276,6 @@ for (const [tool, flag] of [['Next.js (Turbopack)', '--turbopack'], ['Next.js (w
   add(tool, 'dev', DEV, () => servedBy(project(`${tool} dev`, NEXT), `next#next dev ${flag} ${at}`, pages))
 }
 
-// A build of Parcel loses modules of a worker that are imported in two ways.
 const PARCEL = { 'index.html': pageOf(MODULE.replace('/main', './main')), 'main.js': INLINE }
 add('parcel 2', 'build, inline', BUILD, () =>
   built('parcel build', PARCEL, ['parcel#parcel build index.html --no-cache'], { inline: true }))
@@ -357,8 +348,6 @@ add('Node', 'import', ['worker', 'wasm'], async () => {
   const { stdout, stderr } = await run(process.execPath, ['a.mjs', scene], { cwd })
   assert.deepEqual([stdout.trim(), stderr], [WANTED, ''])
 }, true)
-
-// ---- The table ----------------------------------------------------------------------------------------------------
 
 const table = {}
 

@@ -49,7 +49,6 @@ async function answer(request, response) {
   }
 }
 
-/** Shares of a file to send, and the milliseconds before each share. */
 const TRICKLE = [[0.03, 0], [0.031, 700], [1, 200]]
 
 async function trickle(bytes, response) {
@@ -133,7 +132,6 @@ export const still = () =>
 
 const QUIET_MS = 250
 
-/** Waits until all pictures are drawn and the page has been still since. */
 export async function moved() {
   await inside(`for (let i = 0; i < 2; i++) {
       await v.pick(0, 0)

@@ -45,7 +45,6 @@ const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseco
 const packedOf = async (source) => Buffer.from((await load(source)).packed)
 
 const words = {
-  // Scenes of several files give the same bytes from a path, a server and a list of files.
   async beside(path) {
     const [root, name] = [dirname(path), basename(path)]
     const want = await packedOf(path)
@@ -66,14 +65,15 @@ const words = {
       await refused(files.filter((file) => file.name === name), /cannot be opened|needs the file|no .* beside/)
   },
 
-  // A damaged or truncated file gives a message or a scene.
+  // A damaged or truncated file gives an error message or a scene.
   async hurt(...paths) {
     for (const path of paths) {
       const bytes = new Uint8Array(readFileSync(path))
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
-        if (path.endsWith('.splat') && end % 32 === 0) continue       // whole records: a valid file
-        if (path.endsWith('.spz') && end >= bytes.length - 12) continue   // complete without the extension at its end
+        if (path.endsWith('.splat') && end % 32 === 0) continue       // a file of whole records is valid
+        // a file without the extension at its end is valid
+        if (path.endsWith('.spz') && end >= bytes.length - 12) continue
         await refused(bytes.slice(0, end), /./)
       }
       for (let at = 0; at < bytes.length; at += step) {
@@ -96,7 +96,7 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // ROOT: names in a streamed SOG's indexes that lead out of the folder are not fetched.
+  // ROOT: file names in a streamed SOG's indexes that lead out of the folder are not fetched.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -141,7 +141,7 @@ const words = {
     other.close()
   },
 
-  // SOG: loading from a slow server times out, and can be cancelled.
+  // SOG: loading the file from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -184,7 +184,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // PLY FXS: endless bodies, and bodies that claim 2 GB, are refused by their first bytes.
+  // PLY FXS: endless answers of a server, and answers that claim 2 GB, are refused by their first bytes.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),
@@ -282,7 +282,6 @@ const words = {
     server.close()
   },
 
-  // A large scene in memory is previewed by evenly sampled Gaussians, a smaller scene is not.
   async sampled() {
     const records = new Float32Array(8 * 640000).map((_, i) => (i & 7) < 3 ? (i % 999) / 99 : (i & 7) < 6 ? 0.1 : 1)
     const seen = []

@@ -248,7 +248,6 @@ const words = {
     assert.throws(() => scene.render({}, size), /freed/)
   },
 
-  // FILE: too little memory for a picture is reported before drawing.
   async noRoom(file) {
     const size = { width: 16384, height: 16384 }
     const most = { colour: 'premultiplied16', coverage: true, depth: true, ids: true }
@@ -272,7 +271,6 @@ const words = {
     assert.equal(scene.render({}, { width: 64, height: 48 }).length, 4 * 64 * 48)
   },
 
-  // FILE: the number of Gaussians drawn with budgets, for a scene with levels of detail.
   async budgets(file) {
     const scene = await load(file)
     assert.equal(scene.levels, true)

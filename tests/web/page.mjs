@@ -349,7 +349,7 @@ const tests = {
     await still()
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
-    // A camera without roll keeps `up`; a camera with roll defines `up`.
+    // A camera without roll keeps the viewer's up direction; a camera with roll defines it.
     const readCamera = (camera) =>
       inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')
@@ -489,8 +489,6 @@ const tests = {
     const { Pace } = await import(resolve(folder, 'viewer/pace.js'))
     let seed = 1
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647
-    /** Returns the most frequent divisor and the number of changes. A picture takes `fixed` + `all` / divisor^2
-        milliseconds. */
     const most = (fixed, all, noise) => {
       const pace = new Pace()
       const take = (divisor) => pace.take(divisor, (fixed + all / divisor ** 2) * (1 + noise * (2 * random() - 1)))

@@ -37,8 +37,6 @@ function turned({ eye, look, fov }, degrees) {
   return { eye: [look[0] + c * x + s * z, look[1] + y, look[2] - s * x + c * z], look, fov }
 }
 
-// ---- Pages ------------------------------------------------------------------------------------------------------------
-
 /** supersplat-viewer has y up, the scene turned by 180 degrees about z, and the horizontal field of view. */
 function settingsOf(view) {
   const half = Math.tan((view.fov * Math.PI) / 360)
@@ -165,8 +163,6 @@ function downloaded() {
   }
   return bytes
 }
-
-// ---- Measuring --------------------------------------------------------------------------------------------------------
 
 function processorTime(root) {
   const all = readdirSync('/proc').filter((name) => /^\d+$/.test(name))

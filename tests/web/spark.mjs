@@ -7,8 +7,6 @@ import { readFileSync, writeFileSync } from 'node:fs'
 const [modules, command, file, ...rest] = process.argv.slice(2)
 const source = readFileSync(`${modules}/@sparkjsdev/spark/dist/spark.module.js`, 'utf8')
 
-// ---- Spark's worker -------------------------------------------------------------------------------------------------
-
 const wasm = Buffer.from(source.match(/\nconst WASM = decode64\("([^"]*)"\)/)[1], 'base64')
 const text = Function(`return ${source.match(/\nconst jsContent = ('(?:[^'\\]|\\.)*')/)[1]}`)()
 const listeners = new Set()
@@ -31,8 +29,6 @@ const call = (name, args) => new Promise((resolve, reject) => {
     waiting.set(++calls, { resolve, reject })
     send({ id: calls, name, args })
 })
-
-// ---- Decoding -------------------------------------------------------------------------------------------------------
 
 const half = bits => {
     const exponent = bits >> 10 & 31, fraction = bits & 1023

@@ -72,7 +72,6 @@ const THEIRS = {
   startMode: 'default',
 }
 
-/** Values of supersplat-viewer's CubicSpline for the track above, by seconds. */
 const THEIRS_AT = {
   0.3: [4.177285714285715, 0.6737142857142859, -5.968285714285715, 54.72214285714286],
   1.8: [-0.4397142857142857, 1.433714285714286, -2.548285714285713, 64.31714285714287],
@@ -182,7 +181,7 @@ const tests = {
     await inside(`$('closeCaption').focus()`)
     await page.keyboard.press('Enter')
     assert.equal(await focused(), 'Annotation 1 of 3: The knot')
-    // off, since the clock changes with each picture
+    // screen readers skip the clock, which changes with each picture
     assert.equal(await inside(`return $('clock').getAttribute('aria-live')`), 'off')
     await inside('await v.goTo(0)')
     const parts = { markers: '#markers', caption: '#caption', player: '#player', bar: 'nav', corner: '.top' }
@@ -431,7 +430,6 @@ const tests = {
 
   async 'a sky: the bytes of a backdrop, by the processor and by WebGL; words where there is none'() {
     await open(SCENE)
-    // A picture of 64 x 32 pixels with colours that encode their position.
     const png = await inside(`const canvas = new OffscreenCanvas(64, 32), context = canvas.getContext('2d')
       for (let i = 0; i < 2048; i++) {
         const [x, y] = [i % 64, i >> 6]

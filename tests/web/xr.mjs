@@ -451,7 +451,7 @@ const tests = {
     const most = far.reduce((a, b) => Math.max(a, b))
     const same = (100 * far.filter((one) => one <= 0.5).length) / far.length
     console.log(`  over a colour ${same.toFixed(2)} % are the page's bytes, the others at most ${most.toFixed(2)} away`)
-    assert.ok(most <= 1.5, `${most}`) // three roundings: of the colour, of the coverage, and of the page
+    assert.ok(most <= 1.5, `${most}`) // tolerance for three roundings: of the colour, of the coverage, and of the page
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {

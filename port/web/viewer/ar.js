@@ -239,8 +239,6 @@ class Stand {
     this.#asked = (place) => place.about(place.from(this.#foot), 0, 1 / this.#scale / place.units)
   }
 
-  // ---- Drags --------------------------------------------------------------------------------------------------------
-
   #hold(sources) {
     this.#held = sources
     this.#rays = []
@@ -279,8 +277,6 @@ class Stand {
     const scale = Math.min(Math.max(b.far / Math.max(a.far, 1e-3) / place.units, low), high)
     return place.about(place.from(this.#foot), least(b.angle - a.angle), 1 / scale / place.units)
   }
-
-  // ---- The ring -----------------------------------------------------------------------------------------------------
 
   get #radius() {
     return Math.min(Math.max((this.#longest * this.#scale) / 2, RING_LEAST), RING_MOST)

@@ -26,7 +26,7 @@ async function take(entry, files) {
     return
   }
   const reader = entry.createReader()
-  // each call returns only a part of the entries
+  // readEntries returns only a part of the entries a call
   const next = () => new Promise((done, failed) => reader.readEntries(done, failed))
   for (let some = await next(); some.length; some = await next())
     for (const one of some) {

@@ -138,8 +138,8 @@ const STEP = 1.25
 const MARGIN = 1 / 8
 const PATIENCE = 4 // quick pictures in a row before the size of pictures grows
 
-/** Controls the size of pictures, as a share of the viewport, for a drawing time of `aim` milliseconds. Smaller
-    pictures get a margin, because the head turns meanwhile. */
+/** Controls the size of pictures for a drawing time of `aim` milliseconds. Smaller pictures get a margin, because
+    the head turns meanwhile. */
 export class Scale {
   value = 0.5
   #aim

@@ -4,7 +4,7 @@
 const CODECS = { 'vp09.00.51.08': 'VP9', vp8: 'VP8' }
 const BITS_A_PIXEL = 0.3
 const QUANTIZER = 20 // quantizer of VP9: 0 is the finest, 63 the coarsest
-const FAST_BITS = 16e6 // bits a second of MediaRecorder
+const FAST_BITS = 16e6 // bit rate of MediaRecorder in bits a second
 const KEY_S = 2 // seconds between key frames
 const MOST_WAITING = 4 // largest number of frames in the queue of the encoder
 const MOST_FRAMES = 36000
@@ -39,7 +39,7 @@ function element(id, ...inside) {
 
 const bytesOf = (parts) => parts.reduce((sum, bytes) => sum + bytes.length, 0)
 
-/** Clusters start at key frames. Times within a cluster must be below 32768 ms. */
+/** Clusters of a .webm file start at key frames. Times within a cluster must be below 32768 ms. */
 function clustersOf(chunks) {
   const clusters = []
   for (const chunk of chunks) {

@@ -18,8 +18,6 @@ for (const element of document.querySelectorAll('[id]')) ui[element.id] = elemen
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 const many = (n) => n.toLocaleString('en')
 
-// ---- The scene ------------------------------------------------------------------------------------------------------
-
 let viewer
 let shown = 0
 
@@ -50,8 +48,6 @@ async function showLast(facts) {
     await pause(200)
   }
 }
-
-// ---- Numbers --------------------------------------------------------------------------------------------------------
 
 function durationOf(seconds) {
   const s = Math.floor(seconds)
@@ -86,8 +82,6 @@ function write(facts) {
 
 const wordsOf = (psnr, ssim) => `${psnr === null ? 'equal' : `${psnr.toFixed(2)} dB`}, SSIM ${ssim.toFixed(4)}`
 
-// ---- The curve ------------------------------------------------------------------------------------------------------
-
 const draw = (name, attributes, text = '') => {
   const element = document.createElementNS('http://www.w3.org/2000/svg', name)
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value)
@@ -95,7 +89,7 @@ const draw = (name, attributes, text = '') => {
   return element
 }
 
-/** Returns the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS parts. */
+/** Returns the step of an axis: 1, 2 or 5 times a power of ten, for at most TICKS parts. */
 function stepOf(range) {
   const power = 10 ** Math.floor(Math.log10(range / TICKS))
   return power * [1, 2, 5, 10].find((times) => (times * power * TICKS) / range > 0.9999)

@@ -1,7 +1,7 @@
 // The on-screen stick for touchscreens, which flies and walks like the keys W A S D.
 const SIZE = 116
 const REACH = SIZE / 3 // largest deflection of the stick in CSS pixels
-const DEAD = 0.12 // dead zone as a share of REACH
+const DEAD = 0.12 // dead zone of the stick as a share of REACH
 const rules = `
 #stick { position: absolute; left: calc(16px + var(--left, 0px)); bottom: calc(78px + var(--below, 0px));
   width: ${SIZE}px; height: ${SIZE}px; border-radius: 50%; touch-action: none; cursor: grab;

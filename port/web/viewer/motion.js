@@ -84,7 +84,6 @@ export function flatten(camera, flat, fov) {
   return { ...camera, flat, fov, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** Returns a camera between two cameras, with ease in and out; t is 0 to 1. */
 export function between(a, b, t) {
   const part = t * t * (3 - 2 * t)
   const mixed = ['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])
@@ -158,7 +157,6 @@ export function ofView(view, { low, high }) {
   return { eye: [...view.position], look, up: column(1).map((x) => -x), fov, flat, shift }
 }
 
-/** Returns the mean of the views' up vectors, or `otherwise` if the vectors cancel out. */
 export function upOf(views, otherwise) {
   const mean = [0, 1, 2].map((i) => views.reduce((sum, view) => sum - view.rotation[i][1] / views.length, 0))
   return Math.hypot(...mean) > 0.1 ? mean : otherwise

@@ -2,12 +2,12 @@
 // times the time of the smallest size.
 
 const AIM_MS = 40 // milliseconds to aim at for a picture in motion
-const WORTH = 1.3 // largest useful time, as a multiple of the time of the smallest picture
+const WORTH = 1.3 // largest accepted time of a picture, as a multiple of the time of the smallest picture
 const MARGIN = 1.3 // hysteresis: ratio between the limits for growing and for shrinking
 const DIVISORS = [1, 1.5, 2, 3, 4]
-const KEPT = 7 // number of last pictures for the median time
+const KEPT = 7 // number of recent pictures for the median time
 const PROBES = 5
-const PATIENCE = 12 // pictures before the size of pictures grows
+const PATIENCE = 12 // number of pictures before their size may grow
 const FORGOTTEN = 100
 
 const LAST = DIVISORS.length - 1

@@ -56,7 +56,7 @@ export class Picture {
     this.#stage.replaceChildren()
   }
 
-  /** Makes a canvas below the visible canvas. Id 0: a worker can only return pixels. */
+  /** Makes a canvas below the visible canvas. The id 0 means that a worker can only return pixels. */
   async #open(engine, backend) {
     const canvas = document.createElement('canvas')
     const id = canvas.transferControlToOffscreen ? ++screens : 0

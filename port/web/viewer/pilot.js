@@ -11,7 +11,7 @@ const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
 
 export class Pilot {
   camera = null
-  mode = 'orbit' // 'orbit', 'fly' or 'walk'
+  mode = 'orbit' // how the user moves the camera: 'orbit', 'fly' or 'walk'
   walker = null
   up = UPRIGHT
   views = []
@@ -226,7 +226,6 @@ export class Pilot {
     this.drag(sign * right, sign * down)
   }
 
-  /** Returns the distance to the visible surface, which scales the speed of flight. */
   get #reach() {
     const to = this.isFlying ? this.ahead : this.camera.look
     const far = to ? motion.distance({ eye: this.camera.eye, look: to }) : this.radius

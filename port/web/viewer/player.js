@@ -9,7 +9,6 @@ export class Player {
   #host
   #ui = {}
 
-  /** `acts` has toggle(), seek(seconds), choose(index) and film(). */
   constructor(host, acts) {
     this.#host = host
     const bar = document.createElement('div')

@@ -85,7 +85,7 @@ function trackOf(value, name) {
 
 // ---- Files of supersplat-viewer ------------------------------------------------------------------------------------
 
-/** Converts a vector: supersplat-viewer turns scenes by half a turn about z. */
+/** Converts a vector of supersplat-viewer, which turns scenes by half a turn about z. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
 const UP = [0, -1, 0]
 
@@ -185,8 +185,6 @@ function checked(file, words) {
   return settings
 }
 
-/** Returns { settings, words }, with a line of text for each ignored part. Throws an Error if the text is not a
-    settings file. */
 export function settingsOf(name, text) {
   let file
   try {

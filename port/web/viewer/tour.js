@@ -17,7 +17,7 @@ const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar']
 const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight']
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
-/** Returns true for a picture in the folder of the settings file or below, and for a data: address. */
+/** Returns true if a picture is in the folder of the settings file or below, or has a data: address. */
 const isOwn = (url) => /^data:/i.test(url.trim()) || staysInside(url.trim())
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
 

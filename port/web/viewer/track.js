@@ -26,7 +26,7 @@ function segmentAt(keys, time) {
   return low
 }
 
-/** Slope at key i: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
+/** The slope at key i of values p at times t: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
 function slopes(keys, i) {
   const [before, after] = [keys[Math.max(i - 1, 0)], keys[Math.min(i + 1, keys.length - 1)]]
   return after.values.map((x, k) => (x - before.values[k]) / (after.time - before.time))
@@ -77,7 +77,6 @@ export class Track {
   }
 }
 
-/** Converts the field of view of the longer side to the vertical field of view. */
 export function upright({ longer, ...camera }, aspect) {
   const tan = Math.tan((camera.fov * Math.PI) / 360)
   return longer && aspect > 1 ? { ...camera, fov: (360 / Math.PI) * Math.atan(tan / aspect) } : camera

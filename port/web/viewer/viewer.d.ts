@@ -3,7 +3,6 @@ import type { Vector } from '../fixsplat.js'
 type How = boolean | AddEventListenerOptions
 export type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
-/** The camera of the viewer. */
 export interface ViewerCamera {
   /** The position of the camera, in scene units. */
   eye: [number, number, number]
@@ -80,7 +79,6 @@ export interface Found {
   scene: ShownScene
 }
 
-/** The settings of the viewer. */
 export interface Settings {
   /** The background colour, #rrggbb. The default is dark or light, as the system prefers. */
   background: string
@@ -123,7 +121,6 @@ export interface ViewerError extends Error {
 
 /** The events of <fixsplat-viewer>. They do not bubble. */
 export interface ViewerEvents {
-  /** A scene is loaded. */
   load: CustomEvent<ShownScene>
   /** The progress of loading a scene. `done` is the completed share of the stage, 0 to 1; undefined if unknown.
       `bytes` is the number of downloaded bytes. */
@@ -256,7 +253,6 @@ export class Viewer extends HTMLElement {
   set view(text: string | null | undefined)
   /** A link to the viewer's page that shows this scene with this view. */
   readonly link: string
-  /** The scenes in the picture. */
   readonly scenes: ShownScene[]
   /** A copy of the camera; null without a scene. Setting some fields keeps the other fields. Before a scene is
       loaded, setting the camera sets the start view and needs `eye` and `look`. */
@@ -286,8 +282,7 @@ export class Viewer extends HTMLElement {
       `error`. */
   get annotations(): Annotation[]
   set annotations(list: readonly Annotation[])
-  /** A copy of the camera tracks. A new list takes effect a moment later. An error in the list causes an event
-      `error`. */
+  /** A copy of the camera tracks. A new list is checked as a list of annotations is. */
   get tracks(): CameraTrack[]
   set tracks(list: readonly CameraTrack[])
   /** Opens the caption of an annotation, by its index from 0, and flies to the annotation. Returns true on arrival. */

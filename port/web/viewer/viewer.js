@@ -17,14 +17,14 @@ import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf
 const STILL_MS = 150 // milliseconds without motion after which the picture is at rest
 const GLIDE_MS = 1000 // default duration of flyTo in milliseconds
 const KEPT_S = 60
-const HINT_MS = 5000 // least milliseconds between two hints about the wheel
+const HINT_MS = 5000
 // budgets of the slider in Gaussians; one more step means no limit
 const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6]
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
 const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers of headsets, which have WebXR on secure pages only
 
-const MOST_AWAY = 2 // removed viewers that keep their scenes in memory; older removed viewers free them
+const MOST_AWAY = 2 // number of viewers that keep their scenes after removal from the page
 const away = new Set()
 
 const template = document.createElement('template')
@@ -661,7 +661,7 @@ export class Viewer extends HTMLElement {
     else if (told.stage === 'noSky') this.#sayNoSky(told)
     else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
     else if (told.stage === 'preview') {
-      // loading the whole scene reports the error
+      // a failed preview is ignored; loading the whole scene reports the error
       if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {})
     } else this.#hearOfProgress([this.#opening?.item, this.#adding].find((item) => item?.key === told.key), told)
   }
@@ -677,7 +677,8 @@ export class Viewer extends HTMLElement {
   }
 
   async #fail(cause, { source } = {}) {
-    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) } // used if words.js cannot be loaded
+    // replacement if words.js cannot be loaded
+    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) }
     const { wordsOf } = await import('./words.js').catch(() => bare)
     const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
     const error = Object.assign(new Error(message, { cause }), { kind, source })
@@ -738,7 +739,8 @@ export class Viewer extends HTMLElement {
 
   async #packAll() {
     for (const item of this.#shown.filter(({ element }) => element))
-      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // null for streamed scenes
+      // null for a streamed scene, which has no packed bytes
+      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null)
   }
 
   #takeWorker(engine, item) {
@@ -900,7 +902,6 @@ export class Viewer extends HTMLElement {
     this.#tour?.drawn()
   }
 
-  /** Halves the pixels if memory was short, else goes back to the last good camera. */
   #refused(error) {
     if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')

@@ -52,7 +52,6 @@ export async function textAt(url, words) {
 
 export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))
 
-// Attributes of the viewer that may also be parameters of the page's address.
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']

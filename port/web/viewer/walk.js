@@ -3,7 +3,7 @@
 import { add, cross, dot, unit } from './motion.js'
 
 const CELLS = 48
-const FOCAL = 4096 // denominator of the renderer's focal lengths in pixels a unit
+const FOCAL = 4096 // the renderer rounds focal lengths to 1 / FOCAL pixels a unit
 // The lengths from CELL to PACE are multiples of the eye's height.
 const CELL = 1 / 16
 const REACH = 1.25 // walking farther from the middle of a height map waits for the next map
@@ -171,7 +171,6 @@ export class Walker {
     return add(add(point, this.#level(camera), -BACK * this.height), this.#up, this.height)
   }
 
-  /** Keeps the camera's target, unless it is too near or too steep. */
   #upright(camera, eye) {
     const up = this.#up
     const ahead = add(camera.look, eye, -1)

@@ -73,13 +73,12 @@ function preview(key, part, share) {
   })
 }
 
-/** Calls a function after the browser has shown the canvas, which needs an idle worker. */
 function onScreen(call) {
   if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
   else call()
 }
 
-/** Without a screen, returns the pixels. Returns null if the screen has failed. */
+/** Draws on a Screen, or returns the pixels without a Screen. Returns null if the Screen has failed. */
 async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
@@ -224,7 +223,7 @@ const words = {
 
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
 
-  /** The farthest depth of 3 x 3 pixels is used, since a marker lies on a surface. */
+  /** The farthest depth of 3 x 3 pixels counts, since the marker of an annotation lies on a surface. */
   depths(pixels, camera, options) {
     const { width, height } = options
     const depth = depthOf(camera, options)

@@ -18,7 +18,8 @@ export class Place {
     Object.assign(this, { axes, units, origin })
   }
 
-  /** Returns a level placement. The horizontal direction (hx, hz) of the room becomes the direction of view. */
+  /** Returns a level placement. The horizontal direction (hx, hz) of the room becomes the camera's direction of
+      view. */
   static towards([hx, hz], { camera, up }, units) {
     const y = unit(up)
     const level = (a) => add(a, y, -dot(a, y))
@@ -223,8 +224,6 @@ export class Headset {
     this.#guide.end?.()
   }
 
-  // ---- Frames -------------------------------------------------------------------------------------------------------
-
   #frame(now, frame) {
     const pose = frame.getViewerPose(this.#space)
     if (!pose) return
@@ -281,8 +280,6 @@ export class Headset {
     if (this.#session.visibilityState !== 'hidden') this.#scale.take(milliseconds)
     this.#host.drawn({ cameras, width, height, scale, milliseconds })
   }
-
-  // ---- Controllers --------------------------------------------------------------------------------------------------
 
   #pull(frame) {
     const gripping = [...this.#session.inputSources].filter((s) => s.gripSpace && s.gamepad?.buttons[1]?.pressed)
