@@ -98,7 +98,7 @@ export interface LookAt {
   /** The position of the camera in scene units. If `up` is given without `eye`, the camera shows all objects
       completely. */
   eye?: Vector
-  /** The point at which the camera looks. The default is the middle of the box around the objects. */
+  /** The target of the camera. The default is the middle of the box around the objects. */
   look?: Vector
   /** The direction that points up in the picture; [0, -1, 0] by default. */
   up?: Vector
@@ -131,7 +131,7 @@ export interface Pinhole {
   /** True for an orthographic camera, with parallel rays; false by default. `fx` and `fy` are then in pixels per
       scene unit. */
   orthographic?: boolean
-  /** The size in pixels of the picture to which `fx`, `fy`, `cx` and `cy` refer; the size of the frame by default. */
+  /** The size in pixels of the picture for `fx`, `fy`, `cx` and `cy`; the size of the frame by default. */
   width?: number
   height?: number
 }
@@ -185,7 +185,7 @@ export interface Targets {
   colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
   /** The coverage times 255. The coverage is the share of the light that the Gaussians at a pixel absorb. */
   coverage?: boolean
-  /** The median depth: the depth of the first Gaussian at which more than half of the light is absorbed. */
+  /** The median depth: the depth of the Gaussian, from near to far, with more than half of the light absorbed. */
   depth?: boolean
   /** The mean depth of the Gaussians at a pixel, weighted by their contributions. */
   meanDepth?: boolean

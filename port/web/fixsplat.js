@@ -332,7 +332,7 @@ async function leastOf(file, lookAs) {
 }
 
 // Throws an Error if the first bytes are not a scene, or if the file is far longer than its header says. Returns the
-// number of bytes at which to check again.
+// number of bytes before the next check.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })

@@ -1,5 +1,4 @@
 // Shared code of the three.js and PlayCanvas adapters, which draw all Splats objects that a camera sees as one picture.
-// WebGLStage draws in the middle of the engine's render, and copies the engine's depths, so that meshes hide Gaussians.
 // A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
 
 import { load, pick, Scene, Screen } from './fixsplat.js'

@@ -5,8 +5,8 @@ import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } 
     its scales must be equal and above 0. All Splats that a camera sees on a layer are blended together, as one
     picture. Opaque meshes hide the Gaussians behind them.
 
-    The picture is drawn after the opaque meshes of its layer and before the transparent meshes. The picture writes
-    no depth. The tone mapping of a camera does not apply; the tone mapping of a CameraFrame does.
+    The picture is drawn after the opaque meshes of its layer and before the transparent meshes, without depth. The
+    tone mapping of a camera does not apply; the tone mapping of a CameraFrame does.
 
     The event 'change' asks for a new picture, because parts of a streamed scene have arrived or a lost WebGL context
     was restored. The event has an Error if requests have failed. */
@@ -21,9 +21,9 @@ export class Splats extends Entity {
   ): Promise<Splats>
   readonly isSplats: true
   readonly scene: Scene
-  /** The rotation of the scene before the rotation of the entity. Scenes have x right, y down, z forward; PlayCanvas
-      has x right, y up, z back. The default is therefore half a turn about x. `turn.set(0, 0, 0, 1)` keeps the axes
-      of the scene. */
+  /** A rotation that turns the scene before the entity's own rotation. Scenes have x right, y down, z forward;
+      PlayCanvas has x right, y up, z back. The default is therefore half a turn about x. `turn.set(0, 0, 0, 1)`
+      keeps the axes of the scene. */
   readonly turn: Quat
   /** A factor for the opacity, as `Placed.opacity`. */
   opacity: number

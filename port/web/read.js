@@ -188,7 +188,7 @@ async function answerOf(name, url, watch, begun) {
 }
 
 /** came(file, share) is called after each part, and the download waits for its promise. `share` is undefined if the
-    size is unknown. `begun`: promise of an earlier answer. `options.most`: largest number of bytes. */
+    size is unknown. `begun`: promise of an earlier answer. */
 export async function download(url, options, came = () => {}, begun) {
   const name = nameOf(url)
   const watch = new Watch(name, options)

@@ -31,9 +31,9 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   ): Promise<Splats>
   readonly isSplats: true
   readonly scene: Scene
-  /** The rotation of the scene before the rotation of the object. Scenes have x right, y down, z forward; three.js
-      has x right, y up, z back. The default is therefore half a turn about x. `turn.identity()` keeps the axes of
-      the scene. */
+  /** A rotation that turns the scene before the object's own rotation. Scenes have x right, y down, z forward;
+      three.js has x right, y up, z back. The default is therefore half a turn about x. `turn.identity()` keeps the
+      axes of the scene. */
   readonly turn: Quaternion
   /** A factor for the opacity, as `Placed.opacity`. */
   opacity: number

@@ -14,7 +14,7 @@ typedef struct block {
     struct block *next;
 } __attribute__((aligned(64))) block;
 
-extern unsigned char __heap_base;  /* end of the stack and of all data, set by the linker */
+extern unsigned char __heap_base;  /* end of the stack and of all data; the linker sets its address */
 static block *first;
 static uintptr_t end;
 

@@ -1,6 +1,6 @@
 // node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm package by the bundlers
-// in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures with every
-// WebAssembly module and with the viewer. WORK has scene.ply. Projects lie beside MODULES.
+// in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures. WORK has
+// scene.ply.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'

@@ -51,7 +51,6 @@ async function memory() {
 tests['memory after 50 scenes'] = async () => {
   await go('')
   await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>`)
-  /** Opens scenes in one call, since each call to the page takes memory. */
   const openMany = (count) =>
     page.evaluate(
       async (src, count) => {

@@ -30,7 +30,6 @@ function prepare() {
   const clock = performance.now.bind(performance)
   let [from, rate, base] = [0, 1, 0]
   performance.now = () => base + rate * (clock() - from)
-  /** Speeds up the page's clock, so that results do not depend on the machine. */
   test.run = (times) => ([base, from, rate] = [performance.now(), clock(), times])
   test.skip = (milliseconds) => (base += milliseconds)
   const { getContext } = HTMLCanvasElement.prototype

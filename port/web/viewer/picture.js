@@ -98,8 +98,7 @@ export class Picture {
     return this.#most >= LEAST_PIXELS
   }
 
-  // Times the GPU back ends once, on hidden canvases in a new worker. Returns the engine of a faster back end, else
-  // null.
+  // Returns the engine of a GPU back end that was measured as faster, else null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true

@@ -1,5 +1,5 @@
-// The page of a scene of `fixsplat view --web`. Shows the state of the scene, and opens the packed scene and each newer
-// version. The page's address sets the scene (?scene=/scenes/0/NAME), other attributes, and the camera (#view=...).
+// The page of a scene of `fixsplat view --web`. Shows the state of the scene, the packed scene and each newer version.
+// The page's address sets the scene (?scene=/scenes/0/NAME) and other attributes.
 import './viewer.js'
 import { Language, askedFor } from './language.js'
 import { followAddress } from './views.js'

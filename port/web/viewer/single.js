@@ -11,7 +11,6 @@ async function unpacked(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer())
 }
 
-/** Makes blob: addresses for files. Afterwards, new URL(file, import.meta.url) returns these addresses. */
 function addressAll(files) {
   const base = 'https://fixsplat.invalid/' // placeholder for the folder of the scripts; never requested
   const imports = /(\bfrom\s*|\bimport\s*\(?\s*)(["'])(\.\.?\/[^"'\s]+)\2/g

@@ -15,7 +15,6 @@ function closed(keys, duration) {
   return [...before.map((key) => later(key, -length)), ...keys, ...behind.map((key) => later(key, length))]
 }
 
-/** Finds the last key at or before a time by bisection; at most the last key but one. */
 function segmentAt(keys, time) {
   let [low, high] = [0, keys.length - 2]
   while (low < high) {

@@ -282,7 +282,8 @@ export class Viewer extends HTMLElement {
       `error`. */
   get annotations(): Annotation[]
   set annotations(list: readonly Annotation[])
-  /** A copy of the camera tracks. A new list is checked as a list of annotations is. */
+  /** A copy of the camera tracks. A new list takes effect a moment later. An error in the list causes an event
+      `error`. */
   get tracks(): CameraTrack[]
   set tracks(list: readonly CameraTrack[])
   /** Opens the caption of an annotation, by its index from 0, and flies to the annotation. Returns true on arrival. */

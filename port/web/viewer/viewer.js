@@ -1,7 +1,6 @@
 // The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> in it.
 // `src` and `open` load their scene in a new worker, which replaces the present worker when the scene has arrived
-// (#openAlone). Further scenes are loaded in the present worker (#load). #gather makes the loaded scenes match the
-// wanted scenes.
+// (#openAlone). Further scenes are loaded in the present worker (#load).
 import { addressIn } from '../fixsplat_assets.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
@@ -455,7 +454,6 @@ export class Viewer extends HTMLElement {
     return this.appendChild(element)
   }
 
-  /** When the scene or a preview has arrived, the new worker replaces the present worker. */
   async #openAlone(item, views, view) {
     const opening = (this.#opening = { item, views, view })
     this.#begin(item)
@@ -519,8 +517,7 @@ export class Viewer extends HTMLElement {
     return own ?? item
   }
 
-  /** Loads, places and removes scenes until the visible scenes are the wanted scenes. Returns true if a scene is
-      visible. */
+  /** Loads, places and removes scenes until the visible scenes are the wanted scenes. */
   #gather() {
     const next = () => this.#gatherNow().catch((error) => this.#engine && this.#fail(error))
     return (this.#gathered = this.#gathered.then(next).then(() => !!this.#scene))
@@ -1210,7 +1207,6 @@ export class Viewer extends HTMLElement {
     this.#listenToDrops()
   }
 
-  /** With wheel="page" the wheel scrolls the page, unless the viewer has the focus or Ctrl is held. */
   #takesWheel({ ctrlKey, timeStamp }) {
     if (this.getAttribute('wheel') !== 'page' || ctrlKey || this.matches(':focus-within')) return true
     if (timeStamp - this.#hintedAt > HINT_MS) this.#panels.note('Click the scene, or hold Ctrl, and the wheel zooms')

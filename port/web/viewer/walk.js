@@ -68,7 +68,6 @@ export class Walker {
   #usual = { scene: null, height: 1 }
   #last = 0
 
-  /** host.draw(camera, size) returns a promise of depths. host.height() is 0 for the estimated height. */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host

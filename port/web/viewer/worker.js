@@ -4,9 +4,9 @@
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from '../fixsplat.js'
 
 const SEEN = 40000 // least number of Gaussians in an early preview
-const SEEN_SHARE = 1 / 3 // downloaded share from which a preview may have fewer Gaussians
+const SEEN_SHARE = 1 / 3 // downloaded share that allows a preview of fewer Gaussians
 const PREVIEW_MS = 1000 // longest wait in milliseconds for the page to draw a preview
-const AHEAD_MS = 600 // milliseconds by which the camera's motion is extrapolated, for prefetching
+const AHEAD_MS = 600 // milliseconds of extrapolation of the camera's motion, for prefetching
 const STOPPED_MS = 300 // milliseconds between two pictures after which the camera counts as stopped
 const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depth value of one scene unit

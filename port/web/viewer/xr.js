@@ -9,7 +9,8 @@ const NEAR = 0.1
 const AIM_MS = 50 // milliseconds to aim at for a pair of pictures
 const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
-const [PUSHED, IDLE] = [0.7, 0.3] // deflections of a thumbstick that start a turn, and that allow the next turn
+// deflection of a thumbstick that starts a turn, and deflection that allows the next turn
+const [PUSHED, IDLE] = [0.7, 0.3]
 const DEAD = 0.15
 
 /** The placement of the room in the scene: axes (right, up, back), origin, scene units a metre. */
@@ -107,8 +108,7 @@ class Walker {
 }
 
 /** A mode has the type of the WebXR session, texts, the reference spaces to try in order, and the class Guide. A
-    Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if none is chosen yet.
-    Optional members of a Guide: `options`, begin(session, space), end(), show(gl, view, viewport). */
+    Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if none is chosen yet. */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
