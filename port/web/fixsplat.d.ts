@@ -118,8 +118,8 @@ export interface Pinhole {
   rotation: readonly Vector[]
   /** The position of the camera in the world, in scene units. */
   position: Vector
-  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size, the
-      intrinsics are multiplied by the ratio of the widths. */
+  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size,
+      focal lengths are multiplied by the ratio of the widths. */
   fx: number
   /** The vertical focal length in pixels; `fx` by default. */
   fy?: number
@@ -195,7 +195,7 @@ export interface Targets {
       its centre is farther than this depth. */
   occluder?: Uint32Array
   /** Input: a picture to draw instead of the background colour. Each pixel has four bytes: red, green, blue, and an
-      ignored byte. Not possible with premultiplied formats. */
+      ignored byte. Premultiplied formats do not allow a backdrop. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 

@@ -22,7 +22,7 @@ const BUDGET = 1e6              // default budget of a picture in Gaussians
 const TRIES = 5                 // attempts for a request, or 2 if the server is slow
 const PAUSE = 100               // milliseconds; the pause before attempt i + 1 is PAUSE * 2^i
 const AGAIN = 5000              // milliseconds after a temporary failure before pictures request chunks again
-const TELL = 50                 // least milliseconds between two calls of the callback `changed`
+const TELL = 50                 // minimum milliseconds between two calls of the callback `changed`
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
 
@@ -177,7 +177,7 @@ export class Pager {
   #places
   #used = 0
   #spare = []
-  #victims = []                 // places of the pool to evict, the least recently used last
+  #victims = []                 // places of the pool to evict; the least recently used place is last
   #fullAt = -1
   #chunkOf
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
@@ -530,8 +530,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** Returns an eighth of the pool to evict, the least recently used place last, without places that the last two
-      frames used. */
+  /** Returns an eighth of the pool to evict, without places that the last two frames used. The least recently used
+      place is last. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0

@@ -20,8 +20,8 @@ function unit(a) {
   return a.map((value) => value / length)
 }
 
-/** Converts the matrices of a camera to a Pinhole. An orthographic near plane may lie behind the camera, which is
-    then moved back. */
+/** Converts the matrices of a camera to a Pinhole camera. An orthographic camera is moved back, since its near plane
+    may lie behind the camera. */
 export function viewOf(world, projection, near, width, height) {
   const orthographic = isOrthographic(projection)
   const back = orthographic ? 1 - near : 0

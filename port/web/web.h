@@ -18,7 +18,7 @@ __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, u
 /* A scene in the memory of the module. The members from `coarse` on are for streamed scenes, with the header, all
    tables and a pool of chunks in `data`. */
 typedef struct fxs_web_scene {
-    fxs_scene scene;               /* must be first: fxs_options.want gets its address */
+    fxs_scene scene;               /* must be the first member: fxs_options.want gets its address */
     const void *data;              /* packed scene, which begins with the header of the file */
     double low[3], high[3];
 

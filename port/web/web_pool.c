@@ -91,7 +91,8 @@ EXPORT(help) void fxs_web_help(void)
 {
     uint32_t seen;
     add(&helpers, 1);
-    while (seen = get(&turn), !get(&ending)) {     /* reads `turn` before `ending`, which fxs_web_end writes first */
+    /* reads `turn`, then `ending`; fxs_web_end writes in the reverse order */
+    while (seen = get(&turn), !get(&ending)) {
         if (seen & 1) {
             add(&inside, 1);
             if (get(&turn) == seen)            /* if the batch is unchanged, the caller waits for this helper */

@@ -1,4 +1,5 @@
-// Shared by three.mjs and playcanvas.mjs: walls in front of, amid and behind splats, and pages of docs/examples.
+// Shared by three.mjs and playcanvas.mjs: meshes as walls in front of, amid and behind splats, and pages of
+// docs/examples.
 import assert from 'node:assert/strict'
 import { mkdirSync, writeFileSync } from 'node:fs'
 import { base, frame, hashOf, work } from './screens.mjs'
@@ -48,7 +49,7 @@ export const PAGE = `const { render, pick } = await import('fixsplat')
     return all
   }`
 
-/** A wall in front hides all splats; a wall behind shows more splats than a wall amid. */
+/** A wall mesh in front hides all splats; a wall behind shows more splats than a wall amid. */
 export function checkWalls(name, [before, amid, behind]) {
   assert.ok(Math.max(before.most, amid.most, behind.most) <= 1, `${name}: ${amid.most} and ${behind.most} apart`)
   assert.ok(before.wall > 1000 && !before.both && !before.splats, `${name}: ${JSON.stringify(before)}`)

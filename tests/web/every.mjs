@@ -7,7 +7,7 @@ import { run, scenes, viewOf } from './chromium.mjs'
 
 const SIZE = [1280, 720]
 const LOADS = 50
-const FIRST = 50 // scenes until the caches of the browser are full
+const FIRST = 50 // number of scenes until the browser's caches are full
 const MORE = 1.05 // largest ratio of the memory at the end to the memory after FIRST scenes
 
 const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)

@@ -96,7 +96,7 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // ROOT: file names in a streamed SOG's indexes that lead out of the folder are not fetched.
+  // Argument ROOT: file names in a streamed SOG's indexes that lead out of the folder are not fetched.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -141,7 +141,7 @@ const words = {
     other.close()
   },
 
-  // SOG: loading the file from a slow server times out, and can be cancelled.
+  // Argument SOG: loading the file from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -184,7 +184,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // PLY FXS: endless answers of a server, and answers that claim 2 GB, are refused by their first bytes.
+  // Arguments PLY FXS: endless answers of a server, and answers that claim 2 GB, are refused by their first bytes.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),

@@ -38,8 +38,8 @@ async function started(scene, module) {
 }
 
 const words = {
-  // MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture. OBJECTS are placements, in the order of the
-  // scenes.
+  // Arguments MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture. OBJECTS are placements, in the
+  // order of the scenes.
   async hash(module, camera, options, objects, ...files) {
     const scenes = []
     for (const file of files) scenes.push(await load(file, modules[module]))
@@ -48,7 +48,7 @@ const words = {
     console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
   },
 
-  // MODULE FILE LEFT RIGHT OPTIONS OUT: writes the pictures of two eyes side by side.
+  // Arguments MODULE FILE LEFT RIGHT OPTIONS OUT: writes the pictures of two eyes side by side.
   async stereo(module, file, left, right, text, out) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -59,7 +59,7 @@ const words = {
     writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
   },
 
-  // MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command.
+  // Arguments MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command.
   async targets(module, file, camera, text, folder) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -287,7 +287,7 @@ const words = {
     assert.equal(before, 256 * Math.ceil(scene.count / 256))
   },
 
-  // ADDRESS CAMERA OPTIONS: prints the hash of the complete picture of a streamed scene.
+  // Arguments ADDRESS CAMERA OPTIONS: prints the hash of the complete picture of a streamed scene.
   async parts(address, camera, options) {
     const scene = await load(address)
     assert.equal(scene.paged, true)
@@ -296,7 +296,7 @@ const words = {
     scene.free()
   },
 
-  // FILE CAMERA OPTIONS X Y: prints the same as `fixsplat render --pick --json`.
+  // Arguments FILE CAMERA OPTIONS X Y: prints the same as `fixsplat render --pick --json`.
   async pick(file, camera, options, x, y) {
     const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))
     console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
@@ -317,17 +317,17 @@ const words = {
     console.log(hasRelaxed)
   },
 
-  // FILE: counts the bytes that look like the instruction i16x8.q15mulr_sat_s.
+  // Argument FILE: counts the bytes that look like the instruction i16x8.q15mulr_sat_s.
   async products(file) {
     console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
   },
 
-  // FILE PROFILE [MODULE]: writes the packed scene to standard output.
+  // Arguments FILE PROFILE [MODULE]: writes the packed scene to standard output.
   async pack(file, profile, module) {
     process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
-  // MODULE FILE CAMERA WIDTH HEIGHT: prints the least milliseconds of twelve frames.
+  // Arguments MODULE FILE CAMERA WIDTH HEIGHT: prints the smallest of the times of twelve frames, in milliseconds.
   async speed(module, file, camera, width, height) {
     const scene = await load(file, modules[module])
     await started(scene, module)

@@ -8,7 +8,7 @@ import { numbers, Place } from './xr.js'
 
 const TABLE = 0.5 // metres: longest side of a scene in the size 'table'
 const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side of a scene scaled by fingers
-const LEVEL = Math.cos(Math.PI / 6) // least vertical component of the normal of a level surface
+const LEVEL = Math.cos(Math.PI / 6) // smallest vertical component of the normal of a level surface
 const BEFORE = 0.7 // metres: distance to the near side of the scene if no surface is known
 const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
 const PATIENCE_MS = 8000 // milliseconds without a surface until a tap puts the scene in front of the user

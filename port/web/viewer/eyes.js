@@ -29,7 +29,8 @@ const product = (a, b) => ROWS.flatMap((r) => COLUMNS.map((c) => sum(a, r, b, c)
 const transposed = (a) => COLUMNS.flatMap((c) => ROWS.map((r) => a[r + c]))
 
 /** Returns the homography between the pixels of two cameras for a plane at depth `far`: K' R'^T M K^-1. K, R and e
-    are intrinsics, rotation and eye. M is R with (e - e') / far added to its last column. */
+    are intrinsics, rotation and eye; primes mark the second camera. M is R with (e - e') / far added to its last
+    column. */
 export function turnBetween(from, to, far) {
   const rays = [1 / from.fx, 0, -from.cx / from.fx, 0, 1 / from.fy, -from.cy / from.fy, 0, 0, 1]
   const pixels = [to.fx, 0, to.cx, 0, to.fy, to.cy, 0, 0, 1]
@@ -136,7 +137,7 @@ export class Eyes {
 const [LEAST, MOST] = [0.35, 1]
 const STEP = 1.25
 const MARGIN = 1 / 8
-const PATIENCE = 4 // quick pictures in a row before the size of pictures grows
+const PATIENCE = 4 // number of quick pictures in a row before the picture size grows
 
 /** Controls the size of pictures for a drawing time of `aim` milliseconds. Smaller pictures get a margin, because
     the head turns meanwhile. */

@@ -3,7 +3,7 @@
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
-const AGAIN_MS = 250 // least milliseconds between two depth tests; at least 5 times the time of a test
+const AGAIN_MS = 250 // minimum milliseconds between two depth tests; at least 5 times the time of a test
 const SMALL = 320
 
 const LINK = ICONS.share

@@ -1,7 +1,7 @@
 // The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units. `look`
 // is the target of a camera.
 
-const POLE = 0.02 // least angle between the direction of view and up, radians
+const POLE = 0.02 // smallest angle between the direction of view and up, radians
 
 export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -29,7 +29,8 @@ function axes({ eye, look, up }) {
   return { forward, right, down: cross(forward, right) }
 }
 
-/** Turns `from` and the camera's up vector to the right and down, but not over the poles. Returns both vectors. */
+/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both
+    vectors. */
 function turn(camera, from, up, right, down) {
   const view = axes(camera)
   const axis = unit(up)

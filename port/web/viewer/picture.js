@@ -33,7 +33,8 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Without `wanted`, a trial of the GPU follows later. Returns false if the processor replaces the GPU. */
+  /** Opens a back end. Without `wanted`, a trial of the GPU follows later. Returns false if the processor replaces
+      the GPU. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
@@ -98,7 +99,7 @@ export class Picture {
     return this.#most >= LEAST_PIXELS
   }
 
-  // Returns the engine of a GPU back end that was measured as faster, else null.
+  // Times the GPU back ends once and returns the engine of a faster back end, else null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true

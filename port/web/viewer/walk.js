@@ -9,11 +9,11 @@ const CELL = 1 / 16
 const REACH = 1.25 // walking farther from the middle of a height map waits for the next map
 const STALE = 0.4 // distance from the middle of a height map that requests the next map
 const FOOT = 0.12 // radius around a point for measuring the ground
-const BODY = 0.2 // least distance of the eye to walls
+const BODY = 0.2 // smallest distance of the eye to walls
 const STEP = 0.25 // largest height of a step that is climbed
 const DROP = 2 // largest depth that is stepped down; a deeper drop is a hole
 const STRIDE = 0.05 // longest single step of the walk
-const BACK = 0.4 // distance to a chosen point on arrival
+const BACK = 0.4 // distance to a chosen point at which walking ends
 const PACE = 2.5 // distance walked in a second at a speed of 1
 const LEAST = 3 // blocked cells that stop the walk; fewer cells are stray Gaussians
 const EASE = 10 // rate a second of the eye's exponential approach to its height
@@ -68,6 +68,8 @@ export class Walker {
   #usual = { scene: null, height: 1 }
   #last = 0
 
+  /** `host` has draw(camera, size), which returns a promise of depths, and height(), which is 0 for the estimated
+      height. */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host

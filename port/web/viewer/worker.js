@@ -3,7 +3,7 @@
 // with a `stage` need no request.
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from '../fixsplat.js'
 
-const SEEN = 40000 // least number of Gaussians in an early preview
+const SEEN = 40000 // smallest number of Gaussians in an early preview
 const SEEN_SHARE = 1 / 3 // downloaded share that allows a preview of fewer Gaussians
 const PREVIEW_MS = 1000 // longest wait in milliseconds for the page to draw a preview
 const AHEAD_MS = 600 // milliseconds of extrapolation of the camera's motion, for prefetching
