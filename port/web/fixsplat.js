@@ -798,7 +798,7 @@ class Copied {
   #pixels
 
   constructor(canvas) {
-    // In a worker, a canvas in main memory is faster without a real GPU.
+    // In a worker, a canvas in main memory is faster if the GPU is emulated.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }

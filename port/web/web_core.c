@@ -268,7 +268,7 @@ EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int
     return error ? error : 1;
 }
 
-/* Out: the middle of the box around the objects. */
+/* Writes the middle of the box around all objects to `numbers`. */
 EXPORT(middle) void fxs_web_middle(void)
 {
     for (int i = 0; i < 3; i++)

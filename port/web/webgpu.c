@@ -18,7 +18,6 @@ typedef struct web_plan {
     uint32_t step_count;
 } web_plan;
 
-/* Returns the names of the shader entry points by number, each followed by a space. */
 EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
 {
 #define NAME(entry) #entry " "

@@ -49,7 +49,6 @@ export const PAGE = `const { render, pick } = await import('fixsplat')
     return all
   }`
 
-/** A wall mesh in front hides all splats; a wall behind shows more splats than a wall amid. */
 export function checkWalls(name, [before, amid, behind]) {
   assert.ok(Math.max(before.most, amid.most, behind.most) <= 1, `${name}: ${amid.most} and ${behind.most} apart`)
   assert.ok(before.wall > 1000 && !before.both && !before.splats, `${name}: ${JSON.stringify(before)}`)

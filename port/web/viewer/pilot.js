@@ -198,7 +198,6 @@ export class Pilot {
     else if (this.#scene) this.act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
   }
 
-  /** Changes the camera's distance to the point ahead when flying, else to the centre of turning. */
   zoom(factor) {
     if (!this.#scene) return
     if (this.walks) this.walker?.go(0, BY_ZOOM * (1 - factor))

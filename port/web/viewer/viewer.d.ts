@@ -235,9 +235,7 @@ export interface Film {
   height: number
 }
 
-/** The element <fixsplat-viewer>. Its attributes are src, cameras, view, background (#rrggbb), budget, detail,
-    poster, turn, backend, threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height,
-    joystick, ar. */
+/** The element <fixsplat-viewer>. Its attributes are listed in ViewerAttributes. */
 export class Viewer extends HTMLElement {
   /** The state of the viewer. 'empty': no scene. 'loading': a scene or a part of a scene is loading. 'moving': the
       camera moves. 'still': the picture is complete. */

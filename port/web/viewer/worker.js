@@ -201,7 +201,6 @@ const words = {
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
-  /** Draws one or two eyes. Returns { pictures } of pixels, or the { bitmap } of a GPU. */
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
