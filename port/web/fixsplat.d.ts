@@ -367,8 +367,8 @@ export interface IntoTexture {
   y?: number
   /** A depth buffer of other geometry at the same pixels, in a depth format and with the usage TEXTURE_BINDING. A
       Gaussian is hidden at a pixel if its centre is farther than the depth there. `planes` are the distances from
-      the camera of the depths 0 and 1, in scene units. Either may be Infinity. `linear` is true if depths are linear
-      in distance, as with an orthographic camera. */
+      the camera of the depths 0 and 1, in scene units. Either distance may be Infinity. `linear` is true if depths
+      are linear in distance, as with an orthographic camera. */
   depth?: { texture: GPUTexture; planes: readonly [number, number]; linear?: boolean }
   /** With `alpha`: true blends the picture over the texture; false, the default, overwrites the texture. */
   over?: boolean

@@ -90,7 +90,7 @@ export class Functions {
     this.#forget(name)
   }
 
-  /** WebGL's switches for converted uploads are off during the call, since OpenGL lacks them. */
+  /** Calls the module with WebGL's flags for flipped and premultiplied uploads off, since OpenGL lacks these flags. */
   call(run) {
     const gl = this.#gl
     const switches = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]

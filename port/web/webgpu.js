@@ -16,8 +16,8 @@ const NOTHING = 0xffffffff      // value for "no depth": FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
 const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images, and the count of all images
 
-// The shaders around a frame. One shader writes the picture to a texture; an 8-bit format stores k / 255 exactly.
-// Another shader converts the caller's depth buffer to the occluder.
+// The shaders before and after the stages of a frame. One shader writes the picture to a texture; an 8-bit format
+// stores k / 255 exactly. Another shader converts the caller's depth buffer to the occluder.
 const ENDS = `
 struct Place {
     corner: vec2<i32>,

@@ -71,8 +71,8 @@ const words = {
       const bytes = new Uint8Array(readFileSync(path))
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
-        if (path.endsWith('.splat') && end % 32 === 0) continue       // a file of whole records is valid
-        // a file without the extension at its end is valid
+        if (path.endsWith('.splat') && end % 32 === 0) continue       // a .splat file of whole records is valid
+        // an .spz file is valid without the extension data at its end
         if (path.endsWith('.spz') && end >= bytes.length - 12) continue
         await refused(bytes.slice(0, end), /./)
       }

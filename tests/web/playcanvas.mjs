@@ -1,4 +1,4 @@
-// Checks fixsplat/playcanvas for webgl.mjs.
+// Checks the package entry fixsplat/playcanvas, for webgl.mjs.
 import assert from 'node:assert/strict'
 import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'

@@ -1,4 +1,4 @@
-// Checks fixsplat/three for webgl.mjs and webgpu.mjs.
+// Checks the package entry fixsplat/three, for webgl.mjs and webgpu.mjs.
 import assert from 'node:assert/strict'
 import {
   checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH,

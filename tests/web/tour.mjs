@@ -226,7 +226,7 @@ const tests = {
   async 'settings of supersplat-viewer, version 2 and 1'() {
     put('theirs.json', THEIRS)
     await open(WITH('theirs.json'))
-    // Scenes of supersplat-viewer are turned about z; fov is along the longer side.
+    // Scenes of supersplat-viewer are turned about z; fov is the field of view of the longer side.
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)

@@ -3,7 +3,7 @@
 const FORMATS = '@FORMATS@'.split(', ')
 // formats that name other files
 const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name))
-const MOST = 10000 // largest number of files in folders
+const MOST = 10000 // largest number of files in dropped folders
 
 const lastOf = (file) => file.name.split('/').pop().toLowerCase()
 const isOf = (names) => (file) =>

@@ -1,4 +1,4 @@
-// The page of `fixsplat publish`. Its address sets the view and the annotation.
+// The page that `fixsplat publish` writes. The page's address sets the view and the annotation.
 import './viewer.js'
 import { followAddress } from './views.js'
 

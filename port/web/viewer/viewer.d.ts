@@ -138,7 +138,7 @@ export interface ViewerEvents {
       pixel. */
   pick: CustomEvent<{ x: number; y: number; found: Found | null }>
   /** A picture is shown. `drawn` is the number of Gaussians, `missing` the number of parts that have not arrived.
-      `divisor` has divided the width and height because the camera moves; 1 at rest. */
+      Width and height were divided by `divisor` because the camera moves; 1 at rest. */
   frame: CustomEvent<{
     width: number; height: number; divisor: number; milliseconds: number; backend: Backend
     drawn: number; missing: number

@@ -1,4 +1,4 @@
-// Names that the code in the documentation assumes.
+// Declares names that the code in the documentation assumes.
 declare const canvas: HTMLCanvasElement
 declare const camera: import('fixsplat').Camera
 declare const scene: import('fixsplat').Scene
