@@ -178,11 +178,11 @@ export class Pager {
   #used = 0
   #spare = []
   #victims = []                 // places of the pool to evict; the least recently used place is last
-  #fullAt = -1
+  #fullAt = -1                  // number of the last frame that computed #victims
   #chunkOf
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
   #wanted = this.#now
-  #cursor = 0
+  #cursor = 0                   // index in #wanted of the next chunk to request
   #marks
   #mark = 0
   #turn = 0
