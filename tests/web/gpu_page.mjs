@@ -65,7 +65,6 @@ await run({
         await drawn`)
       await moved()
     }
-    // Lengthens a retry delay, so that it cannot expire on a slow machine.
     const later = (text) => text.replace('AGAIN_MS = 5000', 'AGAIN_MS = 500000')
     await changed('/viewer/picture.js', later, () => changed('/viewer/worker.js', before(watch), async () => {
       await open(`${SCENE}&backend=webgpu&background=%23102030`)

@@ -15,7 +15,7 @@ const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm:
 const [WIDTH, HEIGHT] = [1280, 720]
 const STEP = 2
 const LEAST_FRAMES = 8
-const MOTION_MS = 12000 // minimum milliseconds of motion; at most five times as long
+const MOTION_MS = 12000
 const QUIET_MS = 6000 // a viewer has finished after these milliseconds without a frame
 const SAME = 1 // pictures with at most this mean difference, of 255, count as equal
 

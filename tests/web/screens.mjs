@@ -138,7 +138,6 @@ export const FRAMES = {
 }
 export const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
-
 export async function drawsOverBackdrop(run, ...backends) {
   const [over, ...seen] = await run(
     `const { render } = await import('/fixsplat.js')

@@ -469,7 +469,6 @@ const tests = {
   },
 }
 
-// Slow tests, since each page and worker compiles the shaders again.
 const more = {
   async 'scenes of shared/scenes'() {
     const [width, height] = (process.env.SIZE ?? '200x150').split('x').map(Number)
