@@ -1,146 +1,125 @@
-/** True if this browser or Node supports simd128, the vector instructions of WebAssembly. `load` then uses them. */
+/** True if the platform supports simd128, the vector instructions of WebAssembly. `load` then uses simd128. */
 export const hasSimd: boolean
 
-/** True if this browser or Node also supports relaxed simd128. Rendering is then a quarter faster; the pictures are the
-    same. */
+/** True if the platform also supports relaxed simd128, which renders faster. */
 export const hasRelaxed: boolean
 
-/** Pixels that ImageData accepts: Uint8ClampedArray<ArrayBuffer> in TypeScript 5.7 and later, Uint8ClampedArray in
-    older versions. The memory is not shared. */
+/** Pixels in a type that ImageData accepts. */
 export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 
-/** Bytes that Blob and Response accept. The memory is not shared. */
+/** Bytes in a type that Blob and Response accept. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
-/** Sets the URL of the folder that holds the files of this package (*.wasm, *.js, viewer/). It is needed with bundlers
-    that do not copy these files. Call it before anything is loaded. */
+/** Sets the URL of the folder with the package's .wasm, .js and viewer/ files. Call this function first if a bundler
+    does not copy these files. */
 export function setAssets(folder: string | URL): void
 
-/** Three numbers: x, y, z, or red, green, blue. */
+/** A vector of three numbers: x, y, z of a point, or red, green, blue of a colour. */
 export type Vector = readonly [number, number, number]
 
 /** Options of `load` and `Screen.open`. `Screen.open` reads only `simd` and `threads`. */
 export interface LoadOptions {
-  /** How Gaussians are packed; ignored for .fxs files, which are packed already. At degree 3 of the spherical harmonics
-      (SH, the colours that depend on the direction of view), a Gaussian takes 63.5 bytes with 'default', 39.6 with
-      'compact' and 19.6 with 'small'. 'default' by default. */
+  /** The packing profile; 'default' by default. With spherical harmonics (SH) of degree 3, a Gaussian takes 63.5
+      bytes as 'default', 39.6 as 'compact' and 19.6 as 'small'. Ignored for .fxs files. */
   profile?: 'default' | 'compact' | 'small'
-  /** The directions of the axes x, y, z of an .spz file: 'rub' is right, up, back; 'rdf' is right, down, front.
-      'file', the default, uses the axes that the file states. */
+  /** The axes x, y, z of an .spz file: 'rub' is right, up, back; 'rdf' is right, down, front. 'file', the default,
+      uses the axes that the file states. */
   axes?: 'file' | 'rub' | 'rdf'
-  /** The largest number of Gaussians to read; a larger scene is an Error. Ignored for .fxs files. The default is
-      1,000,000 plus the size of the file in bytes, at most 2 ** 26. */
+  /** The largest number of Gaussians to read; a larger scene is an Error. The default is 1,000,000 plus the size of
+      the file in bytes, at most 2 ** 26. Ignored for .fxs files. */
   maxGaussians?: number
-  /** The largest number of bytes of memory for reading and packing the file. A file that needs more is an Error.
-      Ignored for .fxs files. By default, the limit follows from `maxGaussians`. */
+  /** The largest number of bytes of memory for reading and packing a file. The default follows from `maxGaussians`.
+      Ignored for .fxs files. */
   maxMemory?: number
-  /** Called from time to time with the progress of the download and of the preparation. */
+  /** Receives the progress of the download and of the preparation. */
   progress?: (progress: Progress) => void
-  /** Called with a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH.
-      Previews come during the download of a .ply, .splat, .ksplat or compressed .ply file if the server states the
-      length of the file, and before a large scene is packed. An .fxs file has no previews. The caller owns the preview
-      and must call `free` on it. If the function returns a promise, loading waits for it. */
+  /** Receives a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH. The
+      caller must call `free` on each preview. If the function returns a promise, loading waits for it. An .fxs file
+      has no previews. */
   preview?: (scene: Scene) => void | Promise<void>
-  /** Cancels loading: the promise is rejected with the reason of the signal, and all requests are aborted. The signal
-      has no effect after loading. */
+  /** A signal that cancels loading. The promise of `load` is then rejected with the reason of the signal. */
   signal?: AbortSignal
-  /** Time-out in milliseconds: a request fails if the server sends less than 1000 bytes in this time. 30000 by default.
-      The time does not run while the download waits for `preview`. */
+  /** The time-out of a request in milliseconds; 30000 by default. A request fails if fewer than 1000 bytes arrive in
+      this time. */
   silence?: number
-  /** False loads the WebAssembly module without simd128; the default is `hasSimd`. All scenes of one picture must be
-      loaded with the same `simd` and the same `threads`. */
+  /** False loads the WebAssembly module without simd128; the default is `hasSimd`. All scenes of one picture need
+      the same `simd` and the same `threads`. */
   simd?: boolean
-  /**
-   * The number of threads that draw, 1 to 64, the caller's thread included. The default is the number of processors, at
-   * most 8. One thread draws if simd128 is missing, or in a page where `crossOriginIsolated` is not true. A server
-   * isolates a page by the headers Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy:
-   * require-corp. The pictures do not depend on the number of threads.
-   */
+  /** The number of drawing threads, 1 to 64, with the caller's thread. The default is the number of processors, at
+      most 8. A page needs `crossOriginIsolated` for more than one thread. A server isolates a page by the headers
+      Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy: require-corp. */
   threads?: number
-  /**
-   * Options for streaming an .fxs file with levels of detail. A scene is streamed if its address is http or https and
-   * ends in .fxs, and its server supports range requests. `load` then fetches only the tables of the file and the
-   * coarsest parts. `render` draws at once with the parts in memory, and requests the missing parts, the most important
-   * first. `changed` tells when to draw again. When no part is missing, the picture is byte for byte the picture of the
-   * whole file. False: the whole file is downloaded first.
-   */
+  /** Options for streaming an .fxs file with levels of detail; false downloads the whole file first. A scene is
+      streamed if its address is http or https and ends in .fxs, and the server supports range requests. `render`
+      draws the loaded parts at once and requests missing parts. `changed` tells when to draw again. */
   paging?: false | Paging
 }
 
-/** Options of streamed scenes. */
 export interface Paging {
-  /** Bytes of memory for the parts (the pool); 512e6 by default, less if memory is short. The tables take 290 bytes
-      more for each 256 Gaussians. If the pool is full, the least recently used part is dropped; the coarsest parts
-      stay. The `budget` of a picture can be at most half the capacity of the pool. Without a budget, a picture has at
-      most 1,000,000 Gaussians; a smaller scene is drawn whole. */
+  /** The memory in bytes for the parts of the scene, called the pool; 512e6 by default. A full pool drops the least
+      recently used part, except the coarsest parts. `budget` can be at most half the capacity of the pool. The
+      default budget is 1,000,000 Gaussians; a smaller scene is drawn whole. */
   memory?: number
-  /** Capacity of the cache on disk in bytes, for all scenes together; 1e9 by default, 0 for no cache. The cache keeps
-      parts for the next visit, by address and version. It needs a browser, a secure page, and a server that sends ETag
-      or Last-Modified. */
+  /** The capacity in bytes of the cache on disk, for all scenes together; 1e9 by default, 0: no cache. The cache
+      needs a browser, a secure page, and a server that sends ETag or Last-Modified. */
   cache?: number
-  /** The largest number of requests at the same time; 6 by default. */
+  /** The largest number of simultaneous requests; 6 by default. */
   requests?: number
-  /** Overrides `LoadOptions.silence` for all requests of this scene. */
+  /** Overrides `LoadOptions.silence` for the requests of this scene. */
   silence?: number
-  /** Called when parts have arrived, at most every 50 ms. Called once with an Error when requests have failed: the file
-      has changed on the server or is damaged, or the server fails repeatedly. The scene can still be drawn. After a
-      network error, pictures drawn 5 seconds later or more request their parts again. */
+  /** The callback for arrived parts, called at most every 50 ms. The callback receives an Error once if the file is
+      damaged, has changed, or the server fails repeatedly. The scene can still be drawn. */
   changed?: (error?: Error) => void
 }
 
-/** The progress of `load`. */
 export interface Progress {
-  /** 'download' while a file is fetched, then 'prepare' while it is read and packed. */
+  /** The stage of loading: 'download' while a file is fetched, then 'prepare' while the file is read and packed. */
   stage: 'download' | 'prepare'
   /** The completed share of the stage, 0 to 1; undefined if the length of a download is not known. */
   done?: number
-  /** The number of downloaded bytes, all files of the scene together; undefined in the stage 'prepare'. */
+  /** The number of downloaded bytes of all files of the scene; undefined in the stage 'prepare'. */
   bytes?: number
 }
 
 /** Opens a scene file. Formats: @FORMATS@.
-    `source` is an address (in Node also a path), the bytes of a file, a Blob, or a list of files. A scene file may name
-    other files. They are read too if they are in the folder of the scene file or below it; files elsewhere are not
-    read. In a list of files, the other files are found by webkitRelativePath or name. Limits: 2 GB for a file, 4 GB for
-    all files of a scene. The download stops early if the first bytes are not a scene, or if the file is far longer than
-    its header says. A redirection from https to http is refused. If the scene cannot be opened, the promise is rejected
-    with an Error that states the reason. */
+    `source` is an address, the bytes of a file, a Blob, or a list of files; in Node also a path. Other files that
+    the scene file names must lie in its folder or below. In a list of files, other files are found by
+    webkitRelativePath or name. Limits: 2 GB for one file, 4 GB for all files of a scene. If the scene cannot be
+    opened, the promise is rejected with an Error that states the reason. */
 export function load(
   source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
   options?: LoadOptions
 ): Promise<Scene>
 
-/** A camera given by its position and the point that it looks at. Positions are in scene units. The y axis points down
-    by default, see `up`. Without `eye` and `up`, fixsplat chooses an upright view that shows much of the objects, see
-    `firstView`; the choice takes about 0.2 seconds, once for the same objects. A single scene with a `start` view,
-    drawn without placement and without `fov`, is seen by its start view. */
+/** A camera given by its position and target, in scene units. The y axis points down by default; see `up`. Without
+    `eye` and `up`, fixsplat chooses an upright view; see `firstView`. A single scene with a `start` view, without
+    placement and without `fov`, uses its start view. */
 export interface LookAt {
-  /** The position of the camera. If `up` is given and `eye` is not, the camera shows all objects completely. */
+  /** The position of the camera in scene units. If `up` is given without `eye`, the camera shows all objects
+      completely. */
   eye?: Vector
-  /** The point that the camera looks at. The default is the middle of the box around the objects. */
+  /** The target of the camera. The default is the middle of the box around the objects. */
   look?: Vector
   /** The direction that points up in the picture; [0, -1, 0] by default. */
   up?: Vector
   /** The vertical field of view, 1 to 170 degrees; 50 by default. */
   fov?: number
-  /** The depth of the near plane, in scene units. The default is a hundredth of half the diagonal of the box around the
-      objects, and at most 0.2. */
+  /** The depth of the near plane in scene units. The default depends on the size of the objects, and is at most 0.2. */
   near?: number
-  /** The size of the picture in pixels. `FrameOptions.width` and `height` take precedence. */
+  /** The width and height of the picture in pixels. `FrameOptions.width` and `height` take precedence. */
   width?: number
   height?: number
 }
 
 /** A camera given by its intrinsics and its pose, as in a cameras.json file. */
 export interface Pinhole {
-  /** The rotation from the camera to the world, as three rows of three numbers. Its columns are the axes of the camera
-      in the world: x right, y down, z forward. */
+  /** The rotation from the camera to the world, as three rows of three numbers. The columns are the camera's axes in
+      the world: x right, y down, z forward. */
   rotation: readonly Vector[]
   /** The position of the camera in the world, in scene units. */
   position: Vector
-  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size, the
-      focal lengths and the distance of the principal point from the middle are multiplied by the ratio of the
-      widths. */
+  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size,
+      focal lengths are multiplied by the ratio of the widths. */
   fx: number
   /** The vertical focal length in pixels; `fx` by default. */
   fy?: number
@@ -149,154 +128,150 @@ export interface Pinhole {
   cy?: number
   /** The depth of the near plane, in scene units; 0.2 by default. */
   near?: number
-  /** True for an orthographic camera: parallel rays, and `fx` and `fy` in pixels per scene unit. False by default. */
+  /** True for an orthographic camera, with parallel rays; false by default. `fx` and `fy` are then in pixels per
+      scene unit. */
   orthographic?: boolean
-  /** The size in pixels of the picture to which `fx`, `fy`, `cx` and `cy` refer; by default the size of the frame. */
+  /** The size in pixels of the picture for `fx`, `fy`, `cx` and `cy`; the size of the frame by default. */
   width?: number
   height?: number
 }
 
 export type Camera = LookAt | Pinhole
 
-/** Options of a picture. */
 export interface FrameOptions {
-  /** The size of the picture in pixels, 1 to 16384 each. The default is the size that the camera states; without one,
-      1280 x 720. */
+  /** The size of the picture in pixels, 1 to 16384 each. The default is the size that the camera states, else 1280 x
+      720. */
   width?: number
   height?: number
   /** The colour behind the scene as the number 0xrrggbb; black by default. */
   background?: number
-  /** True for a transparent picture without a background: colours are premultiplied, alpha is the coverage. False by
-      default. */
+  /** True for a picture without a background: colours are premultiplied and alpha is the coverage. False by default. */
   alpha?: boolean
   /** The highest degree of SH that is evaluated, 0 to 3; 3 by default. */
   shDegree?: 0 | 1 | 2 | 3
-  /** The extent of a Gaussian. 'mahalanobis', the default: it ends at a Mahalanobis distance of 3. 'square': it covers
-      all tiles of 16x16 pixels that a square of side 6 sigma about its centre touches, as in Kerbl et al. 2023; sigma
-      is the largest standard deviation of the Gaussian in the picture. */
+  /** The extent of a drawn Gaussian. 'mahalanobis', the default, ends a Gaussian at a Mahalanobis distance of 3.
+      'square' covers each tile of 16x16 pixels that a square of side 6 sigma touches (Kerbl et al. 2023). Sigma is
+      the largest standard deviation of the Gaussian in the picture. */
   cutoff?: 'mahalanobis' | 'square'
-  /** The largest number of Gaussians to draw, for scenes with levels of detail (`fixsplat convert --levels`). The parts
-      with the least detail in the picture are drawn by coarse Gaussians. All objects share the budget. By default all
-      Gaussians are drawn; a streamed scene has another default, see `Paging.memory`. Scenes without levels ignore
-      it. */
+  /** The largest number of Gaussians in a picture, for scenes with levels of detail (`fixsplat convert --levels`).
+      All objects share the budget. The default is no limit, except for streamed scenes; see `Paging.memory`. Scenes
+      without levels ignore the budget. */
   budget?: number
-  /** For scenes with levels of detail: the smallest detail to draw, 1/256 to 16384 pixels. Smaller details are
-      drawn by coarse Gaussians. 0 by default: no limit. May be combined with `budget`. */
+  /** The smallest detail to draw, 1/256 to 16384 pixels, for scenes with levels of detail. Coarse Gaussians replace
+      smaller details. The default is 0: no limit. */
   detail?: number
-  /** For streamed scenes: false draws with the parts in memory and requests no other parts. True by default. */
+  /** False draws a streamed scene with its loaded parts and requests no other parts. True by default. */
   fetch?: boolean
-  /** The largest number of bytes of working memory. By default, the memory that a whole frame needs. With less memory
-      the same picture takes longer; too little memory is an Error. */
+  /** The largest number of bytes of working memory. The default is the memory of a whole frame. With less memory, a
+      picture takes longer; too little memory is an Error. */
   maxMemory?: number
 }
 
-/** Statistics of a picture. */
 export interface Drawn {
-  /** The number of Gaussians that were processed, visible or not. At most the budget, if there is one. Scenes without
-      levels of detail, and one part (256 Gaussians) of each other scene, are drawn even beyond the budget. */
+  /** The number of processed Gaussians, visible or not. The budget does not limit scenes without levels of detail. */
   readonly drawn: number
-  /** The number of missing parts of the scene; coarser parts are drawn instead. 0: the picture is complete. See
-      `LoadOptions.paging`. */
+  /** The number of missing parts of streamed scenes, which coarser parts replace; see `LoadOptions.paging`. 0: the
+      picture is complete. */
   readonly missing: number
 }
 
-/** The pictures that a frame writes. The frame contains each target that is named here; the others cost no time.
-    `occluder` and `backdrop` are inputs. An array of the wrong length is an Error. */
+/** The targets: pictures that a frame writes. `occluder` and `backdrop` are inputs. An array of the wrong length is
+    an Error. */
 export interface Targets {
-  /** The colours, in a format. 'rgba8': four bytes a pixel. 'premultiplied': four bytes a pixel, red, green and blue
-      times the coverage, and the coverage. 'premultiplied16': the same with four numbers of 0 to 65535 a pixel.
-      'rgb565': one number of 16 bits a pixel. True means 'premultiplied' if `alpha` is true, else 'rgba8'. */
+  /** The format of the colours. 'rgba8': four bytes a pixel. 'premultiplied': four bytes a pixel, red, green and
+      blue times the coverage, then the coverage. 'premultiplied16': premultiplied colours and coverage as four
+      numbers of 0 to 65535. 'rgb565': one number of 16 bits a pixel. True means 'premultiplied' if `alpha` is true,
+      else 'rgba8'. */
   colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
-  /** The coverage: the share of the light that the Gaussians at a pixel absorb, times 255. */
+  /** The coverage times 255. The coverage is the share of the light that the Gaussians at a pixel absorb. */
   coverage?: boolean
-  /** The median depth: the depth of the Gaussian, from near to far, at which more than half of the light has been
-      absorbed. */
+  /** The median depth: the depth of the Gaussian, from near to far, with more than half of the light absorbed. */
   depth?: boolean
   /** The mean depth of the Gaussians at a pixel, weighted by their contributions. */
   meanDepth?: boolean
   /** The object and the Gaussian with the largest contribution to a pixel. */
   ids?: boolean
-  /** Input: the depth of other geometry at each pixel, in the units of `Frame`. A Gaussian whose centre is farther is
-      hidden at that pixel. */
+  /** Input: the depth of other geometry at each pixel, in the units of `Frame`. A Gaussian is hidden at a pixel if
+      its centre is farther than this depth. */
   occluder?: Uint32Array
-  /** Input: a picture to draw instead of the background colour, four bytes a pixel: red, green, blue, and a byte that
-      is ignored. It cannot be combined with the formats 'premultiplied' and 'premultiplied16'. */
+  /** Input: a picture to draw instead of the background colour. Each pixel has four bytes: red, green, blue, and an
+      ignored byte. Premultiplied formats do not allow a backdrop. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
-/** The requested targets, each an array of rows of pixels from the top. Depths are distances along the z axis of the
-    camera, in scene units times 2 ** depthBits. They saturate at 2 ** 32 - 2. 2 ** 32 - 1 is a pixel without a
-    depth. */
+/** The requested targets as arrays of rows of pixels, from the top. Depths are distances along the z axis of the
+    camera, in scene units times 2 ** depthBits. Depths saturate at 2 ** 32 - 2. A pixel without a depth has 2 ** 32
+    - 1. */
 export interface Frame extends Drawn {
   readonly width: number
   readonly height: number
-  /** Uint16Array for the formats 'rgb565' and 'premultiplied16', else Uint8ClampedArray. */
+  /** The colours: a Uint16Array for the formats 'rgb565' and 'premultiplied16', else a Uint8ClampedArray. */
   readonly colour?: Pixels | Uint16Array
   readonly coverage?: Uint8Array
   readonly depth?: Uint32Array
   readonly meanDepth?: Uint32Array
-  /** Two numbers a pixel, for the Gaussian with the largest contribution: the id of its object, and its index in the
-      packed scene. Both are 2 ** 32 - 1 if no Gaussian contributes. */
+  /** Two numbers a pixel for the Gaussian with the largest contribution: the id of its object, and its index in the
+      packed scene. Both numbers are 2 ** 32 - 1 if no Gaussian contributes. */
   readonly ids?: Uint32Array
 }
 
-/** Options of a picture with named targets. */
 export interface TargetOptions extends FrameOptions {
   targets: Targets
   /** The number of fraction bits of depths, 1 to 28; 16 by default. */
   depthBits?: number
 }
 
-/** Options of a stereo picture with named targets. */
 export interface StereoTargetOptions extends FrameOptions {
-  /** One value for both eyes, or one for each eye. The colours of both eyes must have the same format. */
+  /** The targets of both eyes, or a pair with the targets of each eye. The colours of both eyes must have the same
+      format. */
   targets: Targets | readonly [Targets, Targets]
   /** The number of fraction bits of depths, 1 to 28; 16 by default. */
   depthBits?: number
 }
 
-/** A crop box in the coordinates of the scene. It selects Gaussians by their centres. */
+/** A crop box in scene coordinates, which selects Gaussians by their centres. */
 export interface Crop {
   /** The smallest x, y and z of the box, in scene units. */
   low: Vector
   /** The largest x, y and z of the box, in scene units. */
   high: Vector
-  /** 'inside', the default, keeps the Gaussians inside the box. 'outside' keeps the Gaussians outside. */
+  /** 'inside', the default, keeps the Gaussians inside the box; 'outside' keeps the Gaussians outside. */
   keep?: 'inside' | 'outside'
 }
 
-/** An object: a scene placed in the world. A position in the scene becomes translation + scale * rotation * position
-    in the world. */
+/** An object: a scene placed in the world. The placement moves a position p of the scene to translation + scale *
+    rotation * p. */
 export interface Placed {
   scene: Scene
-  /** In world units; [0, 0, 0] by default. */
+  /** The translation of the object in world units; [0, 0, 0] by default. */
   translation?: Vector
-  /** A quaternion in the order w, x, y, z; [1, 0, 0, 0] by default. */
+  /** The rotation of the object as a quaternion w, x, y, z; [1, 0, 0, 0] by default. */
   rotation?: readonly [number, number, number, number]
-  /** 1 by default. */
+  /** The scale of the object in all directions; 1 by default. */
   scale?: number
   /** A factor for the opacity of all Gaussians, 0 to 1; 1 by default. */
   opacity?: number
   /** Factors for red, green and blue, 0 to 4 each; [1, 1, 1] by default. */
   tint?: Vector
-  /** False: the object is not drawn. True by default. */
+  /** False hides the object. True by default. */
   visible?: boolean
-  /** The id of this object in the target `ids`, 0 to 2 ** 32 - 2. The default is its index among the objects. */
+  /** The id of the object in the target `ids`, 0 to 2 ** 32 - 2. The default is the index of the object in the list
+      of objects. */
   id?: number
-  /** At most 8 boxes. A Gaussian is drawn if it is in at least one 'inside' box and in no 'outside' box. Without
-      'inside' boxes, only the 'outside' boxes count. */
+  /** At most 8 crop boxes. A Gaussian is drawn if it is in no 'outside' box and in at least one 'inside' box.
+      Without 'inside' boxes, only the 'outside' boxes count. */
   crops?: readonly Crop[]
 }
 
-/** The Gaussian with the largest contribution to a pixel. */
+/** The Gaussian with the largest contribution to a pixel, found by `pick`. */
 export interface Picked {
   /** The index of the Gaussian's object in the list of objects. */
   object: number
-  /** Its index in the packed scene. */
+  /** The index of the Gaussian in the packed scene. */
   gaussian: number
   /** The distance of the Gaussian's centre along the z axis of the camera, in world units. */
   depth: number
-  /** The point at this depth on the ray through the pixel, in world units. */
+  /** The point on the ray through the pixel at the depth `depth`, in world units. */
   position: [number, number, number]
 }
 
@@ -305,37 +280,34 @@ export class Scene {
   private constructor()
   /** The name of the scene's file; 'scene' for bytes without a name. */
   readonly name: string
-  /** The number of Gaussians. */
   readonly count: number
-  /** True if the scene has levels of detail, for `budget` and `detail`. */
+  /** True if the scene has levels of detail, which `budget` and `detail` need. */
   readonly levels: boolean
   /** True if the scene is streamed; see `LoadOptions.paging`. */
   readonly paged: boolean
-  /** For streamed scenes: the error that stopped the requests; else null. */
+  /** The error that stopped the requests of a streamed scene; null without an error. */
   readonly failure: Error | null
-  /** The SH degree, 0 to 3. */
+  /** The degree of the spherical harmonics, 0 to 3. */
   readonly shDegree: number
-  /** How the Gaussians are packed; see `LoadOptions.profile`. */
+  /** The packing profile; see `LoadOptions.profile`. */
   readonly profile: 'default' | 'compact' | 'small'
-  /** The smallest x, y, z (`low`) and the largest x, y, z (`high`) of the visible part of the scene, in scene units. */
+  /** The smallest (`low`) and the largest (`high`) x, y, z of the visible part of the scene, in scene units. */
   readonly low: number[]
   readonly high: number[]
   /** The size of the packed scene in bytes. */
   readonly bytes: number
-  /** The view that fixsplat chooses for the scene. `up`: the up direction. `low` and `high`: the box to look at, which
-      is the box of the scene, or of its core if the surroundings extend far beyond. `from`: the direction from the
-      middle of the box to the camera. `part`: the distance of the camera as a share, 0.5 to 1, of the distance that
-      shows the whole box; 0 for a view from within the scene: the camera is in the middle of the box and looks against
-      `from`. `known`: true if the .fxs file stores the up direction, as files of `fixsplat fit` do; false if it was
-      estimated from small pictures. */
+  /** The view that fixsplat chooses for the scene. `up` is the up direction. `low` and `high` are the corners of the
+      viewed box, the scene or its core. `from` is the direction from the middle of the box to the camera. `part` is
+      the distance of the camera as a share, 0.5 to 1, of the distance that shows the whole box. With `part` 0, the
+      camera is in the middle of the box and looks against `from`. `known` is true if the .fxs file stores the up
+      direction. */
   readonly first: { up: number[]; from: number[]; part: number; low: number[]; high: number[]; known: boolean }
-  /** The start view that is stored in the .fxs file, as a camera for a picture of 2 x 2 pixels; null if the file has
-      none. `render` without a camera uses it. */
+  /** The start view that the .fxs file stores, as a camera for a picture of 2 x 2 pixels; else null. `render`
+      without a camera uses the start view. */
   readonly start: Pinhole | null
-  /** The number of threads that draw the scene now. Threads that are still starting are not counted, and pictures do
-      not wait for these threads. */
+  /** The number of started threads that draw the scene. */
   readonly threads: number
-  /** A copy of the packed scene: the bytes of an .fxs file. Throws an Error for a streamed scene. */
+  /** A copy of the packed scene: the bytes of an .fxs file. A streamed scene throws an Error. */
   readonly packed: Bytes
   /** Draws this scene alone; see the function `render`. */
   render(camera: Camera, options: TargetOptions): Frame
@@ -347,68 +319,64 @@ export class Scene {
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
   /** Prefetches the parts of this scene for a camera; see the function `foresee`. */
   foresee(camera?: Camera, options?: FrameOptions): number
-  /** Waits until all parts that a picture of this scene needs have arrived. Rejected with an Error if requests fail, or
-      if the pool (`Paging.memory`) is too small for the picture. */
+  /** Waits until all parts of a picture of this scene have arrived. The promise is rejected if requests fail, or if
+      the pool (`Paging.memory`) is too small. */
   complete(camera?: Camera, options?: FrameOptions): Promise<void>
   /** Frees the memory of the scene. Further calls do nothing. */
   free(): void
 }
 
-/** Ends the threads that no scene and no Screen uses, and frees their memory. Without this call, the threads wait for
-    the next scene. Do not call it while a scene is being loaded. */
+/** Ends the threads that no scene and no Screen uses, and frees their memory. Do not call this function while a
+    scene is loading. */
 export function end(): Promise<void>
 
-/** Draws objects into one picture. The Gaussians of all objects are sorted together by depth. Returns the pixels from
-    the top row down, four bytes each: red, green, blue, alpha. With `targets`, it returns a Frame of the named targets
-    instead. Throws an Error that states the reason if an argument is not valid or memory is too small. */
+/** Draws objects into one picture, with all Gaussians sorted together by depth. Returns the pixels from the top row
+    down, four bytes each: red, green, blue, alpha. With `targets`, returns a Frame of the named targets instead. */
 export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
 export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Pixels
 
-/** Draws objects for two eyes. Each picture is byte for byte what `render` draws with its camera; both have the same
-    size. Returns the left and the right picture. */
+/** Draws objects for two eyes and returns the left and the right picture, which have the same size. Each picture has
+    the same bytes as `render` with its camera. */
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: FrameOptions,
 ): [Pixels, Pixels]
 
-/** Chooses a view of the objects, in the form of `Scene.first`. Takes about 0.2 seconds, once for the same objects. */
+/** Chooses a view of the objects, in the form of `Scene.first`. The choice takes about 0.2 seconds and is cached. */
 export function firstView(objects: readonly Placed[]): Scene['first']
 
-/** Prefetches parts of streamed scenes (`LoadOptions.paging`): requests the missing parts of a picture from this
-    camera, after the missing parts of the last picture. Draws nothing and returns at once. Returns the number of
-    missing parts. */
+/** Prefetches parts of streamed scenes (`LoadOptions.paging`) for a camera, without drawing. Missing parts of the
+    last picture are requested first. Returns the number of missing parts at once. */
 export function foresee(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): number
 
 /** Finds the Gaussian with the largest contribution to the pixel in column x and row y, counted from 0 at the top left.
     Returns null if no Gaussian contributes. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
-/** Draws into a texture of the device, or into a part of the canvas, with the back end 'webgpu'. The textures are read
-    and written until `finish` is fulfilled. */
+/** Options for drawing with the back end 'webgpu' into a texture, or into a part of the canvas. The GPU reads and
+    writes the textures until `finish` is fulfilled. */
 export interface IntoTexture {
   /** A texture with the usage RENDER_ATTACHMENT and the format rgba8unorm, bgra8unorm, rgba16float or rgba32float.
-      Colours are written in sRGB. Without a texture, the picture is drawn into a part of the Screen's canvas; the
-      canvas keeps its size and its other pixels. */
+      Colours are written in sRGB. Without a texture, the picture covers a part of the Screen's canvas, which keeps
+      its size and its other pixels. */
   texture?: GPUTexture
-  /** The position of the picture in the texture or canvas: the pixel for its top left corner, counted from the top
-      left; 0 and 0 by default. */
+  /** The position of the picture's top left pixel in the texture or canvas, counted from the top left; 0 and 0 by
+      default. */
   x?: number
   y?: number
   /** A depth buffer of other geometry at the same pixels, in a depth format and with the usage TEXTURE_BINDING. A
-      Gaussian whose centre is farther than the depth at a pixel is hidden there. `planes`: the distances from the
-      camera, in scene units, of the depths 0 and 1. Either may be the distance of the far plane, which hides nothing
-      and may be Infinity. `linear`: true if depths between 0 and 1 are linear in distance, as with an orthographic
-      camera; false, the default, for a perspective camera. */
+      Gaussian is hidden at a pixel if its centre is farther than the depth there. `planes` are the distances from
+      the camera of the depths 0 and 1, in scene units. Either distance may be Infinity. `linear` is true if depths
+      are linear in distance, as with an orthographic camera. */
   depth?: { texture: GPUTexture; planes: readonly [number, number]; linear?: boolean }
-  /** With `alpha`: true blends the picture over the contents of the texture. False, the default, overwrites them. */
+  /** With `alpha`: true blends the picture over the texture; false, the default, overwrites the texture. */
   over?: boolean
 }
 
-/** Buffers of the device for the targets of a Frame, with the back end 'webgpu'. Targets are 32-bit numbers in rows of
-    pixels from the top; `colour` is four bytes a pixel: red, green, blue, alpha. A buffer needs the usage COPY_DST and
-    4 bytes a pixel, 8 for `ids`. It is written when the picture is complete, at the latest when `finish` is
-    fulfilled. */
+/** Buffers of the device for the targets of a Frame, with the back end 'webgpu'. A target has 32-bit numbers in rows
+    of pixels from the top. `colour` has four bytes a pixel: red, green, blue, alpha. A buffer needs the usage
+    COPY_DST and 4 bytes a pixel, or 8 for `ids`. The buffers are complete when `finish` is fulfilled. */
 export interface IntoBuffers {
   colour?: GPUBuffer
   depth?: GPUBuffer
@@ -418,15 +386,14 @@ export interface IntoBuffers {
 
 /** Options of `Screen.draw`. */
 export interface ScreenOptions extends FrameOptions {
-  /** For the back end 'webgpu'. A Screen without a canvas may draw `targets` alone. */
+  /** Buffers for targets, with the back end 'webgpu'. A Screen without a canvas may draw into these buffers alone. */
   targets?: IntoBuffers
   /** The number of fraction bits of depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
-  /** Draws into another target instead of the whole canvas. 'webgpu': see IntoTexture. 'webgl2': `framebuffer` is a
-      framebuffer of the Screen's context; null, the default, is the canvas, which keeps its size. `x` and `y` are the
-      pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. `depth` is the depth buffer
-      of a perspective camera: a texture with the filter NEAREST, aligned with the picture at the lower left corner, and
-      its `planes` as in IntoTexture. */
+  /** Draws into another target instead of the whole canvas. For 'webgpu', see IntoTexture. For 'webgl2',
+      `framebuffer` belongs to the Screen's context; null, the default, is the canvas. `x` and `y` are the lower left
+      pixel of the picture in the framebuffer, 0 and 0 by default. `depth` is a perspective depth buffer: a texture
+      with the filter NEAREST, aligned with the picture at the lower left corner. */
   into?:
     | {
         framebuffer?: WebGLFramebuffer | null
@@ -435,27 +402,24 @@ export interface ScreenOptions extends FrameOptions {
         depth?: { texture: WebGLTexture; planes: readonly [number, number] }
       }
     | IntoTexture
-  /** A picture to draw instead of the background colour, as `Targets.backdrop`. Not possible with `alpha`. */
+  /** A picture to draw instead of the background colour, as `Targets.backdrop`. `alpha` does not allow a backdrop. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
 type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
-/** Draws any number of pictures on a canvas, in the page or in a Worker. A canvas keeps the kind of its context, so a
-    Screen with another kind of context needs another canvas. After `free`, using the Screen throws an Error. */
+/** A Screen draws any number of pictures on a canvas, in the page or in a Worker. A canvas keeps the kind of its
+    context, so another back end may need another canvas. A freed Screen throws an Error. */
 export class Screen {
   private constructor()
-  /**
-   * Opens a Screen with a back end. All draw the same bytes:
-   * - 'wasm' copies the picture of `render` to the canvas.
-   * - 'webgpu' renders on the GPU. A scene is copied to the GPU once. It cannot draw streamed scenes.
-   * - 'webgl2' prepares the picture on the processor and draws it on the GPU.
-   *
-   * The promise is rejected if the canvas already has a context of another kind. For all back ends except 'wasm', it is
-   * also rejected without simd128 or without WebGPU or WebGL 2. The scenes to be drawn must be loaded with the same
-   * `simd` and `threads`. For 'webgpu' the canvas may be null, and `device` may be a device of the caller; by default
-   * all Screens share one device.
-   */
+  /** Opens a Screen with a back end. All back ends draw the same bytes:
+      - 'wasm' copies the picture of `render` to the canvas.
+      - 'webgpu' renders on the GPU. Streamed scenes are not supported.
+      - 'webgl2' prepares the picture on the processor and draws the picture on the GPU.
+
+      The promise is rejected if the canvas has a context of another kind, or if the platform lacks the back end. The
+      scenes must be loaded with the same `simd` and `threads`. For 'webgpu', the canvas may be null, and `device`
+      may be a device of the caller. */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas | null,
     backend: 'webgpu',
@@ -468,26 +432,26 @@ export class Screen {
   ): Promise<Screen>
   /** The back end that was given to `open`. */
   readonly backend: Backend
-  /** True if the WebGL context or the WebGPU device was lost. `draw` then throws an Error. Open a new Screen to
-      continue; for WebGL it needs another canvas. */
+  /** True if the WebGL context or the WebGPU device was lost; `draw` then throws an Error. Open a new Screen to
+      continue. A new WebGL Screen needs another canvas. */
   readonly lost: boolean
   /** The WebGL 2 context of the canvas; undefined with other back ends. */
   readonly gl: WebGL2RenderingContext | undefined
   /** The device of the back end 'webgpu'; undefined with other back ends. */
   readonly device: GPUDevice | undefined
-  /** Draws objects as `render` does, and sets the canvas to the size of the picture. With the back end 'webgpu' the GPU
-      completes the picture later, at the latest when `finish` is fulfilled; the canvas shows the previous picture until
-      then. If `draw` is called several times before that, only the last picture is shown. */
+  /** Draws objects as `render` does, and sets the canvas to the size of the picture. With 'webgpu', the picture is
+      complete at the latest when `finish` is fulfilled. If several pictures wait, only the last picture is shown. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
-  /** Fulfilled when the GPU has completed all pictures. With the back end 'webgpu' it is rejected with a one-line Error
-      if the last picture failed; a failed picture is not shown, and `draw` may be called again. */
+  /** Returns a promise that is fulfilled when the GPU has completed all pictures. With 'webgpu', the promise is
+      rejected if the last picture failed. A failed picture is not shown, and `draw` may be called again. */
   finish(): Promise<void>
-  /** The pixels of the last picture from the top row down, four bytes each: red, green, blue, alpha. With the back end
-      'webgpu' a promise of the pixels. */
+  /** Returns the pixels of the last picture from the top row down, four bytes each: red, green, blue, alpha. The
+      back end 'webgpu' returns a promise of the pixels. */
   pixels(): Pixels | Promise<Pixels>
   /** Frees the memory of the Screen. The canvas keeps its picture. Further calls do nothing. */
   free(): void
 }
 
-/** Encodes the pixels of a picture as a .png file: rows from the top, four bytes a pixel: red, green, blue, alpha. */
+/** Encodes a picture as a .png file. `pixels` has rows from the top, with four bytes a pixel: red, green, blue,
+    alpha. */
 export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Bytes>

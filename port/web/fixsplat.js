@@ -1,7 +1,6 @@
-// The package for browsers and Node. It runs the C library as WebAssembly modules and draws the same bytes.
-// A Module is an instance of such a module with its memory. The readers of scene formats are modules of their own: they
-// pack a file into the bytes of an .fxs, then they are dropped with their memory. Threads are workers that run the same
-// module on shared memory. fixsplat.d.ts describes the public functions and classes.
+// The package for browsers and Node, which runs the C library as WebAssembly modules. A reader module packs a scene
+// file into the bytes of an .fxs file, and is then dropped. Threads are workers that run the same module on shared
+// memory.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, SourceFile, urlOf } from './read.js'
@@ -9,15 +8,14 @@ import { Files, nameOf, SourceFile, urlOf } from './read.js'
 export { setAssets } from './fixsplat_assets.js'
 
 const SHOWN = 100000            // largest number of Gaussians in a preview
-const PAUSE = 400               // milliseconds before the first preview, and least pause between two
-const SOON = 1000               // no preview if the rest of the download takes fewer milliseconds
-// A module with one function that uses simd128.
+const PAUSE = 400               // milliseconds before the first preview, and between previews
+const SOON = 1000
+// A WebAssembly module with one function that uses simd128, to detect support.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
-// The same with i16x8.relaxed_q15mulr_s, which is one x86 instruction; i16x8.q15mulr_sat_s is five. They differ only
-// for -32768 squared: the relaxed one may return -32768, the other returns 32767. No picture depends on it. Both
-// opcodes have the same length.
+// On x86, i16x8.q15mulr_sat_s takes five instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768
+// * -32768, which no picture depends on.
 const PRECISE = [253, 130, 1]
 const RELAXED = [253, 145, 2]
 const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
@@ -27,7 +25,7 @@ const runs = (code) => WebAssembly.validate(new Uint8Array(code))
 export const hasSimd = runs(WITH_SIMD)
 export const hasRelaxed = runs(WITH_RELAXED)
 
-// ---- Modules --------------------------------------------------------------------------------------------------
+// ---- WebAssembly modules --------------------------------------------------------------------------------------
 
 async function compileFrom(answer, relaxes) {
   return !relaxes && answer.headers.get('content-type') === 'application/wasm'
@@ -35,14 +33,15 @@ async function compileFrom(answer, relaxes) {
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
 }
 
-/** Compiles a module; `relaxes` patches its q15mulr opcodes. tests/scripts/web.sh: these bytes occur nowhere else. */
+/** `relaxes` replaces q15mulr opcodes by relaxed opcodes of the same length. tests/scripts/web.sh checks that these
+    bytes occur nowhere else. */
 function compiledOf(code, relaxes) {
   for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
     if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
   return WebAssembly.compile(code)
 }
 
-/** An instance of a WebAssembly module. Its functions exchange numbers in one array of doubles, by put and get. */
+/** Functions of a WebAssembly module exchange numbers through one array of doubles, by put and get. */
 class Module {
   constructor(module, imports = {}, threads = 1) {
     const env = {
@@ -56,12 +55,11 @@ class Module {
     this.c.may_wait?.(mayWait() ? 1 : 0)
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
-    this.pagers = []            // pagers of the streamed scenes among the placed objects
-    this.ahead = false          // true during a prefetch
-    this.fetches = true         // false: the next frame requests no parts
+    this.pagers = []
+    this.ahead = false
+    this.fetches = true
   }
 
-  /** The OpenGL imports of the module. They call `this.gl` (webgl.js), which changes with the Screen. */
   #webgl(module) {
     const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
     return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
@@ -86,7 +84,6 @@ class Module {
     return bytes.length
   }
 
-  /** The zero-terminated text at an address. */
   text(at) {
     const bytes = new Uint8Array(this.c.memory.buffer, at >>> 0)
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
@@ -96,19 +93,18 @@ class Module {
     return new Error(this.text(this.c.words()))
   }
 
-  /** Throws the message of the module if a result is an error, else returns the result. */
+  /** Returns a result, or throws the module's error message if the result is negative. */
   check(result) {
     if (result < 0) throw this.error()
     return result
   }
 
-  /** The same for an address. */
   place(at) {
     if (!at) throw this.error()
     return at >>> 0
   }
 
-  /** Calls a function that draws. After a trap, waits for the threads, which use the frame's memory. */
+  /** After a trap of WebAssembly, waits for the threads, which still use the frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -121,7 +117,6 @@ class Module {
     }
   }
 
-  /** The size of an .fxs file in bytes, from its header. */
   packedBytes(name, header) {
     const [text, at] = [this.copyText(name), this.copy(header)]
     try {
@@ -133,20 +128,18 @@ class Module {
     }
   }
 
-  /** Copies bytes into the memory of the module. Free the copy with `release`. */
+  /** Copies bytes into the module's memory. The caller frees the copy with `release`. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
     this.bytes(at, bytes.length).set(bytes)
     return at
   }
 
-  /** The same for a text; appends a 0. */
   copyText(text) {
     return this.copy(new TextEncoder().encode(`${text}\0`))
   }
 }
 
-/** Caches the promise of make(); a failure is not cached. */
 const once = (made, name, make) =>
   (made[name] ??= make().catch((error) => {
     delete made[name]
@@ -164,12 +157,12 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 131072            // bytes for each thread; its jobs need 20,000
-const PAGES = 16                // initial pages of a shared memory; the same number as in the Makefile
+const STACK = 131072            // bytes of stack for each thread
+const PAGES = 16                // initial pages of a shared memory; the Makefile has the same number
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
-/** True if this thread may block in Atomics.wait. The main thread of a page may not. */
+/** Returns true if this thread may block in Atomics.wait. A page's main thread may not. */
 function mayWait() {
   try {
     return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
@@ -180,7 +173,6 @@ function mayWait() {
 
 const processors = async () => (inNode ? (await ofSystem()).processors() : navigator.hardwareConcurrency)
 
-/** Shared memory that may grow to 4 GB. Halves the maximum until the browser grants it. */
 function sharedMemory(maximum = 65536) {
   try {
     return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
@@ -190,7 +182,6 @@ function sharedMemory(maximum = 65536) {
   }
 }
 
-/** Starts a thread for a module. */
 const oneMore = async (core, module, stack = STACK) =>
   startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(stack)) + stack })
 
@@ -198,18 +189,16 @@ async function threadedCore(threads) {
   const module = await compile('threads')
   const core = new Module(module, { memory: sharedMemory() }, threads)
   const started = Array.from({ length: threads - 1 }, () => oneMore(core, module).catch(() => null))
-  core.workers = Promise.all(started)   // keeps the workers from garbage collection
+  core.workers = Promise.all(started)   // keeps the workers from being garbage-collected
   return core
 }
 
-/** The number of threads for these options. */
 async function threadsFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
   return simd && hasSimd && canShare ? (threads ?? Math.min(await processors(), USUAL_THREADS)) : 1
 }
 
-/** The renderer module for these options, with its threads. */
 async function coreFor(options) {
   const { simd = hasSimd } = options
   const count = await threadsFor(options)
@@ -220,7 +209,6 @@ async function coreFor(options) {
   return coreOf(simd ? 'simd' : 'core')
 }
 
-/** Drops the modules that no scene uses, and ends their threads. */
 export async function end() {
   for (const [name, made] of Object.entries(cores)) {
     const core = await made.catch(() => null)
@@ -230,29 +218,27 @@ export async function end() {
   }
 }
 
-// ---- Opening --------------------------------------------------------------------------------------------------
+// ---- Opening a scene ------------------------------------------------------------------------------------------
 
 const numberOf = (names, value) => {
   if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
   return names.indexOf(value)
 }
 
-const PACKING_STACK = 262144    // bytes for each thread that packs; its jobs need 90,000
-const MUCH = 8e6                // bytes; smaller files are packed faster without threads
+const PACKING_STACK = 262144    // bytes of stack for each thread that packs
+const MUCH = 8e6                // bytes; a smaller file is packed faster without threads
 
-/** The reader modules to try for a file, the likely one first. A module reports if another one reads the file. */
 async function readersFor(file, options) {
   const { simd = hasSimd } = options
   const { name } = file
   const [p, k] = file.first(2)
   if (!simd || !hasSimd) return ['import_core']
-  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
+  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, the signature of a zip file
   const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
   const others = isShared ? ['import_threads', 'import'] : ['import']
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
 }
 
-/** An instance of a reader module, with threads if its memory can be shared. */
 function readerOf(module, imports, threads) {
   const isShared = WebAssembly.Module.imports(module).some(({ kind }) => kind === 'memory')
   const reader = new Module(module, isShared ? { ...imports, memory: sharedMemory() } : imports)
@@ -262,11 +248,9 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-// Packs the files of a scene with a new instance of a reader module. `share`: the downloaded share of the first file.
-// `most`: the largest number of Gaussians, for a preview; 0: no limit. `look`: only checks the first file, as if it had
-// this many bytes. Returns { bytes, error, isElsewhere, missing, isShort }: the bytes of an .fxs file; or an error,
-// with isElsewhere if another module may succeed; the names of missing files; isShort if the reader needs bytes that
-// have not arrived.
+// Packs the files of a scene with a new reader module. `share`: downloaded share of the first file. `most`: largest
+// number of Gaussians of a preview; 0: no limit. With `look`, only checks the first file. isElsewhere: another module
+// may succeed. isShort: the reader needs bytes that have not arrived.
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -296,7 +280,7 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   try {
     reader = readerOf(module, imports, threads)
   } catch (error) {
-    return { missing, error, isElsewhere: true }   // no shared memory: the next module has its own
+    return { missing, error, isElsewhere: true }
   }
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share, threads)
@@ -312,7 +296,6 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   return { missing, bytes: look ? null : reader.bytes(...reader.get(0, 2)) }
 }
 
-/** Tries the reader modules in turn, and downloads the files that they ask for. */
 async function importBy(files, options, how) {
   const isFew = how.most || how.look || files.all[0].there < MUCH
   const threads = isFew ? 1 : await threadsFor(options)
@@ -332,13 +315,13 @@ async function importAll(files, options, how = {}) {
   return bytes
 }
 
-// ---- Beginnings -----------------------------------------------------------------------------------------------
+// ---- First bytes of a file ------------------------------------------------------------------------------------
 
-const HEAD = 4096               // bytes needed to recognize the format: fxs_format_by_content
-const PACKED_HEAD = 192         // bytes in the header of an .fxs
-const MOST_TEXT = 2 ** 30       // largest size of an index in bytes: FXS_TEXT_MAX
+const HEAD = 4096               // bytes that fxs_format_by_content needs to recognise a format
+const PACKED_HEAD = 192
+const MOST_TEXT = 2 ** 30       // largest size in bytes of an index file: FXS_TEXT_MAX
 
-/** The size of a .ply file by its header, from the reader's error for a short file; 0: unknown or complete. */
+/** Returns the size of a .ply file by the reader's error for a short file; 0: unknown or complete. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -348,12 +331,12 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-// Checks the first bytes of a download. Throws an Error if they are not a scene, or if the file is far longer than its
-// header says. Returns the number of bytes after which to check again.
+// Throws an Error if the first bytes are not a scene, or if the file is far longer than its header says. Returns the
+// number of bytes before the next check.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
-  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // JSON, read as a whole
+  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))
   const least = core ? core.packedBytes(file.name, file.first(PACKED_HEAD)) : await leastOf(file, lookAs)
   if (least) file.limit(least)
   if (isIndex) file.most = MOST_TEXT
@@ -364,13 +347,12 @@ async function lookAt(file, files, options) {
   return Infinity
 }
 
-// Returns a function (share, isNow, waited) that calls options.preview when a preview is due. `share`: the downloaded
-// share. `isNow`: skips the timing. `waited`: milliseconds that the download spent on checks, not counted as download
-// time. The pauses grow with the time that a preview takes.
+// Returns a function (share, isNow, waited) that makes previews when due. `isNow` ignores the timing. `waited`:
+// milliseconds that were spent on checks.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
-  let last                      // end of the last preview; before the first one, arrival of the first bytes
+  let last
   let took = 0
   return async (share, isNow, waited = 0) => {
     const start = performance.now()
@@ -383,7 +365,7 @@ function previewsOf(files, options) {
       const bytes = await importAll(files, quietly, { share, most: SHOWN })
       if (bytes.length) scene = sceneOf(await coreFor(options), SourceFile.of(files.all[0].name, bytes))
     } catch {
-      return                    // loading the whole scene will report the error
+      return
     }
     if (scene) await options.preview(scene)
     last = performance.now()
@@ -391,7 +373,6 @@ function previewsOf(files, options) {
   }
 }
 
-/** The scene of an .fxs file. */
 function sceneOf(core, file) {
   const { name, there: bytes } = file
   const text = core.copyText(name)
@@ -409,7 +390,6 @@ function sceneOf(core, file) {
   }
 }
 
-/** Opens a streamed scene: { scene }. Otherwise { answer } if the server has already sent the whole file, else {}. */
 async function paged(source, options) {
   if (options.paging === false || !(typeof source === 'string' || source instanceof URL)) return {}
   const url = await urlOf(String(source)).catch(() => null)
@@ -425,7 +405,7 @@ export async function load(source, options = {}) {
   signal?.throwIfAborted()
   const files = new Files(options)
   const preview = previewsOf(files, options)
-  coreFor(options).catch(() => {})   // starts early; a failure is reported below
+  coreFor(options).catch(() => {})
   const { scene, answer } = await paged(source, options)
   if (scene) return scene
   let next = HEAD
@@ -441,7 +421,7 @@ export async function load(source, options = {}) {
   if (!file.isPacked) await preview(1, true)
   signal?.throwIfAborted()
   const packed = file.isPacked ? file : SourceFile.of(file.name, await importAll(files, options))
-  const core = await coreFor(options)   // a new one if end() was called meanwhile
+  const core = await coreFor(options)   // a new module instance if end() was called meanwhile
   signal?.throwIfAborted()
   return sceneOf(core, packed)
 }
@@ -461,10 +441,9 @@ export class Scene {
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
     Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
     core.scenes++
-    core.chosen = null   // the address may have belonged to another scene
+    core.chosen = null   // drops the cached first view, since a scene's address may be reused
   }
 
-  /** The number of threads that have started. */
   get threads() {
     return this.#core.c.threads?.() ?? 1
   }
@@ -473,7 +452,7 @@ export class Scene {
     return !this.#scene
   }
 
-  /** Internal: the module, the address of the scene in its memory, and the pager of a streamed scene. */
+  /** Internal: the module, the address of the scene in its memory, and the scene's loader (Pager). */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene, this.#pager]
@@ -538,7 +517,6 @@ export class Scene {
 
 const MAX_CROPS = 8
 
-/** Flattens a list and checks that it has `count` numbers. */
 function all(name, count, numbers) {
   const flat = Array.isArray(numbers) || ArrayBuffer.isView(numbers) ? Array.from(numbers).flat() : []
   if (flat.length !== count || !flat.every((x) => typeof x === 'number'))
@@ -552,7 +530,6 @@ function need(is, words, Kind = TypeError) {
 
 const isObject = (value) => typeof value === 'object' && value !== null
 
-/** `Scene.inside` of object i: module, address, pager. */
 function insideOf(object, i) {
   need(isObject(object), `object ${i}: expected an object with a scene`)
   need(isObject(object.scene) && 'inside' in object.scene, `object ${i}: scene: expected what \`load\` returns`)
@@ -582,7 +559,6 @@ function placeAll(objects) {
   return core
 }
 
-/** Sets a Pinhole camera, as in a cameras.json: the columns of its rotation are the axes of the camera. */
 function takePinhole(core, camera, width, height) {
   const { fx, fy = fx, near = 0, orthographic = false } = camera
   const [w, h] = [camera.width ?? width, camera.height ?? height]
@@ -592,7 +568,6 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-/** The chosen first view of the placed objects: the 13 numbers of fxs_first_choice, `known`. Cached. */
 function chosen(core, objects) {
   const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
@@ -647,13 +622,11 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-/** maxMemory in bytes, at most 2 ** 32 - 1; 0: no limit. */
 function limitOf({ maxMemory = 0 }) {
   need(maxMemory >= 0, `maxMemory ${maxMemory}: expected a number of bytes`)
   return Math.min(maxMemory, 2 ** 32 - 1)
 }
 
-/** The budget of a frame; by default the smallest budget of the pagers, else 2 ** 32 - 1: no limit. */
 function budgetOf({ pagers }, { budget }) {
   if (budget !== undefined && !(Number.isInteger(budget) && budget >= 0))
     throw new Error(`budget ${budget}: expected a number of Gaussians`)
@@ -663,7 +636,6 @@ function budgetOf({ pagers }, { budget }) {
   return Math.min(budget || Math.min(...pagers.map((pager) => pager.budget || Infinity)), 2 ** 32 - 1)
 }
 
-/** The limits of a frame: budget in Gaussians (0: none), detail in 1/256 pixel, memory in bytes (0: none). */
 function boundsOf(core, options) {
   const { detail = 0 } = options
   const budget = budgetOf(core, options)
@@ -671,20 +643,18 @@ function boundsOf(core, options) {
   return [budget === 2 ** 32 - 1 ? 0 : budget, Math.round(256 * detail), limitOf(options)]
 }
 
-/** The arguments that all frames pass to the module. */
 function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) {
   need(Number.isFinite(background), `background ${background}: expected a number`)
   need(Number.isFinite(shDegree), `shDegree ${shDegree}: expected a number`)
   return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
 }
 
-/** The statistics of the last frame. Headers that have not arrived count as missing parts. */
 function drawnBy(core) {
   const [drawn, missing] = core.get(0, 2)
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// For each format and target, its typed array and the numbers a pixel. Targets are in the order of take_targets in
+// For each format and target: the array type and the count of numbers a pixel, in the order of take_targets in
 // web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
@@ -708,7 +678,6 @@ function oneOf(table, name) {
   return Object.keys(table).indexOf(name)
 }
 
-/** Lays out the targets of an eye in a block of memory, from the offset `start` on, aligned to 64 bytes. */
 function layOut(asked, format, pixels, start) {
   let end = start
   const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
@@ -723,7 +692,6 @@ function layOut(asked, format, pixels, start) {
   return { parts, end }
 }
 
-/** The layout of all targets: the code of the colour format, the bytes of the block, the parts of each eye. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
   need(ofEyes.every(isObject), 'targets: expected an object')
@@ -740,7 +708,6 @@ function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   return { code, bytes, plans }
 }
 
-/** Allocates the arrays of the output targets, before drawing. */
 function memoryFor(plans, width, height) {
   const given = plans.map((parts) => parts.filter((part) => !part.given))
   try {
@@ -752,7 +719,6 @@ function memoryFor(plans, width, height) {
   }
 }
 
-/** Draws for the one or two cameras that were set. Returns the pixels, or the Frame with `targets`, of each eye. */
 function draw(core, width, height, eyes, options) {
   const { depthBits = 16, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
@@ -789,7 +755,6 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
-/** Requests the missing parts of a picture and returns their number. `ahead`: after those of the last picture. */
 function lookFor(objects, camera = {}, options = {}, ahead = true) {
   const [core] = begin(objects, camera, options)
   core.ahead = ahead
@@ -818,7 +783,6 @@ export function pick(x, y, objects, camera = {}, options = {}) {
 
 // ---- Screens --------------------------------------------------------------------------------------------------
 
-/** Converts premultiplied colours in place to straight alpha, for a canvas. */
 function divided(pixels) {
   for (let at = 0; at < pixels.length; at += 4)
     for (let c = at, alpha = pixels[at + 3]; alpha && c < at + 3; c++) pixels[c] = (pixels[c] * 255) / alpha
@@ -829,13 +793,12 @@ function resize(canvas, width, height) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
 }
 
-/** The back end 'wasm': copies pictures to a canvas with a 2D context. */
 class Copied {
   #context
   #pixels
 
   constructor(canvas) {
-    // In a worker, a canvas in main memory takes a quarter of the time if the processor also emulates the GPU.
+    // In a worker, a canvas in main memory is faster if the GPU is emulated.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
@@ -861,7 +824,6 @@ class Copied {
 
 const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
 
-/** The back end 'webgl2': the module calls WebGL 2 on a canvas. */
 class Drawn {
   #core
   #functions
@@ -879,12 +841,11 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
-  /** Stays true: a restored context has lost all of its objects. */
+  /** A context once lost stays lost, since a restored context has lost its objects. */
   get lost() {
     return (this.#gone ||= this.gl.isContextLost())
   }
 
-  /** Makes a texture of pixels, with the lowest row first. Restores the state of the context. */
   #textureOf(pixels, width, height) {
     const { gl } = this
     const rows = ['ROW_LENGTH', 'SKIP_ROWS', 'SKIP_PIXELS'].map((name) => gl[`UNPACK_${name}`])
@@ -942,7 +903,7 @@ class Drawn {
     return pixels
   }
 
-  /** Waits by reading a pixel. Browsers poll a fence only every 4 ms. */
+  /** Reading a pixel waits for the GPU. Browsers poll a fence only every 4 ms. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
   }
@@ -972,7 +933,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
-    core.scenes++               // keeps the module until free
+    core.scenes++               // keeps the module in memory until `free`
   }
 
   static async open(canvas, backend, options = {}) {
@@ -1023,7 +984,7 @@ export class Screen {
   }
 }
 
-// ---- Pictures -------------------------------------------------------------------------------------------------
+// ---- PNG files ------------------------------------------------------------------------------------------------
 
 function crc32(bytes) {
   let crc = -1
@@ -1056,7 +1017,7 @@ export async function png(pixels, width, height) {
   const header = new DataView(new ArrayBuffer(13))
   header.setUint32(0, width)
   header.setUint32(4, height)
-  header.setUint16(8, 0x0806)   // 8 bits, RGBA
+  header.setUint16(8, 0x0806)   // 8 bits a channel, RGBA
   const deflated = new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))
   const body = new Uint8Array(await new Response(deflated).arrayBuffer())
   const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', body], ['IEND', new Uint8Array(0)]]

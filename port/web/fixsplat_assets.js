@@ -1,19 +1,17 @@
-// Finds the other files of the package: WebAssembly modules and the scripts of workers. Without a bundler they are in
-// the folder of this file. A bundler moves them, and recognizes the literal `new URL('./...', import.meta.url)` below.
-// With other bundlers, `setAssets` sets the folder, or inline/files.js the files themselves.
+// Finds the other files of the package. Bundlers recognise the literal `new URL('./...', import.meta.url)` below and
+// move the files. For other bundlers, `setAssets` sets the folder, or inline/files.js contains the files.
 
 export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** The functions of system.js. Bundlers do not see this import; there, node.js sets the functions. */
+/** Bundlers do not follow this import of system.js; in a bundle, node.js sets its functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// The development server of vite copies scripts of packages to this folder, without their other files.
+// The development server of vite copies only the scripts of a package to this folder.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
-/** The folder of the published files; undefined in Node and after a bundler. */
 function published() {
   const at = import.meta.url ?? ''
   if (inNode || !/^https?:/.test(at)) return undefined
@@ -22,7 +20,7 @@ function published() {
 }
 
 let folder = published()
-let files = null                // contents of the files by name, from inline/files.js
+let files = null
 const starts = {
   'thread.js': () => new Worker(new URL('./thread.js', import.meta.url), { type: 'module' }),
 }
@@ -43,19 +41,14 @@ export function setAssets(given) {
   } else files = { ...files, ...given }
 }
 
-/** The files given to `setAssets`; a worker needs them too. */
 export const assets = () => files
 
-/** True if a module exists; the inline package has only some. */
 export const hasModule = (name) => !files || `${name}.wasm` in files
 
-/** The address of a published file; null after a bundler. */
 export const addressIn = (name) => (folder ? new URL(name, folder) : null)
 
-/** Sets how to start a worker after a bundler has moved its script. */
 export const setStart = (name, start) => (starts[name] = start)
 
-/** Fetches a WebAssembly module. Returns a Response. */
 export async function moduleOf(name) {
   if (files) return inflated(name)
   const url = folder ? new URL(`${name}.wasm`, folder) : modules[name]()
@@ -77,12 +70,11 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
-/** Starts a worker by the name of its script. */
 export function startWorker(name) {
   if (files) return startText(files[name])
   if (!folder) return starts[name]()
   const url = new URL(name, folder)
-  // Browsers refuse a worker script of another origin. A script of this origin may import it.
+  // Browsers refuse a worker script of another origin; a local script may import it.
   if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
   return new Worker(url, { type: 'module' })
 }
@@ -92,7 +84,6 @@ function startText(text) {
   return new Worker(url, { type: 'module' })
 }
 
-/** Starts a thread of a module (thread.js). */
 export async function startThread(data) {
   if (inNode) return (await ofSystem()).startThread(data)
   const worker = startWorker('thread.js')

@@ -1,38 +1,35 @@
 // Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
-// loaded first. The rows of a chunk (its 256 Gaussians) are loaded when a picture wants them, into a pool of bounded
-// size in the memory of the module; if the pool is full, the least recently used chunk is evicted. Neighbouring chunks
-// are loaded by one request. Terms: leaves are the chunks of the finest level, nodes the chunks of coarser levels; a
-// chunk is identified by its number, leaves first. web_paged.c is the side of the module.
+// loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool when a picture needs it. A full pool
+// evicts the least recently used chunk. Leaves are the chunks of the finest level, nodes the coarser chunks. Chunk
+// numbers begin with the leaves.
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
 
-const HEADER = 192              // bytes in the header of the file
-const CHUNK_HEADER = 128        // bytes in the header of a chunk
-const GAUSSIANS = 256           // in a chunk
+const HEADER = 192
+const CHUNK_HEADER = 128
+const GAUSSIANS = 256           // number of Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
-const TOP = 64                  // nodes that are loaded before the first picture and never evicted
-const BLOCK = 2048              // chunk headers in one request
-const PIECE = 1 << 20           // bytes of the tree in one request
-const RUN = 1 << 19             // most bytes of rows in one request
-const GAP = 1 << 15             // largest gap between wanted rows in one request, bytes
-const AT_ONCE = 6               // requests at the same time
-const MEMORY = 512e6            // bytes in the pool
+const TOP = 64                  // coarsest nodes, loaded before the first picture and never evicted
+const BLOCK = 2048              // number of chunk headers in one request
+const PIECE = 1 << 20           // bytes of the level-of-detail tree in one request
+const RUN = 1 << 19             // largest size of one request for chunks, in bytes
+const GAP = 1 << 15             // largest gap in bytes between wanted chunks in one request
+const AT_ONCE = 6               // default number of simultaneous requests
+const MEMORY = 512e6            // default size of the pool of chunks in bytes
 const LEAST_PLACES = 256        // smallest capacity of the pool in chunks
 const BUDGET = 1e6              // default budget of a picture in Gaussians
-const TRIES = 5                 // attempts for a request; 2 if the server is slow
+const TRIES = 5                 // attempts for a request, or 2 if the server is slow
 const PAUSE = 100               // milliseconds; the pause before attempt i + 1 is PAUSE * 2^i
-const AGAIN = 5000              // milliseconds after a temporary failure before pictures request parts again
-const TELL = 50                 // least milliseconds between two calls of changed
+const AGAIN = 5000              // milliseconds after a temporary failure before pictures request chunks again
+const TELL = 50                 // minimum milliseconds between two calls of the callback `changed`
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
 
-/** A permanent Error: no further request can succeed. */
 const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 
-// ---- The server -----------------------------------------------------------------------------------------------
+// ---- Requests to the server -----------------------------------------------------------------------------------
 
-/** Reads ranges of a file on a server. A change of the file is a permanent Error. */
 class Remote {
   #url
   #options
@@ -41,24 +38,21 @@ class Remote {
   #running = new Set()
   #ended = false
 
-  /** `options`: the options of Watch. */
   constructor(url, name, { silence, signal }) {
     Object.assign(this, { name })
     this.#url = url
     this.#options = { silence, signal }
   }
 
-  /** After opening, `end` aborts requests, the signal does not. */
   opened() {
     this.#options.signal = undefined
   }
 
-  /** The ETag or Last-Modified of the file; empty if the server sends neither. */
   get version() {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** Reads the first bytes: { bytes, total }; { answer } for the whole file; {} if the server has no ranges. */
+  /** Returns the first { bytes, total } of the file, { answer } with the whole file, or {} without range requests. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -79,7 +73,6 @@ class Remote {
     })
   }
 
-  /** Reads bytes first to end - 1, with retries. Calls `came` with the number of received bytes. */
   async read(first, end, came) {
     for (let i = 1; ; i++)
       try {
@@ -114,7 +107,7 @@ class Remote {
   }
 
   async #ask(first, end, watch, came) {
-    // if-range needs a strong ETag; another origin would have to allow the header (CORS).
+    // The header if-range needs a strong ETag, and CORS permission on another origin.
     const isOwn = !globalThis.location || globalThis.location.origin === this.#url.origin
     const same = isOwn && this.#tag?.startsWith('"') ? { 'if-range': this.#tag } : {}
     const answer = await this.#fetch(first, end, same, watch).catch((cause) => {
@@ -171,30 +164,30 @@ class Remote {
   }
 }
 
-// ---- The scene ------------------------------------------------------------------------------------------------
+// ---- The scene in memory --------------------------------------------------------------------------------------
 
-/** Loads the chunks of a scene into a module, and manages the places of the pool. */
+/** Loads the chunks of a scene into the pool. A place of the pool holds a chunk. */
 export class Pager {
   #core
   #at
   #remote
   #store
-  #text                         // address of the name in the module
+  #text
   #layout
-  #places                       // capacity of the pool in chunks
-  #used = 0                     // places that were used at least once
-  #spare = []                   // free places below #used
-  #victims = []                 // places to evict, the oldest last
-  #fullAt = -1                  // the last turn in which #oldest was computed
-  #chunkOf                      // for each place, its chunk
+  #places
+  #used = 0
+  #spare = []
+  #victims = []                 // places of the pool to evict; the least recently used place is last
+  #fullAt = -1                  // number of the last frame that computed #victims
+  #chunkOf
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
-  #wanted = this.#now           // the same, then the missing chunks of the prefetch
-  #cursor = 0                   // next entry of #wanted to request
-  #marks                        // for each chunk, the mark of the last list that contained it
+  #wanted = this.#now
+  #cursor = 0                   // index in #wanted of the next chunk to request
+  #marks
   #mark = 0
-  #turn = 0                     // counts frames and prefetches; see stamps in web.h
-  #busy = new Set()             // chunks that are being requested
-  #blocks                       // state of each block of headers: 0 missing, 1 requested, 2 loaded
+  #turn = 0
+  #busy = new Set()
+  #blocks                       // state of each block of chunk headers: 0 missing, 1 requested, 2 loaded
   #pendingBlocks = 0
   #headersRunning = 0
   #running = 0
@@ -215,9 +208,6 @@ export class Pager {
     this.#text = core.copyText(remote.name)
   }
 
-  // ---- Opening ----
-
-  /** Loads the tables and the TOP nodes. Returns the address of the scene in the module and its facts. */
   async open(header, total, { memory = MEMORY, progress }) {
     const core = this.#core
     this.#allocate(header, total, memory)
@@ -258,7 +248,6 @@ export class Pager {
     return { at: this.#at, facts }
   }
 
-  /** Allocates scene and pool in the module. Halves the pool until the memory suffices. */
   #allocate(header, total, memory) {
     const core = this.#core
     const at = core.copy(header)
@@ -293,25 +282,21 @@ export class Pager {
     this.#pendingBlocks = this.#blocks.length
   }
 
-  // ---- Requests of frames ----
-
-  /** The default budget of a picture in Gaussians; 0: no limit. */
   get budget() {
     return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
-  /** The largest budget of a picture: half the pool, since coarser chunks are needed too while finer ones load. */
+  /** Returns the largest budget in Gaussians: half the pool, since coarse chunks stay needed while finer chunks
+      load. */
   get most() {
     if (this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
-  /** The number of header blocks that have not arrived. They count as missing, in addition to chunks. */
   get pending() {
     return this.#pendingBlocks
   }
 
-  /** Takes the list of missing chunks after a picture, or after a prefetch (`ahead`), and starts requests. */
   looked(ahead) {
     const count = this.#core.c.paged_wanted(this.#at)
     this.#turn = this.#core.c.paged_turn(this.#at)
@@ -331,7 +316,6 @@ export class Pager {
     this.#fetch()
   }
 
-  /** Fulfilled when the next data arrive; rejected after a failure, or if no request is running. */
   arrival() {
     if (this.failure) return Promise.reject(this.failure)
     if (!this.#running) {
@@ -341,7 +325,6 @@ export class Pager {
     return new Promise((resolve, reject) => this.#waiting.push({ resolve, reject }))
   }
 
-  /** Frees the scene. The Remote stays usable for another pager. */
   close() {
     this.#ended = true
     clearTimeout(this.#timer)
@@ -356,8 +339,6 @@ export class Pager {
     this.#remote.end()
   }
 
-  // ---- Fetching ----
-
   #fetch() {
     while (this.#running < this.#most && !this.failure && !this.#ended) {
       const job = this.#next()
@@ -371,7 +352,6 @@ export class Pager {
     }
   }
 
-  /** The next request. While headers are missing, one running request loads headers, the others load chunks. */
   #next() {
     if (this.#pendingBlocks && !this.#headersRunning) {
       const job = this.#nextBlock()
@@ -423,7 +403,6 @@ export class Pager {
     }
   }
 
-  /** A request for a chunk and its wanted neighbours: the range that the cache holds, else a new range. */
   #jobOfRows(chunk) {
     const { leaves, chunks, chunkBytes, leafRows, nodeRows } = this.#layout
     const isLeaf = chunk < leaves
@@ -455,7 +434,7 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** Reads a range for `take`, which throws if it is damaged. Then reads it once more, from the server. */
+  /** Passes a range of the file to `take`. If `take` throws, the range is read once more, from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -479,8 +458,6 @@ export class Pager {
     return bytes
   }
 
-  // ---- Arrived data ----
-
   #words(at, count) {
     return new Uint32Array(this.#core.c.memory.buffer, at, count)
   }
@@ -503,7 +480,7 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Stores the rows of chunks first to end - 1. Wanted chunks may evict others; the rest takes only free places. */
+  /** Stores chunks first to end - 1. Chunks that no picture wants take only free places of the pool. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -532,7 +509,7 @@ export class Pager {
     }
   }
 
-  /** A free place in the pool, else the place of the least recently used chunk; -1 if all places are in use. */
+  /** Returns a free place of the pool, else the place of the least recently used chunk; -1: none. */
   #placeFor(chunk) {
     if (this.#spare.length) return this.#spare.pop()
     if (this.#used < this.#places) return this.#used++
@@ -553,7 +530,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** An eighth of the pool to evict, the least recently used last; without places used in the last two turns. */
+  /** Returns an eighth of the pool to evict, without places that the last two frames used. The least recently used
+      place is last. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0
@@ -562,8 +540,6 @@ export class Pager {
     const sorted = keys.subarray(0, count).sort().subarray(0, Math.max(this.#places >> 3, 1))
     return Array.from(sorted, (key) => key % 2 ** 21).reverse()
   }
-
-  // ---- Telling ----
 
   #came() {
     this.#settle()
@@ -591,8 +567,8 @@ export class Pager {
   }
 }
 
-// Opens a file for streaming: { core, pager, at, facts }. { answer } if the server sends the whole file; {} if it does
-// not support ranges, or if the file is not an .fxs of this version.
+// Opens a file for streaming and returns { core, pager, at, facts }. Returns { answer } with the whole file, or {} if
+// streaming is not possible.
 export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
   const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)
@@ -613,7 +589,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   }
   const opened = await open().catch(async (error) => {
     if (!store?.size || signal?.aborted) throw error
-    await store.clear()         // the cache may be damaged
+    await store.clear()
     return open()
   })
   remote.opened()

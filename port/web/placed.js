@@ -1,12 +1,10 @@
-// Shared by the three.js and PlayCanvas adapters: converts cameras and rays, and draws all Splats that a camera sees as
-// one picture (Stage). With WebGL, the picture is drawn in the middle of the engine's render: WebGLStage copies the
-// engine's depths, so that meshes hide Gaussians, and its colours if the blending needs them. A matrix is 16 numbers,
-// column by column; the axes of an engine are x right, y up, z back.
+// Shared code of the three.js and PlayCanvas adapters, which draw all Splats objects that a camera sees as one picture.
+// A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
 
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
-const ALIKE = 1e-4              // largest relative difference of the scales of x, y and z
-const RAY = 1000                // focal length in pixels of the one-pixel picture for a ray without a camera
+const ALIKE = 1e-4
+const RAY = 1000
 
 // ---- Cameras and rays -----------------------------------------------------------------------------------------
 
@@ -22,8 +20,8 @@ function unit(a) {
   return a.map((value) => value / length)
 }
 
-/** Converts a camera, given by its world matrix and projection, to a Pinhole. The near plane of an orthographic camera
-    may lie behind it; the camera is moved back until that plane is at 1. */
+/** Converts the matrices of a camera to a Pinhole camera. An orthographic camera is moved back, since its near plane
+    may lie behind the camera. */
 export function viewOf(world, projection, near, width, height) {
   const orthographic = isOrthographic(projection)
   const back = orthographic ? 1 - near : 0
@@ -40,13 +38,11 @@ export function viewOf(world, projection, near, width, height) {
   }
 }
 
-/** The distances for the depths 0 and 1 in the depth buffer of a camera. */
 export function planesOf({ near, far, reversedDepth }, view) {
   const planes = [view.near, far + view.near - near]
   return reversedDepth ? planes.reverse() : planes
 }
 
-/** A Pinhole for a ray: a picture of one pixel. */
 function viewOfRay({ origin, direction }, near) {
   const z = unit(direction)
   const x = unit(cross(Math.abs(z[1]) > 0.9 ? [1, 0, 0] : [0, 1, 0], z))
@@ -55,21 +51,17 @@ function viewOfRay({ origin, direction }, near) {
   return { rotation, position: origin, fx: RAY, cx: 0.5, cy: 0.5, near }
 }
 
-/** True if a ray is a line of sight of the camera. */
 export function seesAlong(world, projection, { origin, direction }) {
   if (!isOrthographic(projection)) return lengthOf(plus(origin, column(world, 3), -1)) <= 1e-6 * (1 + lengthOf(origin))
   return dot(unit(column(world, 2)), direction) < -1 + 1e-6
 }
 
-/** The pixel of a point in front of the camera. */
 function pixelOf({ rotation, position, fx, fy, cx, cy, orthographic }, point) {
   const [x, y, z] = [0, 1, 2].map((i) => dot(rotation.map((row) => row[i]), plus(point, position, -1)))
   const depth = orthographic ? 1 : z
   return [(fx * x) / depth + cx, (fy * y) / depth + cy].map(Math.floor)
 }
 
-/** The hit of a ray on an object between the distances near and far; null without a hit. Picks at the pixel of the ray
-    in a picture of `view`; without `view`, in a one-pixel picture along the ray. */
 export function hitOf(placed, ray, view, options, near, far) {
   const { width, height } = view ? options : { width: 1, height: 1 }
   const size = lengthOf(plus(placed.scene.high, placed.scene.low, -1)) * placed.scale
@@ -82,21 +74,19 @@ export function hitOf(placed, ray, view, options, near, far) {
   return distance < near || distance > far ? null : { distance, point: found.position, index: found.gaussian }
 }
 
-/** An object of the engine as a `Placed`. The rotation is in the order x, y, z, w. */
 export function placedOf({ name, scene, opacity, tint, crops }, translation, [x, y, z, w], scale) {
   if (!(Math.min(...scale) > 0 && Math.max(...scale) <= Math.min(...scale) * (1 + ALIKE)))
     throw new Error(`${name}: Splats have one scale, above 0, for x, y and z`)
   return { scene, translation, rotation: [w, x, y, z], scale: scale[0], opacity, tint, crops }
 }
 
-// ---- Stages ---------------------------------------------------------------------------------------------------
+// ---- Stages: all Splats of a renderer -------------------------------------------------------------------------
 
-/** Draws all Splats of a renderer that a camera sees as one picture. Subclasses have changed(one, error), called when
-    an object has changed. */
+/** A subclass has changed(one, error), which is called when an object has changed. */
 export class Stage {
   splats = new Set()
   users = 0
-  width = 0                     // size of the last picture
+  width = 0
   height = 0
   takesParts = true
 
@@ -111,7 +101,7 @@ export class Stage {
     Object.assign(this, { width, height })
   }
 
-  /** Adds an object. `owners` counts the objects of a scene; the last one frees it. Null: the caller owns the scene. */
+  /** `owners` counts the objects of a scene, and the last object frees the scene. Null: the caller frees the scene. */
   add(one, owners) {
     if (owners) owners.count++
     this.splats.add(one)
@@ -130,7 +120,6 @@ export class Stage {
 
 const stages = new WeakMap()
 
-/** The stage of a renderer, made by `make` on first use. The last `leave` closes it. */
 async function enter(renderer, make) {
   if (!stages.has(renderer)) {
     const stage = make()
@@ -151,7 +140,6 @@ function leave(stage) {
   stage.close()
 }
 
-/** Loads a scene and returns objectOf(stage, scene, owners). */
 export async function loadFor(renderer, makeStage, source, options, objectOf) {
   const stage = await enter(renderer, makeStage)
   try {
@@ -177,7 +165,7 @@ void main()
 {
     gl_Position = vec4(float(gl_VertexID % 2) * 4.0 - 1.0, float(gl_VertexID / 2) * 4.0 - 1.0, 0.0, 1.0);
 }`
-// Converts a depth buffer of the engine to near / distance; 0: nothing is there.
+// Shader that converts a depth buffer to near / distance; 0: no geometry.
 const TURN = `#version 300 es
 precision highp float;
 uniform highp sampler2D depths;
@@ -194,12 +182,11 @@ void main()
     gl_FragDepth = depth == places.z ? 0.0 : min(near_by_z, 1.0);
 }`
 const [PERSPECTIVE, ORTHOGRAPHIC, LOGARITHMIC] = [0, 1, 2]
-// Multisampled buffers and depth buffers can be copied only to a buffer of the same format. WebGL does not tell the
-// format of a canvas, so these are tried in turn.
+// A copy of a multisampled buffer or of depths must have the same format. WebGL does not report a canvas's format, so
+// these formats are tried in turn.
 const DEPTHS = ['DEPTH24_STENCIL8', 'DEPTH_COMPONENT24', 'DEPTH_COMPONENT32F', 'DEPTH_COMPONENT16', 'DEPTH32F_STENCIL8']
 const COLOURS = ['RGBA16F', 'RGBA8', 'RGBA32F', 'SRGB8_ALPHA8', 'R11F_G11F_B10F', 'RGB10_A2']
 
-/** Calls run(framebuffer) and restores the state of the context that the engine relies on. */
 export function keeping(gl, run) {
   const get = (name) => gl.getParameter(gl[name])
   const unit = get('ACTIVE_TEXTURE')
@@ -235,7 +222,6 @@ export function keeping(gl, run) {
   }
 }
 
-/** Makes a program with a vertex shader that covers the picture. Returns it and its uniforms by name. */
 export function programOf(gl, text, names) {
   const program = gl.createProgram()
   for (const [kind, source] of [[gl.VERTEX_SHADER, COVER], [gl.FRAGMENT_SHADER, text]]) {
@@ -249,7 +235,6 @@ export function programOf(gl, text, names) {
   return { program, uniforms: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)])) }
 }
 
-/** A texture with a framebuffer. It grows as needed. */
 class Surface {
   width = 0
   height = 0
@@ -286,12 +271,12 @@ class Surface {
   }
 }
 
-/** Draws during a render of the engine, after the opaque meshes, and copies their depths. Subclasses have `target`: the
-    render target with a width and a height, or nothing for the canvas. */
+/** Draws after the opaque meshes of an engine's render, and copies their depths. A subclass has the render target
+    `target`; undefined: the canvas. */
 export class WebGLStage extends Stage {
-  #formats                      // for each buffer bit, formats of copied framebuffers
-  #depths                       // a copy of the depths of the engine
-  #turned                       // the same as near / distance
+  #formats
+  #depths
+  #turned
   #turn
   #restored = () => this.#reopen()
 
@@ -316,19 +301,18 @@ export class WebGLStage extends Stage {
     return screen
   }
 
-  /** Makes all objects again after the context was lost. */
   async #reopen() {
     const { screen } = this
     this.screen = undefined
     screen?.free()
-    const taken = await this.#take().catch(() => undefined)    // lost again: waits for the next restore
+    const taken = await this.#take().catch(() => undefined)
     if (this.users) this.screen = taken
     else taken?.free()
     for (const one of this.splats) this.changed(one)
   }
 
-  /** Draws `picture` for a part of the current target, hidden by the depths in it. With isLight, also copies the
-      colours of the target to `behind`. `camera`: near, far, reversedDepth, isLogarithmic. */
+  /** Draws `picture` for a rectangle of the current target, hidden by the target's depths. With isLight, also copies
+      the target's colours to `behind`. */
   drawWithin(seen, view, camera, [x, y, width, height], isLight) {
     const depth = keeping(this.gl, (framebuffer) => {
       this.gl.bindFramebuffer(this.gl.READ_FRAMEBUFFER, framebuffer)
@@ -369,7 +353,6 @@ export class WebGLStage extends Stage {
     return gl.getFramebufferAttachmentParameter(target, gl.DEPTH_ATTACHMENT, kind) !== gl.NONE
   }
 
-  /** Copies a buffer of the read framebuffer as a whole, which multisampled buffers require. */
   #copy(framebuffer, surface, formats, bit) {
     const { gl } = this
     const { width, height } = this.target ?? { width: gl.drawingBufferWidth, height: gl.drawingBufferHeight }

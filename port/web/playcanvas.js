@@ -1,6 +1,5 @@
-// The adapter for PlayCanvas: Splats is an entity in a scene of PlayCanvas, on a device of WebGL 2. Gaussians and
-// meshes hide each other. The picture is drawn during the render of each layer (placed.WebGLStage). playcanvas.d.ts
-// describes the public interface.
+// The PlayCanvas adapter: Splats is an entity in a PlayCanvas scene, on a device of WebGL 2. placed.WebGLStage draws
+// during the render of each layer.
 
 import {
   BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA, BlendState, BoundingBox, Entity, GAMMA_NONE,
@@ -11,15 +10,13 @@ import * as placed from './placed.js'
 const OVER = new BlendState(true, BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA)
 const xyz = ({ x, y, z }) => [x, y, z]
 
-/** Converts a camera component to a Pinhole. */
 export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
   placed.viewOf(entity.getWorldTransform().data, projectionMatrix.data, nearClip, width, height)
 
-/** A rectangle of a target in pixels, from shares of its size: corner, size. */
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
-// Writes premultiplied colours. In a linear target, blending would add linear light; the picture must be blended in
-// display colours, so the shader reads the colours behind it and writes the difference. PlayCanvas uses 2.2.
+// The picture must be blended in display colours, but a linear target blends linear light. The shader therefore reads
+// the colours behind the picture and writes the difference. PlayCanvas uses a gamma of 2.2.
 const SHOW = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;
@@ -38,7 +35,6 @@ void main()
     }
 }`
 
-/** Draws before the transparent meshes of each layer. */
 class Stage extends placed.WebGLStage {
   #show
   #drawn = (camera, layer, isTransparent) => isTransparent && this.#draw(camera, layer)
@@ -83,7 +79,6 @@ class Stage extends placed.WebGLStage {
     placed.keeping(this.gl, () => this.#cover(x, y, isLight))
   }
 
-  /** Blends the picture over the first colour buffer of the target. */
   #cover(x, y, isLight) {
     const { gl, picture, behind } = this
     const { program, uniforms } = this.#show
@@ -113,7 +108,7 @@ class Stage extends placed.WebGLStage {
 
 export class Splats extends Entity {
   #stage
-  #owners                       // { count }: the entities that share the scene; null if the caller owns it
+  #owners                       // { count }: number of entities of the scene; null: the caller owns the scene
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]

@@ -7,7 +7,7 @@ type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttr
 type SceneProps = ClassAttributes<PlacedScene> & Omit<HTMLAttributes<PlacedScene>, keyof Place> & Place &
   { src?: string; class?: string }
 
-// The JSX types of React 19 and of React 18 from 18.2.6 on; then the global types of earlier React 18.
+// The JSX types for React 19 and React 18.2.6 or later, then the global types for earlier React 18.
 declare module 'react' {
   namespace JSX {
     interface IntrinsicElements {

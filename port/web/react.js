@@ -1,2 +1,2 @@
-// The element for React; its types are in react.d.ts.
+// The viewer element for React.
 export * from './viewer/element.js'

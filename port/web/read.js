@@ -1,16 +1,17 @@
-// Reads the files of a scene, from addresses, local files or memory. Files that a scene file names are read too.
+// Reads the files of a scene from addresses, local files or memory, with the other files that a scene file names.
 
 import { inNode, ofSystem } from './fixsplat_assets.js'
 
-const MOST = 2e9               // largest size of a file in bytes
-const MOST_ALL = 4e9           // largest size of all files of a scene in bytes
-const BLOCK = 1 << 20          // bytes in a block of a SourceFile
-const AT_ONCE = 16             // named files to request at the same time
-const SLOWEST = { bytes: 1000, milliseconds: 30000 }   // time-out: fewer bytes in this time
+const MOST = 2e9
+const MOST_ALL = 4e9
+const BLOCK = 1 << 20
+const AT_ONCE = 16             // simultaneous requests for files that a scene file names
+// a request times out if fewer bytes arrive in these milliseconds
+const SLOWEST = { bytes: 1000, milliseconds: 30000 }
 
 const sizeOf = (bytes) => (bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(1)} GB`)
 
-/** The received bytes of a file. `there`: their number. `total`: the size that the server announced; 0: unknown. */
+/** The received bytes of a file. `total` is the size that the server announced; 0: unknown. */
 export class SourceFile {
   #blocks = []
   #each = BLOCK
@@ -22,7 +23,6 @@ export class SourceFile {
     this.#check(total)
   }
 
-  /** A complete file. */
   static of(name, bytes) {
     const file = new SourceFile(name, bytes.length)
     file.#blocks = [bytes]
@@ -38,7 +38,6 @@ export class SourceFile {
     return Object.assign(new Error(`${this.name}: ${words}`), { isLarge: true })
   }
 
-  /** Sets the least size by the header of the file. Files that are much larger are refused. */
   limit(least) {
     this.#check(least)
     this.#least = least
@@ -64,7 +63,6 @@ export class SourceFile {
     }
   }
 
-  /** Fills an array with received bytes from an offset on. */
   copy(offset, out) {
     for (let at = 0; at < out.length; ) {
       const from = offset + at
@@ -97,12 +95,11 @@ export const later = (call, milliseconds) => {
   return timer
 }
 
-/** Aborts a request if `signal` is aborted, or if fewer than SLOWEST.bytes arrive in `silence` milliseconds of waiting.
-    Only time in `wait` counts. */
+/** Aborts a request if fewer than SLOWEST.bytes arrive in `silence` milliseconds. Only time in `wait` counts. */
 export class Watch {
   #name
   #silence
-  #left                         // milliseconds until the time-out
+  #left
   #bytes = 0
   #signal
   #over
@@ -154,7 +151,6 @@ export class Watch {
   }
 }
 
-/** As fetch, but refuses a redirection from https to http. */
 export async function fetched(name, url, options) {
   const answer = await fetch(url, options)
   if (!/^https:/i.test(url) || !/^http:/i.test(answer.url)) return answer
@@ -176,7 +172,7 @@ export function nameOf(url) {
   try {
     return decodeURIComponent(name)
   } catch {
-    return name                 // has a percent sign that is not an escape
+    return name
   }
 }
 
@@ -191,9 +187,8 @@ async function answerOf(name, url, watch, begun) {
   return answer
 }
 
-/** Downloads a file. Calls came(file, share) after each part and waits for it; `share` is undefined if the size is not
-    known. `begun`: a promise of the answer, if it was requested already. `options`: the options of Watch, and `most`,
-    the largest number of bytes. */
+/** came(file, share) is called after each part, and the download waits for its promise. `share` is undefined if the
+    size is unknown. `begun`: promise of an earlier answer. */
 export async function download(url, options, came = () => {}, begun) {
   const name = nameOf(url)
   const watch = new Watch(name, options)
@@ -226,7 +221,6 @@ async function fill(file, reader, watch, came) {
   }
 }
 
-/** `first`: the address of the scene file. In Node, the other file must be in its folder or below. */
 async function fromUrl(url, options, came, { begun, first } = {}) {
   if (!inNode || url.protocol !== 'file:') return download(url, options, came, begun)
   const system = await ofSystem()
@@ -238,7 +232,7 @@ async function fromBlob(blob) {
   return SourceFile.of(file.name, new Uint8Array(await blob.arrayBuffer()))
 }
 
-// ---- A scene's files ------------------------------------------------------------------------------------------
+// ---- Files of a scene -----------------------------------------------------------------------------------------
 
 const INDEX = /(^|\/)(tileset\.json|lod-meta\.json|meta\.json|[^/]*\.(gltf|lcc))$/i
 const isBlob = (source) => typeof Blob === 'function' && source instanceof Blob
@@ -246,16 +240,15 @@ const pathOf = (file) => file.webkitRelativePath || file.name
 
 const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.fromCharCode(parseInt(code, 16)))
 
-/** True if a file name in a scene stays in the folder of the scene. A foreign scene must not read files elsewhere. The
-    same as fxs_name_stays in C. */
+/** Returns true if a file name stays in the scene's folder, like fxs_name_stays in C. A foreign scene must not read
+    files elsewhere. */
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
-/** The files of a scene: the opened file, then others with names relative to its folder. `options`: as for `load`. */
 export class Files {
   #files = new Map()
   #asked = new Set()
-  #coming = new Map()           // for each other file by name, the received bytes
+  #coming = new Map()
   #options
   #beside = async () => undefined
 
@@ -263,7 +256,6 @@ export class Files {
     this.#options = options
   }
 
-  /** Opens a source of `load`. */
   async open(source, came, begun) {
     const first = await this.#first(source, came, begun)
     this.#files.set(first.name, first)
@@ -289,7 +281,6 @@ export class Files {
     }, { begun })
   }
 
-  /** Opens a list of files: first the index that names the others. */
   async #list(list) {
     if (!list.length || !list.every(isBlob)) throw new Error('no files')
     list.sort((a, b) => pathOf(a).split('/').length - pathOf(b).split('/').length)
@@ -299,7 +290,6 @@ export class Files {
     return fromBlob(first)
   }
 
-  /** Reports the progress of another file, and checks the total size. */
   #tell(name, file) {
     this.#coming.set(name, file.there)
     const bytes = [...this.#coming.values()].reduce((sum, there) => sum + there, this.all[0].there)
@@ -315,7 +305,6 @@ export class Files {
     return [...this.#files.keys()].indexOf(name)
   }
 
-  /** Requests other files that were not requested yet; false if all were. A missing file is left out. */
   async ask(names) {
     const isNew = (name) => !this.#asked.has(name) && staysInside(name)
     const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter(isNew))
@@ -330,11 +319,10 @@ export class Files {
     return asked.size > 0
   }
 
-  /** A name, and the names with the same ending that follow it in an index, AT_ONCE together. */
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {
-      if (file.there > 1e6 || file.first(1)[0] !== 0x7b) continue   // {
+      if (file.there > 1e6 || file.first(1)[0] !== 0x7b) continue   // '{' begins a JSON index file
       const folder = index.replace(/[^/]*$/, '')
       const texts = new TextDecoder().decode(file.first(file.there)).match(/"[^"\\]*"/g) ?? []
       const isOfKind = (text) => text.endsWith(`.${kind}`) && staysInside(text)

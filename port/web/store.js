@@ -1,26 +1,24 @@
-// Caches ranges of files in the storage of the browser (Cache API), for the next visit. Each range is an entry; its
-// address is PLACE/file/version/first-end. If the cache is full, ranges of other files are dropped first.
+// Caches ranges of files in the browser's Cache API. The address of a cached range is PLACE/file/version/first-end. A
+// full cache drops ranges of other files first.
 
 const NAME = 'fixsplat'
 const PLACE = 'https://fixsplat.invalid/'
 const MOST = 1e9                // default capacity in bytes, for all files
 
-/** Parses the address of an entry; null if it is not valid. */
 function entryOf(request) {
   const parts = request.url.slice(PLACE.length).split('/')
   const [first, end] = (parts[2] ?? '').split('-').map(Number)
   return end > first ? { request, file: parts[0], version: parts[1], first, end } : null
 }
 
-/** The cached ranges of one version of a file. Also manages the entries of other files, which share the capacity. */
 export class Store {
   #cache
   #prefix
-  #own = new Map()              // entries of this file by their first byte
-  #others = []                  // entries of other files, the oldest first
-  #bytes = 0                    // size of all entries
+  #own = new Map()              // cached ranges of this file by their first byte
+  #others = []                  // cached ranges of other files, the oldest first
+  #bytes = 0
   #most
-  #used = new Set()             // first bytes of ranges used since opening
+  #used = new Set()
   #writing = Promise.resolve()
 
   constructor(cache, prefix, most) {
@@ -29,7 +27,6 @@ export class Store {
     this.#most = most
   }
 
-  /** Null if caching is off or impossible: option `cache` 0, Node, an insecure page, a file without a version. */
   static async open(url, version, { cache: most = MOST }) {
     if (!version || !most || !globalThis.caches) return null
     try {
@@ -38,7 +35,7 @@ export class Store {
       await store.#list(file, of)
       return store
     } catch {
-      return null               // the storage is switched off
+      return null
     }
   }
 
@@ -54,12 +51,10 @@ export class Store {
     }
   }
 
-  /** The number of cached ranges of this file. */
   get size() {
     return this.#own.size
   }
 
-  /** The range that contains a byte: [first, end]; undefined if it is not cached. */
   find(byte) {
     const { first, end } = this.#own.get(byte) ?? [...this.#near(byte)][0] ?? {}
     return end > byte ? [first, end] : undefined
@@ -69,7 +64,6 @@ export class Store {
     for (const entry of this.#own.values()) if (entry.first <= byte && entry.end > byte) yield entry
   }
 
-  /** The bytes of a cached range; undefined if it is not cached. */
   async get(first, end) {
     const entry = this.#own.get(first)
     if (entry?.end !== end) return undefined
@@ -81,7 +75,6 @@ export class Store {
     return undefined
   }
 
-  /** Caches a range in the background. After a failed write, nothing more is cached. */
   put(first, end, bytes) {
     const size = end - first
     if (size > this.#most) return
@@ -98,7 +91,6 @@ export class Store {
       })
   }
 
-  /** Drops an entry: the oldest of other files, else one of this file, unused ones first. */
   #dropOldest() {
     const other = this.#others.shift()
     if (other) {
@@ -124,7 +116,6 @@ export class Store {
     this.#writing = this.#writing.then(() => this.#cache.delete(request)).catch(() => {})
   }
 
-  /** Drops all ranges of this file. */
   async clear() {
     for (const { first, end } of [...this.#own.values()]) this.drop(first, end)
     await this.#writing

@@ -7,7 +7,7 @@ import { Worker } from 'node:worker_threads'
 
 export const readFile = read
 
-/** Reads a file in the folder of another or below it. Links are resolved first; an Error if the file is outside. */
+/** Reads a file in the folder of `first` or below, after resolving links. */
 export async function readWithin(first, url) {
   const paths = [dirname(fileURLToPath(first)), fileURLToPath(url)]
   const [folder, file] = await Promise.all(paths.map((path) => realpath(path)))

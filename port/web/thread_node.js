@@ -1,4 +1,4 @@
-// The same as thread.js, in Node.
+// The Node version of thread.js.
 import { workerData } from 'node:worker_threads'
 import { help } from './thread.js'
 

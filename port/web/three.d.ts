@@ -1,36 +1,29 @@
 import type { Box3, BufferGeometry, Camera, Material, Mesh, Object3DEventMap, Quaternion } from 'three'
 import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from './fixsplat.js'
 
-/** A renderer of three.js: a WebGLRenderer, or a WebGPURenderer if the browser has WebGPU. */
+/** A renderer of three.js: a WebGLRenderer, or a WebGPURenderer in a browser with WebGPU. */
 export interface Renderer {
   readonly domElement: HTMLCanvasElement | OffscreenCanvas
 }
 
-/** The events of a Splats, in addition to the events of Object3D. 'change': render again, since parts of a streamed
-    scene have arrived or a lost WebGL context was restored. A program that renders all the time need not listen.
-    `error` is set if requests of a streamed scene have failed. */
+/** The events of Splats. The event 'change' asks for a new render, because parts of a streamed scene have arrived or
+    a lost WebGL context was restored. `error` is set if requests have failed. */
 export interface SplatsEventMap extends Object3DEventMap {
   change: { error?: Error }
 }
 
-/**
- * A scene of Gaussians as an object of three.js. Its matrixWorld places it, with position, rotation and one scale above
- * 0 for x, y and z. Different scales for the axes are an Error of the render. All Splats that a camera sees in a scene
- * of three.js are sorted and blended together, as one picture. Opaque meshes hide the Gaussians behind them, pixel by
- * pixel, and show through transparent Gaussians in front.
- *
- * The picture is drawn among the transparent objects, at the position in the order of the Splats that was loaded first
- * (`renderOrder`, then the distance of its origin). A transparent mesh is completely under it or completely over it.
- * The picture writes no depth. Its colours are the trained colours, without the tone mapping of a WebGLRenderer.
- */
+/** A scene of Gaussians as an object of three.js. The matrixWorld places the object; its scales must be equal and
+    above 0. All Splats that a camera sees in a three.js scene are blended together, as one picture. Opaque meshes
+    hide the Gaussians behind them.
+
+    The picture takes the place of the first loaded Splats among the transparent objects. A transparent mesh is
+    completely under the picture or completely over it. The picture writes no depth. The tone mapping of a
+    WebGLRenderer does not apply. */
 export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   private constructor()
-  /**
-   * Loads a scene for a renderer, with the options of `load`. `source` may also be a Scene; the caller keeps it and
-   * frees it. The scenes of one renderer must be loaded with the same `simd` and the same `threads`. With a
-   * WebGPURenderer, scenes are not streamed. The promise is rejected with an Error that states the reason if the scene
-   * cannot be opened, or if the renderer has no WebGL 2 and no WebGPU.
-   */
+  /** Loads a scene for a renderer, with the options of `load`. `source` may also be a Scene, which the caller keeps
+      and frees. All scenes of a renderer need the same `simd` and the same `threads`. A WebGPURenderer does not
+      stream scenes. */
   static load(
     renderer: Renderer,
     source: Parameters<typeof import('./fixsplat.js').load>[0] | Scene,
@@ -38,37 +31,33 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   ): Promise<Splats>
   readonly isSplats: true
   readonly scene: Scene
-  /** A rotation of the scene before the rotation of the object. Scenes have x right, y down, z forward; three.js has x
-      right, y up, z back. The default is therefore half a turn about x. `turn.identity()` keeps the axes of the
-      scene. */
+  /** A rotation that turns the scene before the object's own rotation. Scenes have x right, y down, z forward;
+      three.js has x right, y up, z back. The default is therefore half a turn about x. `turn.identity()` keeps the
+      axes of the scene. */
   readonly turn: Quaternion
-  /** As `Placed.opacity`. */
+  /** A factor for the opacity, as `Placed.opacity`. */
   opacity: number
-  /** As `Placed.tint`. */
+  /** Factors for red, green and blue, as `Placed.tint`. */
   tint: Vector
-  /** As `Placed.crops`. */
+  /** Crop boxes in scene coordinates, as `Placed.crops`. */
   crops: readonly Crop[]
-  /** Options of the picture. A picture of several Splats uses the options of its first loaded Splats. */
+  /** Options of the picture. A picture of several Splats uses the options of the first loaded Splats. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
-  /** The box around the visible part of the scene, in the space of the object; Box3.setFromObject reads it. */
+  /** The box around the visible part of the scene, in the space of the object. Box3.setFromObject reads this box. */
   readonly boundingBox: Box3
   /** The object as an argument of fixsplat's functions, placed by its matrixWorld. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
-  /**
-   * Needed with a WebGPURenderer only; with a WebGLRenderer it is fulfilled at once. Draws all Splats of this scene for
-   * the next `render` with this camera, to the current render target or the canvas. Await it before `render`: WebGPU
-   * reports only later that a picture is complete, and `render` alone shows the last picture. The opaque meshes are
-   * rendered once more for their depths. On failure, rejected with an Error that states the reason.
-   */
+  /** Draws all Splats of this scene for the next `render` with this camera, to the current render target or the
+      canvas. Only a WebGPURenderer needs this call; await the promise before `render`. The opaque meshes are
+      rendered once more for their depths. */
   update(camera: Camera): Promise<void>
-  /** Makes another object of the same scene. The Gaussians stay in memory once. */
+  /** Makes another object of the same scene, which shares the Gaussians in memory. */
   clone(recursive?: boolean): this
-  /** Removes the object from its scene and frees its memory. The last of an object and its clones also frees the
-      Gaussians, unless `load` was given a Scene. The last object of a renderer also frees everything that was made in
-      the context. Further calls do nothing. */
+  /** Removes the object from its scene and frees its memory. The Gaussians are freed with the last clone of the
+      object, unless `load` was given a Scene. Further calls do nothing. */
   dispose(): void
 }
 
-/** Converts a camera of three.js, with its matrixWorld and projectionMatrix, to a camera of fixsplat for a picture of
-    this size in pixels. An orthographic camera is moved back until its near plane is at a depth of 1. */
+/** Converts a three.js camera to a fixsplat camera for a picture of this size in pixels. An orthographic camera is
+    moved back until its near plane is at depth 1. */
 export function viewOf(camera: Camera & { near: number }, width: number, height: number): Pinhole

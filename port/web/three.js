@@ -1,6 +1,5 @@
-// The adapter for three.js: Splats is an object in a scene of three.js. Gaussians and meshes hide each other. With a
-// WebGLRenderer, the picture is drawn during the render (placed.WebGLStage). With a WebGPURenderer, `update` draws it
-// before the render. three.d.ts describes the public interface.
+// The three.js adapter: Splats is an object in a three.js scene. With a WebGLRenderer, the picture is drawn during the
+// render. With a WebGPURenderer, `update` draws the picture before the render.
 
 import {
   Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType,
@@ -19,17 +18,14 @@ function rootOf(object) {
   return object
 }
 
-/** True if an object and all of its ancestors are visible. */
 function isVisible(object) {
   while (object?.visible) object = object.parent
   return !object
 }
 
-/** The Splats of a scene that a camera sees, in the order of loading. */
 const seenOf = (stage, root, camera) =>
   [...stage.splats].filter((one) => rootOf(one) === root && isVisible(one) && camera.layers.test(one.layers))
 
-/** True if the shader must decode sRGB to linear light, because three.js encodes the output again. */
 const isDecoded = ({ outputColorSpace }) => ColorManagement.enabled || outputColorSpace !== LinearSRGBColorSpace
 
 const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
@@ -38,9 +34,8 @@ const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
 
 const COVER = 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }'
 
-// three.js encodes the output of this shader and blends it as premultiplied colours. In a linear target, that would
-// blend linear light; the picture must be blended in sRGB, so the shader reads the colours behind it and writes the
-// difference.
+// The picture must be blended in sRGB, but a linear target blends linear light. The shader therefore reads the colours
+// behind the picture and writes the difference.
 const SHOW = `
 uniform highp sampler2D picture;
 uniform highp sampler2D behind;
@@ -82,7 +77,6 @@ class WebGL extends placed.WebGLStage {
     return this.renderer.getRenderTarget()
   }
 
-  /** Called when three.js draws a Splats. The first visible one draws the picture of all; true if it did. */
   show(one, scene, camera, material) {
     if (material !== this.material || !this.screen) return false
     const seen = seenOf(this, rootOf(one), camera)
@@ -102,7 +96,6 @@ class WebGL extends placed.WebGLStage {
     return true
   }
 
-  /** True if the target holds linear light, which is encoded later. */
   get #isLight() {
     const { target } = this
     return target ? !target.isXRRenderTarget : this.renderer.outputColorSpace === LinearSRGBColorSpace
@@ -118,14 +111,14 @@ class WebGL extends placed.WebGLStage {
 
 // ---- WebGPU ---------------------------------------------------------------------------------------------------
 
-/** Draws before a render, since WebGPU reports only later that a frame is complete. Renders depths of the meshes. */
+/** Draws the picture before a render, since WebGPU reports only later that a frame is complete. */
 class WebGPU extends placed.Stage {
   changed = changed
   takesParts = false
   #depths
   #texture
   #nodes
-  #turn = Promise.resolve()     // the current update
+  #turn = Promise.resolve()
 
   async open() {
     if (!this.renderer.backend.device) await this.renderer.init()
@@ -135,7 +128,6 @@ class WebGPU extends placed.Stage {
     this.material = await this.#makeMaterial()
   }
 
-  /** The material reads the colours behind the picture, to blend in sRGB as the scene does, not in linear light. */
   async #makeMaterial() {
     const { NodeMaterial } = await import('three/webgpu')
     const { ivec2, positionGeometry, screenCoordinate, select, sRGBTransferEOTF, sRGBTransferOETF, textureLoad, uniform,
@@ -169,7 +161,7 @@ class WebGPU extends placed.Stage {
            seenOf(this, rootOf(one), camera)[0] === one
   }
 
-  /** Runs updates one after the other, since a frame uses the textures until it is finished. */
+  /** Updates run one after the other, since a frame uses the textures until it is finished. */
   update(one, camera) {
     const turn = this.#turn.catch(() => {}).then(() => this.#update(rootOf(one), camera))
     this.#turn = turn
@@ -202,7 +194,6 @@ class WebGPU extends placed.Stage {
     this.#nodes.decodes.value = isDecoded(this.renderer) ? 1 : 0
   }
 
-  /** Replaces the texture with the picture. */
   #drop(texture) {
     this.#texture.sourceTexture.destroy()
     this.#texture.dispose()
@@ -216,7 +207,6 @@ class WebGPU extends placed.Stage {
     return of.toArray().map(Math.floor)
   }
 
-  /** Renders the depths of the meshes, without Splats. */
   #drawDepths(root, camera, width, height) {
     const { renderer } = this
     if (renderer.logarithmicDepthBuffer)
@@ -252,7 +242,6 @@ class WebGPU extends placed.Stage {
 
 // ---- Splats ---------------------------------------------------------------------------------------------------
 
-/** The geometry of a triangle that covers the picture. */
 function cover() {
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0])
   return new BufferGeometry().setAttribute('position', new BufferAttribute(corners, 3))
@@ -260,7 +249,7 @@ function cover() {
 
 export class Splats extends Mesh {
   #stage
-  #owners                       // { count }: the objects that share the scene; null if the caller owns it
+  #owners
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]

@@ -1,6 +1,6 @@
-/* The renderer as a WebAssembly module for fixsplat.js. A function that fails returns a negative FXS_ERR_* or null, and
- * leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame is: begin,
- * place for each object, a camera for each eye, then render, foresee or pick. */
+/* The renderer as a WebAssembly module for fixsplat.js. A function that fails returns a negative FXS_ERR_* or null,
+   and leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame
+   consists of begin, place for each object, a camera for each eye, then render, foresee or pick. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,15 +22,14 @@ static fxs_message message;
 static fxs_context context;
 static fxs_file_view view;
 
-/* The next frame: cameras for one or two eyes, objects, and the crop boxes of each. */
 static fxs_camera cameras[2];
 static uint32_t eyes;
 static fxs_object *objects;
 static fxs_crop (*crops)[FXS_MAX_CROPS];
 static uint32_t object_count;
-static double low[3], high[3];     /* the box of all objects */
+static double low[3], high[3];
 
-static void *working;              /* memory of the frame; after a trap, it is kept until the next frame */
+static void *working;              /* working memory of a frame; after a trap, kept until the next frame */
 
 static int said(int error)
 {
@@ -68,7 +67,7 @@ double *fxs_web_numbers(void)
     return numbers;
 }
 
-/* In this module, malloc (web_heap.c) returns blocks aligned to 64. */
+/* malloc of this module (web_heap.c) returns blocks aligned to 64 bytes. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
     void *block = malloc(bytes);
@@ -82,8 +81,7 @@ EXPORT(release) void fxs_web_release(void *block)
     free(block);
 }
 
-/* tan is the browser's: a tan in this module would need a large table of pi. An error of an ulp does not matter, since
-   the numbers of a camera are rounded to 2^-12. */
+/* The browser's tan saves a large table of pi. Cameras are rounded to 2^-12, so an error of an ulp does not matter. */
 double tan(double x)
 {
     return fxs_web_tan(x);
@@ -106,7 +104,7 @@ void fxs_web_describe(fxs_web_scene *s)
     numbers[9] = s->scene.nodes != NULL;
 }
 
-/* Checks a whole packed scene. Out: as fxs_web_describe. */
+/* Checks a whole packed scene and opens the scene. Out: the numbers of fxs_web_describe. */
 EXPORT(open) fxs_web_scene *fxs_web_open(const char *name, const void *data, size_t bytes)
 {
     fxs_web_scene *s = NULL;
@@ -121,7 +119,6 @@ EXPORT(open) fxs_web_scene *fxs_web_open(const char *name, const void *data, siz
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
-/* Begins a frame of `count` objects. */
 EXPORT(begin) int fxs_web_begin(uint32_t count)
 {
     free(objects);
@@ -152,8 +149,8 @@ static uint32_t id_of(double x)
     return x >= 0 && x < FXS_NOTHING ? (uint32_t)x : FXS_NOTHING;
 }
 
-/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then for
-   each crop low, high, outside. */
+/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crop boxes;
+   then low, high, outside of each crop box. */
 EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
@@ -174,7 +171,6 @@ EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 
 /* ---- Camera ------------------------------------------------------------------------------------------------------ */
 
-/* Adds the camera of the next eye, from `view`. */
 static int take_camera(double near)
 {
     view.near = near;
@@ -183,7 +179,8 @@ static int take_camera(double near)
     return error;
 }
 
-/* In: eye, look, up, field of view in degrees, near (0: derived from the box of the objects). */
+/* Adds a camera with a target. In: eye, look, up, field of view in degrees, near (0: derived from the box of the
+   objects). */
 EXPORT(look_at) int fxs_web_look_at(int width, int height)
 {
     const double near = numbers[10] != 0 ? numbers[10] : fxs_near_of_box(low, high);
@@ -191,14 +188,14 @@ EXPORT(look_at) int fxs_web_look_at(int width, int height)
     return error ? error : take_camera(near);
 }
 
-/* A camera that shows all objects. In: up, field of view, near or 0. */
+/* Adds a camera that shows all objects. In: up, field of view in degrees, near (0: chosen). */
 EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
     const int error = fxs_view_frame_box(&view, low, high, numbers, numbers[3], width, height, &message);
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
 }
 
-/* The up direction from the first visible object with one in its file. Returns 0 if no object has one. */
+/* Finds the up direction of the first visible object with one in its file. Returns 0 without one. */
 static int find_up(double up[3])
 {
     for (uint32_t i = 0; i < object_count; i++) {
@@ -214,7 +211,8 @@ static int find_up(double up[3])
     return 0;
 }
 
-/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice; 1 if a file stated up. */
+/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice, then 1 if a file states the up
+   direction. */
 EXPORT(choose) int fxs_web_choose(void)
 {
     double up[3];
@@ -238,7 +236,7 @@ EXPORT(choose) int fxs_web_choose(void)
     return 0;
 }
 
-/* In: an fxs_first_choice, field of view, near or 0. */
+/* Adds the camera of a first view. In: an fxs_first_choice, field of view in degrees, near (0: chosen). */
 EXPORT(see_first) int fxs_web_see_first(int width, int height)
 {
     fxs_first_choice first;
@@ -248,8 +246,8 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
     return error ? error : take_camera(behind[1] != 0 ? behind[1] : view.near);
 }
 
-/* Out: the start view of a scene for a picture of 2 x 2 pixels: fy, position, rotation (world to camera, rows). Returns
-   1, or 0 without a start view. */
+/* Returns 1 with the start view for 2 x 2 pixels, or 0 without a start view. Out: fy, position, rotation (world to
+   camera, in rows). */
 EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
 {
     if (!fxs_view_of_start(&view, l->data, 2, 2))
@@ -260,8 +258,8 @@ EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
     return 1;
 }
 
-/* Sets the start view of a scene, which must be the only object. `near` 0: derived from its box. Returns 1, or 0
-   without a start view. */
+/* Adds the camera of a scene's start view; the scene must be the only object. `near` 0: chosen. Returns 0 without a
+   start view. */
 EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int width, int height)
 {
     if (!fxs_view_of_start(&view, l->data, width, height))
@@ -270,21 +268,21 @@ EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int
     return error ? error : 1;
 }
 
-/* Out: the middle of the objects. */
+/* Writes the middle of the box around all objects to `numbers`. */
 EXPORT(middle) void fxs_web_middle(void)
 {
     for (int i = 0; i < 3; i++)
         numbers[i] = (low[i] + high[i]) / 2;
 }
 
-/* Sets a complete camera of `width` x `height` pixels, resized to `new_width` x `new_height`. In: fx, fy, cx, cy,
-   rotation (world to camera, rows), position, near. */
+/* Adds a pinhole camera of `width` x `height` pixels, resized to `new_width` x `new_height`. In: fx, fy, cx, cy,
+   rotation (world to camera, in rows), position, near. */
 EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_height, int projection)
 {
     strcpy(view.name, "camera");
     view.width = width;
     view.height = height;
-    memcpy(&view.fx, numbers, 17 * sizeof *numbers);   /* the struct has fx to near in this order */
+    memcpy(&view.fx, numbers, 17 * sizeof *numbers);
     view.projection = (enum fxs_projection)projection;
     if (new_width != width || new_height != height)
         fxs_view_resize(&view, new_width, new_height);
@@ -299,7 +297,6 @@ static void free_working(void)
     working = NULL;
 }
 
-/* Allocates the working memory of a frame, at most `limit` bytes (0: no limit). */
 static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limit)
 {
     *bytes = fxs_request_bytes(&context, request, NULL);
@@ -309,7 +306,6 @@ static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limi
     return working = fxs_web_allocate(*bytes);
 }
 
-/* Begins a turn of the streamed objects (a frame or a prefetch): clears their lists of wanted chunks. */
 static void begin_turn(void)
 {
     for (uint32_t i = 0; i < object_count; i++)
@@ -361,16 +357,16 @@ int fxs_web_frame_end(const fxs_web_frame *frame, int error)
     return said(error);
 }
 
-/* An image without gaps between rows; a null image for the address 0. `bytes`: bytes a pixel. */
 static fxs_image image_at(double at, ptrdiff_t bytes)
 {
     return (fxs_image){(void *)(uintptr_t)at, bytes * cameras->width};
 }
 
-/* In: addresses of colour, coverage, mean and median depth, ids, occluder and backdrop, or 0. */
+/* Sets the targets of an eye. In: addresses of colour, coverage, mean and median depth, ids, occluder and backdrop;
+   0: none. */
 static void take_targets(fxs_targets *t, const double *at, int format, int depth_bits)
 {
-    static const uint8_t bytes[] = {4, 4, 2, 8};   /* bytes of a pixel in each format */
+    static const uint8_t bytes[] = {4, 4, 2, 8};   /* bytes a pixel in each format */
     fxs_targets_init(t);
     t->format = (enum fxs_format)format;
     t->depth_bits = depth_bits;
@@ -383,7 +379,7 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
     t->backdrop = image_at(at[6], 4);
 }
 
-/* Draws the objects. In: for each eye the 7 addresses of take_targets. Out: as fxs_web_frame_end. */
+/* Draws the objects. In: the 7 addresses of take_targets for each eye. Out: as fxs_web_frame_end. */
 EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t background, int sh_degree, int square,
                                   uint32_t budget, uint32_t detail_q8, size_t limit)
 {
@@ -395,7 +391,6 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t backgroun
     return fxs_web_frame_end(&f, fxs_render(&context, &f.request, f.memory, f.bytes, &f.stats));
 }
 
-/* Finds the missing chunks of a frame without drawing. */
 EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
@@ -404,7 +399,7 @@ EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t 
     return fxs_web_frame_end(&f, fxs_foresee(&context, &f.request, f.memory, f.bytes));
 }
 
-/* Finds the Gaussian at a pixel. Returns 1, or 0 without one. Out: index of the object, Gaussian, depth, position. */
+/* Finds the Gaussian at a pixel. Returns 1, or 0 without one. Out: object, Gaussian, depth, position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;

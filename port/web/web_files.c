@@ -34,7 +34,7 @@ int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size)
     return -1;
 }
 
-/* Stubs of functions for opened files; never called. */
+/* Stubs of functions for open files, which are never called. */
 int fclose(FILE *stream)
 {
     (void)stream;

@@ -1,5 +1,5 @@
-/* malloc and free of a module, for few, mostly large blocks. Blocks are aligned to 64 bytes. First fit in a list of
- * free blocks in the order of addresses; adjacent free blocks are merged. */
+/* malloc and free of a module, for few, mostly large blocks, aligned to 64 bytes. First fit in a list of free blocks
+   in ascending order of addresses, with merging. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -9,15 +9,14 @@
 
 #define PAGE 65536u
 
-/* The header before each block. */
 typedef struct block {
-    size_t bytes;                  /* with this header; a multiple of 64 */
-    struct block *next;            /* the next free block */
+    size_t bytes;                  /* size of the block with this header, a multiple of 64 */
+    struct block *next;
 } __attribute__((aligned(64))) block;
 
-extern unsigned char __heap_base;  /* set by the linker: after the stack and all data */
+extern unsigned char __heap_base;  /* end of the stack and of all data; the linker sets its address */
 static block *first;
-static uintptr_t end;              /* end of the memory for blocks */
+static uintptr_t end;
 
 static int touch(const block *a, const block *b)
 {
@@ -43,7 +42,6 @@ static void give(block *given)
         first = given;
 }
 
-/* Gets at least `bytes` more memory. Returns 0 if memory ran out. */
 static int grow(size_t bytes)
 {
     const size_t pages = bytes / PAGE + 1;
@@ -111,7 +109,7 @@ void *realloc(void *memory, size_t bytes)
     return larger;
 }
 
-/* The memory of a module has pages of one size. */
+/* Does nothing, since the memory of a module has pages of one size. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
     (void)block;

@@ -1,6 +1,5 @@
-/* The readers of scene formats and the packer as WebAssembly modules, apart from the renderer. make/web.mk says which
- * module has which readers. A module reads files by imports of fixsplat.js, makes an .fxs file in its memory, and is
- * then dropped with that memory. */
+/* The readers of scene formats and the packer as WebAssembly modules. make/web.mk lists the readers of each module.
+   A module reads files by imports of fixsplat.js, and makes an .fxs file in its memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +15,7 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Files have numbers; 0 is the opened file. A negative result means a missing file or missing bytes. */
+/* Imports that read files by numbers; 0 is the opened file. Negative results: missing file or missing bytes. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);
@@ -72,7 +71,7 @@ static int open_beside(void *first, const char *name, fxs_scene_input *input)
 
 /* ---- Packing ----------------------------------------------------------------------------------------------------- */
 
-static uint32_t threads;             /* number of threads for packing */
+static uint32_t threads;
 
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
@@ -82,7 +81,6 @@ static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profi
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
 
-/* A sample of the Gaussians of a file, without SH. */
 typedef struct sample {
     fxs_gaussian *gaussians;
     size_t count, room;
@@ -94,7 +92,6 @@ static long read_sample(void *argument, uint64_t first, fxs_gaussian *out, size_
     return (long)capacity;
 }
 
-/* Takes every `stride`th Gaussian, up to the first that cannot be read. */
 static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
 {
     enum { PART = 256 };
@@ -106,8 +103,7 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
             s->gaussians[s->count++] = part[until_next];
 }
 
-/* Enlarges the Gaussians of the sample so that together they cover as much as `all` Gaussians: the area of a Gaussian
-   grows by all / count, so log(scale) by log(all / count) / 2. */
+/* Enlarges the Gaussians of a sample to cover as much as `all` Gaussians: log(scale) grows by log(all / count) / 2. */
 static void enlarge(sample *s, double all)
 {
     const float more = (float)(fxs_log(all / (double)s->count) / 2);
@@ -116,14 +112,13 @@ static void enlarge(sample *s, double all)
             s->gaussians[i].scale[axis] += more;
 }
 
-/* The least ratio of all Gaussians to the sample that makes a preview worth its time; smaller during the download. */
 static double least_gain(double there)
 {
     return there < 1 ? 2 : 6;
 }
 
-/* Packs a sample of at most `most` Gaussians. `there`: the downloaded share of the file, 0 to 1. Does nothing if the
-   preview would delay the whole scene too much (least_gain). */
+/* Packs a sample of at most `most` Gaussians. `there`: downloaded share of the file. Does nothing if the preview is
+   not worth its time. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
@@ -143,7 +138,6 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }
 
-/* Returns 1 if file 0 has a format that this module lacks and another module reads. */
 static int is_elsewhere(const char *name)
 {
     const fxs_scene_source source = {.path = (char *)name, .input = input_of(0)};
@@ -151,8 +145,8 @@ static int is_elsewhere(const char *name)
     return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
 }
 
-/* Opens file 0. In: limits of Gaussians and of memory in bytes, 0 for the default. Returns 0; 1 if another module may
-   read the file; or an error, with a message in `words`. */
+/* Opens file 0. In: limits of Gaussians and of memory in bytes (0: default). Returns 0, 1 if another module may read
+   the file, or an error. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
@@ -162,7 +156,6 @@ static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_sce
     return error && is_elsewhere(name) ? 1 : error;
 }
 
-/* Checks that file 0 begins as a scene: opens and closes it. Returns as open_first. */
 EXPORT(look) int fxs_web_look(const char *name, int axes)
 {
     fxs_scene_file *file;
@@ -173,9 +166,8 @@ EXPORT(look) int fxs_web_look(const char *name, int axes)
     return error;
 }
 
-/* Packs file 0; with `most` not 0, only a sample of it. In: the limits of open_first; the downloaded share of the file;
-   the number of threads. Out: address and size of the .fxs file; size 0 if a sample is not worth its time. Returns as
-   open_first. */
+/* Packs file 0, or a sample if `most` is not 0. In: limits of open_first, downloaded share of the file, number of
+   threads. Out: address and size of the .fxs file; size 0: no worthwhile sample. Returns the result of open_first. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;

@@ -1,7 +1,6 @@
-/* Streamed scenes. paged.js fetches the tables and chunks, and writes them into the memory of this module. One block
- * of memory holds the tables of the leaves, the tables of the nodes, both as in the file, and the pool of rows. A chunk
- * without a header yet has a copy of its parent's header: the parent is visible whenever the chunk is. Its rows count
- * as missing. */
+/* Streamed scenes, for paged.js. A chunk has 256 Gaussians. Leaves are the finest chunks, nodes the coarser chunks.
+   One block of memory holds the tables of the leaves, the tables of the nodes, and the pool of chunks. A chunk
+   without a loaded header has a copy of its parent's header, because the parent is visible whenever the chunk is. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +10,7 @@
 #include "src/scene/fxs_file_internal.h"
 #include "web.h"
 
-enum { WANTED = 16384 };           /* capacity of the list of wanted chunks */
+enum { WANTED = 16384 };
 
 static fxs_crc32_table table;
 
@@ -32,8 +31,8 @@ static uint32_t leaves_of(const void *data)
     return header.chunk_count;
 }
 
-/* Checks the header of a file. Returns 1 if the file has levels of detail, else 0. Out: the bytes of the file, the
-   bytes of a chunk's rows, the number of chunks with all levels. */
+/* Checks the header of a file. Returns 0 without levels of detail. Out: bytes of the file, bytes of a chunk, number
+   of chunks of all levels. */
 EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *header)
 {
     fxs_scene_parts p;
@@ -69,11 +68,10 @@ EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
     release(s);
 }
 
-/* Allocates a scene by its header, with a pool for `places` chunks. Null: memory ran out, or the header is not valid.
-   Out: the number of leaves; then an address, an offset in the file and a size in bytes for each of: the palette, the
-   tree up to the headers of the nodes, the headers of the nodes, the headers of the leaves; then the offsets in the
-   file of the rows of leaves and of nodes; then the addresses of the pool, the places, the stamps and the list of
-   wanted chunks. */
+/* Allocates a scene with a pool for `places` chunks. Returns null if memory ran out or the header is not valid.
+   Out: number of leaves; address, file offset and size of the palette, of the tree, of the node headers and of the
+   leaf headers; file offsets of the leaves and of the nodes; addresses of the pool, the places, the stamps and the
+   list of wanted chunks. */
 EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
 {
     fxs_scene_parts p;
@@ -106,8 +104,8 @@ EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_
     return s;
 }
 
-/* Call it after loading the palette, the tree and the headers of the first `there` nodes. Checks the tables, and copies
-   headers of parents to all other chunks. Out: as fxs_web_describe. */
+/* Checks the loaded tables and the first `there` nodes, and copies headers of parents to all other chunks. Out: as
+   fxs_web_describe. */
 EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name, uint32_t there)
 {
     const unsigned char *data = s->data, *pool = s->scene.rows;
@@ -136,7 +134,6 @@ EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name
     return error;
 }
 
-/* Checks the loaded headers of chunks first to end - 1. */
 EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
 {
     fxs_chunk chunk;
@@ -146,7 +143,6 @@ EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const ch
     return 0;
 }
 
-/* Checks the loaded rows of chunks first to end - 1. */
 EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
 {
     int error = 0;
@@ -155,8 +151,7 @@ EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *na
     return error;
 }
 
-/* Makes the scene `coarse` for the choice of a first view: the first `there` nodes, which are loaded, without nodes
-   that have both children among them. */
+/* Makes the scene `coarse` of the first `there` nodes, without nodes with both children among them. */
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;
@@ -184,13 +179,11 @@ EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
     return 0;
 }
 
-/* The number of missing chunks of the last frame or prefetch. */
 EXPORT(paged_wanted) uint32_t fxs_web_paged_wanted(const fxs_web_scene *s)
 {
     return s->wanted_count;
 }
 
-/* The number of the last frame or prefetch. */
 EXPORT(paged_turn) uint32_t fxs_web_paged_turn(const fxs_web_scene *s)
 {
     return s->turn;

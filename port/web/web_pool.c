@@ -1,22 +1,23 @@
-/* Threads for fxs_config.run in a module with shared memory. A helper is an instance of the same module with its own
- * stack in a worker (thread.js). One batch of jobs runs at a time, and jobs start no batch. The caller runs jobs too,
- * job 0 always, so it does not wait for helpers that have not started. */
+/* Threads for fxs_config.run in a module with shared memory. A helper is a worker (thread.js) with another instance
+   of the module. One batch of jobs runs at a time. The caller always runs job 0 and does not wait for helpers that
+   have not started. */
 #include <stdint.h>
 #include <stdlib.h>
 
 #include "web.h"
 
-#define HOT __attribute__((aligned(64)))       /* in a cache line of its own */
-#define SPINS 2000u                            /* some ten microseconds, less than it takes to wake up */
+#define HOT __attribute__((aligned(64)))       /* puts a variable into a cache line of its own */
+/* rounds of spinning, some ten microseconds, less than a wake-up takes */
+#define SPINS 2000u
 
-static HOT uint32_t turn;          /* odd: a batch accepts helpers. It only grows: a late helper notices a new batch */
-static HOT uint32_t inside;        /* number of helpers that run jobs */
-static HOT uint32_t next;          /* the next job to take */
+static HOT uint32_t turn;          /* counter of batches; odd while a batch of jobs accepts helpers */
+static HOT uint32_t inside;
+static HOT uint32_t next;
 static HOT void (*batch_job)(void *, uint32_t);
 static void *batch_argument;
 static uint32_t batch_jobs, failed;
-static uint32_t helpers, ending;   /* helpers: number of started helpers */
-static int may_wait;               /* 0: the caller is the main thread of a page and may only spin */
+static uint32_t helpers, ending;
+static int may_wait;               /* 0: the caller is the main thread of a page, which may only spin */
 
 static uint32_t get(const uint32_t *at)
 {
@@ -28,7 +29,6 @@ static void add(uint32_t *at, uint32_t x)
     __atomic_fetch_add(at, x, __ATOMIC_SEQ_CST);
 }
 
-/* Waits while *at is `value`. */
 static void wait_while(uint32_t *at, uint32_t value, int sleeps)
 {
     for (uint32_t i = 0; get(at) == value; i++)
@@ -47,7 +47,7 @@ static void work(void)
         batch_job(batch_argument, i);
 }
 
-/* Closes the batch to new helpers, and waits until the helpers inside are done. */
+/* Closes the batch to new helpers, and waits for the helpers that run jobs. */
 EXPORT(settle) void fxs_web_settle(void)
 {
     if (get(&turn) & 1)
@@ -59,7 +59,7 @@ EXPORT(settle) void fxs_web_settle(void)
 void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
-    fxs_web_settle();              /* after a batch that trapped */
+    fxs_web_settle();              /* ends the last batch if a job of it trapped */
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;
@@ -72,7 +72,7 @@ void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argu
     fxs_web_settle();
     if (get(&failed)) {
         failed = 0;
-        __builtin_trap();          /* passes on the trap of a helper's job */
+        __builtin_trap();
     }
 }
 
@@ -82,21 +82,20 @@ static void leave(void)
     wake(&inside);
 }
 
-/* Sets whether the calling thread may sleep while it waits; else it spins. */
 EXPORT(may_wait) void fxs_web_may_wait(int yes)
 {
     may_wait = yes;
 }
 
-/* The loop of a helper, until it is told to end. */
 EXPORT(help) void fxs_web_help(void)
 {
     uint32_t seen;
     add(&helpers, 1);
-    while (seen = get(&turn), !get(&ending)) {     /* read in this order: `end` writes them in reverse */
+    /* reads `turn`, then `ending`; fxs_web_end writes in the reverse order */
+    while (seen = get(&turn), !get(&ending)) {
         if (seen & 1) {
             add(&inside, 1);
-            if (get(&turn) == seen)            /* if still so, the caller counts this helper and keeps the batch */
+            if (get(&turn) == seen)            /* if the batch is unchanged, the caller waits for this helper */
                 work();
             leave();
         }
@@ -105,7 +104,6 @@ EXPORT(help) void fxs_web_help(void)
     add(&helpers, ~0u);
 }
 
-/* Called after a helper's job trapped; the helper ends. */
 EXPORT(trapped) void fxs_web_trapped(void)
 {
     add(&helpers, ~0u);
@@ -113,13 +111,11 @@ EXPORT(trapped) void fxs_web_trapped(void)
     leave();
 }
 
-/* The number of threads that have started, with the caller. */
 EXPORT(threads) uint32_t fxs_web_threads(void)
 {
     return get(&helpers) + 1;
 }
 
-/* Tells the helpers to end. */
 EXPORT(end) void fxs_web_end(void)
 {
     add(&ending, 1);

@@ -1,5 +1,4 @@
-/* qsort as a bottom-up heap sort: few comparisons, no memory, and no slow input. The qsort of wasi-libc takes twice as
- * long. */
+/* qsort as a bottom-up heap sort: few comparisons, no extra memory, no slow input. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,7 +35,7 @@ static inline void sort(char *base, size_t count, size_t width, char *value, com
 void qsort(void *base, size_t count, size_t width, compare_fn *compare)
 {
     char value[64];
-    if (width == sizeof(uint64_t))   /* the usual width, copied as one number */
+    if (width == sizeof(uint64_t))
         sort(base, count, sizeof(uint64_t), value, compare);
     else if (width <= sizeof value)
         sort(base, count, width, value, compare);

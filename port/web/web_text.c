@@ -1,5 +1,5 @@
-/* The needed subset of the C library's functions for messages: %s %d %u %c %f %g, with h, l, ll, z and t, and a
- * precision for strings. JavaScript converts numbers to text, so the module needs no code for it. */
+/* A subset of the C library's functions for messages: %s %d %u %c %f %g, with h, l, ll, z and t, and a precision for
+   strings. JavaScript converts numbers to text. */
 #include <limits.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +28,6 @@ static void put_number(writer *w, double x)
     put(w, digits, fxs_web_number(x, digits, sizeof digits));
 }
 
-/* A number of `size` bytes. Numbers above 2^53 occur in messages only as limits, which are rounded. */
 static void put_integer(writer *w, va_list *arguments, int is_long, int is_signed)
 {
     if (is_long)
@@ -46,7 +45,6 @@ static void put_string(writer *w, const char *text, int most)
     put(w, text, length);
 }
 
-/* Reads digits or a star. */
 static int take_precision(const char **format, va_list *arguments)
 {
     int precision = 0;
@@ -59,7 +57,6 @@ static int take_precision(const char **format, va_list *arguments)
     return precision;
 }
 
-/* Formats the conversion after a percent sign. Returns the text after it. */
 static const char *put_one(writer *w, const char *format, va_list *arguments)
 {
     int precision = -1, longs = 0;
@@ -121,7 +118,6 @@ static const char *skip_digits(const char *text)
     return text;
 }
 
-/* Supports the decimal numbers of JSON. */
 double strtod(const char *text, char **end)
 {
     const char *begin = text + (*text == '-' || *text == '+'), *at = skip_digits(begin);

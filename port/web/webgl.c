@@ -1,4 +1,4 @@
-/* Runs the back end kernels/gles on WebGL 2, with the functions of webgl.js. */
+/* The OpenGL ES back end (kernels/gles) on WebGL 2, with the functions of webgl.js. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +34,6 @@ static fxs_gl_function load(void *argument, const char *name)
     return f->function;
 }
 
-/* Opens the back end in the context of webgl.js. */
 EXPORT(gl_open) fxs_gles *fxs_web_gl_open(void)
 {
     fxs_gles *gles = fxs_web_allocate(fxs_gles_bytes());
@@ -51,8 +50,8 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* As `render`, into a framebuffer at (x, y). `depth`: the texture of a depth buffer, or 0; plane_0 and plane_1: its
-   planes. `backdrop`: a texture to draw instead of the background, or 0. */
+/* Draws into a framebuffer at (x, y). `depth`: texture of a depth buffer, or 0. plane_0 and plane_1: distances of
+   its depths 0 and 1. `backdrop`: texture to draw instead of the background, or 0. */
 EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, uint32_t framebuffer, uint32_t depth, uint32_t backdrop,
                                         int x, int y, float plane_0, float plane_1, int format, uint32_t background,
                                         int sh_degree, int square, uint32_t budget, uint32_t detail_q8, size_t limit)

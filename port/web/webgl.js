@@ -1,11 +1,9 @@
-// The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. The module in C names objects by
-// numbers, as in OpenGL; #objects maps these to WebGL objects. All buffers are for uploads to textures, and in the
-// memory of the module, which saves a copy.
+// The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. #objects maps the numbers of
+// OpenGL objects to WebGL objects. Buffers for uploads lie in the module's memory to save a copy.
 
-const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // RGBA_INTEGER, RG_INTEGER: all layouts that are uploaded, in words
-const NUM_EXTENSIONS = 0x821d // not a parameter of WebGL
+const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // words a pixel of the uploaded layouts RGBA_INTEGER and RG_INTEGER
+const NUM_EXTENSIONS = 0x821d // a parameter of OpenGL that WebGL lacks
 
-/** Functions that take the same numbers in WebGL. */
 const SAME = [
   'ActiveTexture',
   'BlendEquationSeparate',
@@ -22,18 +20,17 @@ const SAME = [
   'Viewport',
 ]
 
-/** The functions of one context for one module. */
 export class Functions {
   #gl
   #core
   #objects = [null]
   #free = []
-  #guests = []                 // numbers of objects of the caller, valid for one draw
+  #guests = []
   #locations = []
-  #unpack = 0                  // number of the bound unpack buffer, which has no WebGL object
-  #staging = { at: 0, bytes: 0 }                // memory that all unpack buffers share
+  #unpack = 0
+  #staging = { at: 0, bytes: 0 }
   #copies = false
-  #isFull = false              // the module had no memory for a buffer
+  #isFull = false
 
   constructor(gl, core) {
     this.#gl = gl
@@ -53,7 +50,6 @@ export class Functions {
       this[`Uniform${kind}`] = (location, ...values) => gl[`uniform${kind}`](this.#locations[location], ...values)
   }
 
-  /** True if WebGL accepts this memory. Some browsers refuse shared memory. */
   #takes(memory) {
     try {
       this.#gl.readPixels(0, 0, 0, 0, this.#gl.RGBA, this.#gl.UNSIGNED_BYTE, new Uint8Array(memory, 0, 4))
@@ -76,7 +72,6 @@ export class Functions {
     return name
   }
 
-  /** The number of a WebGL object. An unknown object gets a number for one draw. */
   nameOf(object) {
     const known = this.#objects.indexOf(object ?? null)
     if (known >= 0) return known
@@ -95,7 +90,7 @@ export class Functions {
     this.#forget(name)
   }
 
-  /** Calls the module with the WebGL switches for converted uploads off; OpenGL does not have them. */
+  /** Calls the module with WebGL's flags for flipped and premultiplied uploads off, since OpenGL lacks these flags. */
   call(run) {
     const gl = this.#gl
     const switches = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]
@@ -109,7 +104,6 @@ export class Functions {
     }
   }
 
-  /** Frees the staging memory. */
   close() {
     this.#core.c.release(this.#staging.at)
   }
@@ -138,7 +132,7 @@ export class Functions {
     this.#gl.drawBuffers([...this.#words(at, count)])
   }
 
-  // ---- Programs -----------------------------------------------------------------------------------------------
+  // ---- Shader programs ----------------------------------------------------------------------------------------
 
   CreateProgram() {
     return this.#add(this.#gl.createProgram())
@@ -195,7 +189,7 @@ export class Functions {
     return location ? this.#locations.push(location) - 1 : -1
   }
 
-  // ---- State --------------------------------------------------------------------------------------------------
+  // ---- Context state ------------------------------------------------------------------------------------------
 
   #parameter(what) {
     if (what === this.#gl.PIXEL_UNPACK_BUFFER_BINDING) return this.#unpack
@@ -220,7 +214,7 @@ export class Functions {
     return error
   }
 
-  // ---- Memory -------------------------------------------------------------------------------------------------
+  // ---- Buffers ------------------------------------------------------------------------------------------------
 
   BindBuffer(target, name) {
     this.#unpack = name

@@ -1,33 +1,31 @@
-/* Plans frames of compute shaders (kernels/compute/plan.h). webgpu.js executes the plans with WebGPU: gpu_begin takes
-   the objects and the camera, gpu_lay_out makes uniforms and steps, and after the frame gpu_look checks the status. */
+/* Plans frames of compute shaders, which webgpu.js executes with WebGPU. gpu_begin takes the objects and the camera,
+   and gpu_lay_out makes uniforms and steps. After the frame, gpu_look checks the status. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "kernels/compute/plan.h"
 #include "web.h"
 
-#define PART_BYTES (1 << 27)       /* largest part of a scene; every device supports mapped buffers of this size */
+#define PART_BYTES (1 << 27)       /* largest part of a scene in bytes; every device can map such a buffer */
 
-/* A frame in progress. It shares no data with the next frame. */
 typedef struct web_plan {
     fxs_plan plan;
-    fxs_plan_rooms *rooms;         /* buffer capacities of the device */
+    fxs_plan_rooms *rooms;
     fxs_request request;
     void *crops, *memory;
-    uint32_t *words;               /* uniforms, places and steps for webgpu.js */
+    uint32_t *words;
     fxs_step *steps;
     uint32_t step_count;
 } web_plan;
 
-/* The names of the shader entry points in the order of their numbers, each followed by a space. */
 EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
 {
 #define NAME(entry) #entry " "
     return FXS_COMPUTE_PROGRAMS_OF(NAME);
 }
 
-/* The buffer capacities of a device. `most`: the largest size of a storage buffer in bytes. Free them with
-   `release`. */
+/* Returns the buffer capacities of a device, which the caller frees with `release`. `most`: largest storage buffer
+   in bytes. */
 EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
 {
     fxs_plan_rooms *rooms = fxs_web_allocate(sizeof *rooms);
@@ -36,7 +34,6 @@ EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
     return rooms;
 }
 
-/* Resets the capacities to the minimum. */
 EXPORT(gpu_reset) void fxs_web_gpu_reset(fxs_plan_rooms *rooms)
 {
     *rooms = (fxs_plan_rooms){.most = rooms->most};
@@ -49,7 +46,6 @@ static uint32_t part_chunks(const fxs_plan_rooms *rooms, const fxs_scene *scene)
     return fxs_plan_part_chunks(scene, rooms->most < PART_BYTES ? rooms->most : PART_BYTES, fxs_web_message());
 }
 
-/* The number of parts of a scene, or an error. */
 EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_web_scene *s)
 {
     if (s->scene.places)
@@ -59,7 +55,8 @@ EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_w
     return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
 }
 
-/* Describes a part of a scene, or the heads. Out: its bytes; for each of 3 pieces: address, bytes, offset in it. */
+/* Describes a part of a scene, or its chunk headers. Out: bytes of the part; for each of 3 pieces: address, bytes,
+   offset. */
 EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
 {
     double *out = fxs_web_numbers();
@@ -82,8 +79,8 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* Bits of `asked`, from bit 0: colour, mean depth, median depth, ids, occluder, backdrop. The images are on the device
-   only. Their addresses are placeholders: the rows of all images lie one behind the other in a common row. */
+/* Bits of `asked`, from bit 0: colour, mean depth, median depth, ids, occluder, backdrop. Images lie on the device;
+   their rows lie side by side from a placeholder address. */
 static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
 {
     fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
@@ -111,7 +108,7 @@ static int begin(web_plan *w)
     return error;
 }
 
-/* Begins a frame of the present objects and camera; `gpu_end` frees it. Out: the number of drawn Gaussians. */
+/* Begins a frame, which gpu_end frees. Out: the number of drawn Gaussians. */
 EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
@@ -138,9 +135,8 @@ static void take_step(void *argument, const fxs_step *step)
     w->steps[w->step_count++] = *step;
 }
 
-/* Lays out the frame. Out: address and bytes of the uniforms; address and bytes of the places, and their offset in the
-   device memory; address and number of the steps; the offsets of the images of take_targets in the device memory, in
-   words; the size of each buffer in bytes. */
+/* Lays out the frame. Out: address and bytes of the uniforms; address, bytes and device offset of the places;
+   address and number of the steps; device offsets of the images of take_targets, in words; bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;
@@ -169,7 +165,6 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     return 0;
 }
 
-/* Calls fxs_plan_look. In: the status words. */
 EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
 {
     uint32_t status[FXS_COMPUTE_STATUS];
@@ -178,7 +173,7 @@ EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
     return fxs_plan_look(&w->plan, w->rooms, status, fxs_web_message());
 }
 
-/* The table at the start of the device memory. Out: its bytes. */
+/* Returns the table at the start of the device memory. Out: its size in bytes. */
 EXPORT(gpu_table) const void *fxs_web_gpu_table(void)
 {
     fxs_web_numbers()[0] = sizeof fxs_offset_of_code_q11;

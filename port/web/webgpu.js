@@ -1,23 +1,23 @@
-// The back end 'webgpu'. The module plans a frame (webgpu.c, kernels/compute/plan.c), and this file executes the plan
-// with the shaders of kernels/compute. The device reports a status after each frame: if all lists fitted their buffers,
-// the picture is shown, else the frame is repeated with larger buffers. Pixels stay on the device.
+// The back end 'webgpu' executes the plan of a frame (webgpu.c) with the shaders of kernels/compute. The device reports
+// a status after each frame. If all lists fitted their buffers, the picture is shown; else the frame is repeated with
+// larger buffers.
 
 import { parts, texts } from './stages.js'
 
-const STATUS = 16               // words: FXS_COMPUTE_STATUS
-const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // numbers of buffers: kernels/compute/records.h
-const BUFFERS = 7               // FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
+const STATUS = 16               // words in the status of a frame (FXS_COMPUTE_STATUS)
+const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // numbers of buffers in kernels/compute/records.h
+const BUFFERS = 7               // number of buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // bytes in a uniform: FXS_COMPUTE_STRIDE
-const STEP = 13                 // words in an fxs_step
-const PLACE = 10                // words in a Place, see ENDS
+const STEP = 13
+const PLACE = 10
 const LOST = 'the WebGPU device was lost: open another Screen'
-const NOTHING = 0xffffffff      // FXS_NOTHING
-const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }  // words a pixel; the order is the order of the images
-const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images; the count of images
+const NOTHING = 0xffffffff      // value for "no depth": FXS_NOTHING
+const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
+const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images, and the count of all images
 
-// The shaders around the stages. One writes the words of the picture as colours of a texture; an 8-bit format stores
-// k / 255 exactly. The other converts the depth buffer of the caller to the occluder, as kernels/gles/mesh.frag does.
+// The shaders before and after the stages of a frame. One shader writes the picture to a texture; an 8-bit format
+// stores k / 255 exactly. Another shader converts the caller's depth buffer to the occluder.
 const ENDS = `
 struct Place {
     corner: vec2<i32>,
@@ -66,10 +66,9 @@ const ONE_OVER = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha' }
 
 // ---- Devices --------------------------------------------------------------------------------------------------
 
-/** The first line of a browser's error message, without the location. */
 const lineOf = ({ message }) => message.split('\n')[0]
 
-let own                         // the device of all Screens without a device of the caller
+let own
 
 async function makeDevice() {
   const adapter = await globalThis.navigator?.gpu?.requestAdapter({ powerPreference: 'high-performance' })
@@ -89,7 +88,6 @@ function ownDevice() {
   return own
 }
 
-/** Makes a pipeline. The Error of a failure has the line of the shader that does not compile. */
 async function pipelineOf(kind, device, what, module, descriptor) {
   try {
     return await device[`create${kind}PipelineAsync`](descriptor)
@@ -101,7 +99,6 @@ async function pipelineOf(kind, device, what, module, descriptor) {
   }
 }
 
-/** The programs of a device, each made on first use. */
 class Programs {
   #device
   #modules = {}
@@ -141,7 +138,6 @@ function programsOf(device) {
 
 // ---- Frames ---------------------------------------------------------------------------------------------------
 
-/** Throws an Error if the texture has the wrong format or usage, or does not contain the picture. */
 function checkTexture(name, texture, isKind, kind, usage, [x, y, width, height]) {
   if (!isKind(texture?.format)) throw new Error(`${name} needs a texture of ${kind}`)
   if (!(texture.usage & GPUTextureUsage[usage])) throw new Error(`${name} needs a texture with the usage ${usage}`)
@@ -161,7 +157,6 @@ function checkInto({ texture, x = 0, y = 0, depth, over }, width, height, alpha)
   if (over && !alpha) throw new Error('`into.over` needs `alpha`')
 }
 
-/** Throws an Error if a buffer for a target is missing or unsuitable. */
 function checkTargets(targets, pixels) {
   for (const [name, buffer] of Object.entries(targets)) {
     const bytes = 4 * TARGETS[name] * pixels
@@ -173,27 +168,27 @@ function checkTargets(targets, pixels) {
 
 const KINDS = ['validation', 'out-of-memory', 'internal']
 
-/** Draws the frames of a Screen one after the other. At most one frame waits; a newer frame replaces it. */
+/** At most one frame of a Screen waits; a newer frame replaces it. */
 export class Computed {
   #canvas
   #core
   #valuesOf
   #context
-  #format                      // the format of the canvas
-  #parts                       // the texture with the content of the canvas, for pictures in parts of the canvas
-  #names                       // names of the programs by their numbers
-  #pipelines = {}              // pipelines by name
-  #rooms                       // address of the fxs_plan_rooms in the module
+  #format
+  #parts
+  #names
+  #pipelines = {}
+  #rooms
   #buffers = []
-  #groups = []                 // bind groups of the last frame in the order of use, kept for the next frame
-  #bound = 0                   // bind groups used by the current frame
+  #groups = []
+  #bound = 0
   #status
-  #place                       // the uniform of ENDS
-  #scenes = new Map()          // copies of scenes on the device: { heads, rows }
-  #next                        // the waiting frame
-  #running                     // fulfilled when no frame runs or waits
-  #failure                     // the error of the last frame
-  #last                        // the last complete frame: { width, height, images }
+  #place
+  #scenes = new Map()
+  #next
+  #running
+  #failure
+  #last
   #freed = false
 
   constructor(canvas, core, device, valuesOf) {
@@ -240,7 +235,6 @@ export class Computed {
 
   // ---- Buffers ------------------------------------------------------------------------------------------------
 
-  /** Frees all buffers, after a failure and at the end. The next frame starts with the smallest buffers. */
   #giveBack() {
     this.#forget(() => true)
     for (const buffer of this.#buffers) buffer.destroy()
@@ -253,7 +247,6 @@ export class Computed {
     return this.device.createBuffer({ size, usage, mappedAtCreation })
   }
 
-  /** Enlarges the buffers to the sizes of the plan. */
   #reserve(sizes, limit) {
     const { STORAGE, UNIFORM, INDIRECT, COPY_SRC, COPY_DST } = GPUBufferUsage
     const bytes = sizes.map((size, i) => Math.max(size, this.#buffers[i]?.size ?? 64))
@@ -267,12 +260,11 @@ export class Computed {
     })
   }
 
-  /** Writes a copy, since some browsers refuse shared memory. */
+  /** Writes a copy of the bytes, since some browsers refuse shared memory. */
   #write(buffer, to, at, bytes) {
     this.device.queue.writeBuffer(this.#buffers[buffer], to, this.#core.bytes(at, bytes).slice())
   }
 
-  /** Uploads a part of a scene, or its heads. */
   #upload(at, part) {
     this.#core.c.gpu_pieces(this.#rooms, at, part)
     const [bytes, ...pieces] = this.#core.get(0, 10)
@@ -283,7 +275,6 @@ export class Computed {
     return buffer
   }
 
-  /** The copy of a scene on the device, made on first use. */
   #copyOf(scene) {
     if (!this.#scenes.has(scene)) {
       const at = scene.inside[1]
@@ -304,7 +295,6 @@ export class Computed {
 
   // ---- Drawing ------------------------------------------------------------------------------------------------
 
-  /** Plans a frame and queues it. */
   draw(core, width, height, { alpha, into, backdrop, targets = {}, depthBits = 16, ...options }, objects) {
     if (this.lost) throw new Error(LOST)
     checkTargets(targets, width * height)
@@ -349,7 +339,6 @@ export class Computed {
     this.#running = undefined
   }
 
-  /** Repeats a frame until all lists fit, then shows it. */
   async #carryOut(frame) {
     const core = this.#core
     this.#forget((scene) => scene.isFreed)
@@ -371,7 +360,6 @@ export class Computed {
     if (this.#freed) throw new Error('the Screen was freed')
   }
 
-  /** Runs a function in error scopes; throws the error of the device, if any. */
   async #scoped(act) {
     let result, thrown
     for (const kind of KINDS) this.device.pushErrorScope(kind)
@@ -389,7 +377,6 @@ export class Computed {
     return given.value
   }
 
-  /** Submits the steps of the plan. Returns a promise of the status words. */
   #submit(frame) {
     const core = this.#core
     core.check(core.c.gpu_lay_out(frame.at))
@@ -420,7 +407,6 @@ export class Computed {
     return words
   }
 
-  /** Writes the uniform Place of ENDS. */
   #writePlace({ width, height, into: { x = 0, y = 0, depth } = {}, images, depthBits }) {
     const { planes = [], linear = false } = depth ?? {}
     const words = new Int32Array(PLACE)
@@ -430,7 +416,7 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** Sets a bind group; reuses the groups of the last frame: making them takes a quarter of the steps' time. */
+  /** Reuses the bind groups of the last frame, since making them is slow. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>
@@ -444,7 +430,6 @@ export class Computed {
     pass.setBindGroup(group, this.#groups[this.#bound++].made)
   }
 
-  /** Encodes an fxs_step. */
   #step(pass, copies, [program, , x, y, arguments_, argumentsAt, a, b, c, d, uniform, object, part]) {
     const pipeline = this.#pipelines[this.#names[program]]
     const { heads, rows } = copies[object] ?? {}
@@ -474,7 +459,6 @@ export class Computed {
     this.device.queue.submit([encoder.finish()])
   }
 
-  /** Copies from the device memory. `from` is in words. */
   #copy(encoder, from, to, bytes) {
     encoder.copyBufferToBuffer(this.#buffers[MEMORY], 4 * from, to, 0, bytes)
   }
@@ -501,7 +485,7 @@ export class Computed {
     return (this.#parts = this.device.createTexture({ size: [width, height], format: this.#format, usage }))
   }
 
-  /** Resizes the canvas only with a complete picture, since that clears it. */
+  /** Resizes the canvas, which clears it. Called only with a complete picture. */
   #resize(width, height) {
     if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height })
   }

@@ -1,5 +1,5 @@
 // node adapters.mjs MODULES: tries sets of Chromium flags for WebGPU on a graphics card, or only FXS_WEBGPU_FLAGS.
-// Prints each set's adapter, and the first set that finds a card (or FXS_WEBGPU_FLAGS in any case).
+// Prints the adapter of each set, and the first set that finds a card.
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'
@@ -13,7 +13,7 @@ const SETS = asked ? [asked] : [
   `${COMMON} --enable-features=Vulkan --use-gl=angle --use-angle=gl-egl --use-vulkan=native`,
   `${COMMON} --enable-features=Vulkan --use-angle=swiftshader --enable-unsafe-swiftshader --use-vulkan=native`,
 ]
-const LIMIT = 15000 // milliseconds per set
+const LIMIT = 15000
 
 const server = createServer((_, answer) => answer.setHeader('content-type', 'text/html').end('<!doctype html>'))
   .listen(0, '127.0.0.1')
@@ -28,7 +28,6 @@ const ASK = `(async () => {
   return { vendor, architecture, device, description, isFallbackAdapter }
 })()`
 
-/** The adapter that a browser with these flags finds, or why none. */
 async function find(flags) {
   let browser, late, said = ''
   try {

@@ -1,8 +1,9 @@
 // node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
-// tools/scripts/bench.sh. cuts: budgets compared with equal numbers of Gaussians by splat-transform, Spark and pruning.
-// budgets: PSNR, time and bytes of frames with falling budgets; ROUNDS of timing (5), LANDSCAPE: its number of
-// Gaussians (10000000). steps: changes between frames on a slow path of FRAMES (240). boards: Gaussians that a board
-// draws in a tenth of a second. FOLDER caches derived scenes. MODULES: made by tools/scripts/page_modules.sh.
+// tools/scripts/bench.sh. FOLDER caches derived scenes. PART is:
+// cuts: budgets compared with equal numbers of Gaussians by other programs.
+// budgets: PSNR, time and bytes of frames with falling budgets. ROUNDS of timing (5), LANDSCAPE Gaussians (10000000).
+// steps: changes between FRAMES (240) on a slow path.
+// boards: Gaussians that a board draws in a tenth of a second.
 import { execFileSync, spawnSync } from 'node:child_process'
 import {
     closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,
@@ -20,7 +21,6 @@ const row = (...cells) => console.log(`| ${cells.join(' | ')} |`)
 const head = (...cells) => { row(...cells); console.log(`|${cells.map(() => '---|').join('')}`) }
 mkdirSync(folder, { recursive: true })
 
-// A file of FOLDER; make(path) creates it if missing.
 const kept = (name, make) => {
     const path = `${folder}/${name}`, unfinished = `${folder}/unfinished-${name}`
     if (!existsSync(path)) {
@@ -31,15 +31,12 @@ const kept = (name, make) => {
 }
 const convert = (from, name, ...words) => kept(name, to => run(fixsplat, 'convert', from, to, words))
 
-// ---- Scenes and views -----------------------------------------------------------------------------------------------
-
 const SCENES = {
     snowmiku: { file: 'snowmiku/snowmiku.ply', cameras: 'snowmiku/cameras.json', timed: 1 },
     'luma-seal': { file: 'luma-seal/luma-seal.ply', up: [0, -1, 0] },
     'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
     skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
     landscape: { made: LANDSCAPE, size: '1920x1080' },
-    // a million captured Gaussians: seven scenes side by side, scaled to the same size
     captured: { up: [0, -1, 0], beside: ['snowmiku/snowmiku.ply', 'kitchen-marble/kitchen-marble.ply',
         'statue-st-peter/st-peter.ply', 'luma-seal/luma-seal.ply', 'guitar/guitar.ply',
         'boatyard-tile3/boatyard-tile3.ply', 'skull/skull.sog'] },
@@ -51,7 +48,6 @@ const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0)
 const cross = (a, b) => [0, 1, 2].map(k => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
 const unit = v => v.map(x => x / Math.hypot(...v))
 
-// Views around the middle of the inner bounds, 18 degrees above, in turn at a distance that shows all, near and far.
 const around = ({ seen: [low, high] }, up) => {
     const half = low.map((x, k) => (high[k] - x) / 2), middle = low.map((x, k) => x + half[k])
     const first = unit(Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]), side = cross(up, first)
@@ -69,7 +65,6 @@ const around = ({ seen: [low, high] }, up) => {
     })
 }
 
-// Scenes in three columns, two units apart, each scaled so that its largest side spans -1 to 1.
 const sideBySide = (files, to) => {
     const { up } = SCENES['boatyard-tile3'], parts = files.map((file, i) => {
         const [turned, part] = ['turned', 'part'].map(name => `${folder}/${name}-${i}.ply`)
@@ -85,8 +80,6 @@ const sideBySide = (files, to) => {
     parts.forEach(part => rmSync(part))
 }
 
-// A scene with levels, and its measured views: every eighth of its cameras, or around it; for a made scene the view
-// that render chooses.
 const open = name => {
     const { file, made, beside, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
@@ -102,14 +95,11 @@ const open = name => {
     return { ...scene, views, timed: ['--view', timed] }
 }
 
-// Refined for the cameras that are not measured, or for the default ones of --refine.
 const refined = (scene, own = scene.given) => kept(`${scene.name}-refined${scene.given && !own ? '-around' : ''}.fxs`, to => {
     const others = `${folder}/others.json`
     if (own) writeFileSync(others, JSON.stringify(own.filter((_, i) => i % EIGHTH !== 0)))
     run(fixsplat, 'convert', scene.source, to, '--levels', '--refine', own ? ['--cameras', others] : [])
 })
-
-// ---- Pictures -------------------------------------------------------------------------------------------------------
 
 const squares = (a, b, from = 0, to = a.length) => {
     let sum = 0
@@ -131,12 +121,10 @@ const summary = values => ({ mean: mean(values), worst: Math.min(...values) })
 const both = ({ mean, worst }) => Number.isFinite(mean) ? `${round(mean)} (${round(worst)})` : 'equal'
 const against = (whole, frames) => summary(frames.map((frame, i) => psnr(frame, whole.frames[i])))
 
-// ---- Comparison with others -----------------------------------------------------------------------------------------
-
 const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.ply`, to =>
     run('node', `${modules}/splat-transform-3/bin/cli.mjs`, '-q', '-w', '-g', 'cpu', scene.source, mode, count, to))
 
-// The Gaussians with the largest opacity * mean projected area.
+// Keeps the Gaussians with the largest opacity * mean projected area.
 const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to => {
     const bytes = readFileSync(scene.source), end = bytes.indexOf('end_header\n') + 11
     const text = bytes.toString('latin1', 0, end)
@@ -153,7 +141,6 @@ const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to =>
         ...largest.map(i => Buffer.from(values.buffer, 4 * i, 4 * names.length))]))
 })
 
-// Spark's cut through the tree of its quality builder, per view.
 const spark = (scene, count) => {
     const files = scene.views.map((_, i) => `${folder}/spark-${i}.ply`)
     run('node', 'tests/web/spark.mjs', modules, 'cut', scene.source, scene.views.flatMap(({ position, rotation }, i) =>
@@ -199,9 +186,6 @@ const cuts = () => {
     }
 }
 
-// ---- Falling budgets ------------------------------------------------------------------------------------------------
-
-// User time per frame, milliseconds: that of `more` additional frames, one thread, median of interleaved rounds.
 const times = (commands, more) => {
     const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash',
         fixsplat, 'bench', words, '--threads', 1, '--frames', frames))
@@ -231,11 +215,8 @@ const budgets = () => {
         less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
 }
 
-// ---- A slow path ----------------------------------------------------------------------------------------------------
-
 const TILE = 16
 
-// Calls visit(frames, number) with one frame of each film.
 const watch = (scene, keys, films, visit) => {
     const cameras = ['--cameras', `${scenes}/${SCENES[scene.name].cameras}`, '--view', keys, '--frames', FRAMES]
     const opened = films.map(([file, ...words], i) => {
@@ -254,7 +235,6 @@ const watch = (scene, keys, films, visit) => {
     opened.forEach(closeSync)
 }
 
-// RMS of the change between two frames: of the picture, and of each tile.
 const change = difference => {
     const tiles = []
     let all = 0
@@ -299,10 +279,9 @@ const steps = () => {
     }
 }
 
-// ---- Boards ---------------------------------------------------------------------------------------------------------
-
 const [STEPS, KNOT] = [8, 100000]
-const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]    // instructions per second: docs/boards.md
+// instructions a second, from docs/boards.md
+const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]
 
 const boards = () => {
     const source = kept('knot.ply', to => run(fixsplat, 'make-scene', 'knot', '--count', KNOT, '-o', to))
@@ -330,8 +309,7 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    let [low, high] = [1, 200]                      // chunks of 256: the first board reaches ten frames a second with
-                                                    // `low`, not with `high`
+    let [low, high] = [1, 200]                      // bisection for ten frames a second, in chunks of 256 Gaussians
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

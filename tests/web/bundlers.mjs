@@ -1,7 +1,6 @@
-// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: the npm package in programs built by the bundlers in
-// MODULES, and without one. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's
-// pictures with every WebAssembly module, with threads, and with the element. Prints a table; with `all` that of
-// docs/web.md. WORK has scene.ply. Projects are made next to MODULES, so that they find them.
+// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm package by the bundlers
+// in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures. WORK has
+// scene.ply.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
@@ -30,8 +29,6 @@ const WANTED = rendered('--size', '64x48', '--eye', '2,-1,-4')
 const WANTED_VIEW = rendered(...VIEW, '45')
 const WANTED_WIDER = rendered(...VIEW, '60')
 
-// ---- Projects -----------------------------------------------------------------------------------------------------
-
 const published = (() => {
   const folder = join(home, 'installed')
   mkdirSync(folder)
@@ -55,7 +52,6 @@ function project(name, files) {
 const environment = { ...process.env, NEXT_TELEMETRY_DISABLED: '1', NO_COLOR: '1', CI: '1' }
 delete environment.NODE_ENV
 
-/** Resolves `package#program` at the start of a command line to the package's script. */
 function wordsOf(line) {
   const [program, ...rest] = line.split(' ')
   const [name, key] = program.split('#')
@@ -71,21 +67,17 @@ async function build(folder, line) {
   return stdout + stderr
 }
 
-/** A minifier renames functions. */
 function isMinified(folder) {
   const scripts = readdirSync(folder, { recursive: true }).filter((name) => /\.m?js$/.test(name))
   assert.ok(scripts.length > 0)
   for (const name of scripts) assert.doesNotMatch(readFileSync(join(folder, name), 'utf8'), /sharedMemory/, name)
 }
 
-// ---- In Chromium --------------------------------------------------------------------------------------------------
-
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
   args: ['--no-sandbox', ...WEBGL],
 })
 
-/** Opens a page and fails on its errors. */
 async function opened(address, see) {
   const page = await browser.newPage()
   const faults = []
@@ -144,7 +136,6 @@ async function works(page, { isolated = true, inline = false } = {}) {
   if (inline) assert.match(plain, /core\.wasm: is no part of fixsplat\/inline/)
   else assert.deepEqual(plain, one)
   assert.equal(await shown(page), WANTED_VIEW, 'the element shows another picture')
-  // The element's worker, plus with threads one of the element's and one of the program's.
   assert.equal(page.workers().length, isolated ? 3 : 1, 'workers')
   await page.evaluate(() => document.querySelector('fixsplat-viewer').setAttribute('backend', 'webgl2'))
   await until(page, () => document.querySelector('fixsplat-viewer').backend === 'webgl2', 'no WebGL 2 in the worker')
@@ -152,7 +143,6 @@ async function works(page, { isolated = true, inline = false } = {}) {
   assert.equal(await page.evaluate(() => globalThis.said), undefined)
 }
 
-/** docs/examples/react.jsx: the element appears, changes its view, goes with its workers, and appears again. */
 async function reacts(page) {
   assert.equal(await shown(page), WANTED_VIEW)
   await page.click('#wider')
@@ -166,13 +156,10 @@ async function reacts(page) {
   assert.equal(await shown(page), WANTED_WIDER)
 }
 
-// ---- Parts of cases -----------------------------------------------------------------------------------------------
-
 const EVERYTHING = ['worker', 'wasm', 'element']
 const BUILD = ['build', 'minified', ...EVERYTHING]
 const DEV = ['dev', ...EVERYTHING]
 const cases = []
-/** Adds a case of a tool, with the table columns it proves; `isQuick`: runs without `all` too. */
 const add = (tool, name, columns, run, isQuick = false) => cases.push({ tool, name, columns, run, isQuick })
 
 const pageOf = (scripts) =>
@@ -194,10 +181,8 @@ async function shows(folder, how = {}) {
   }
 }
 
-// webpack's warnings about the size of import.wasm.
 const SIZES = /WARNING in (asset|entrypoint) size limit|compiled with \d warnings?/g
 
-/** Builds `dist` with a bundler. `how.page`: scripts of the page if the bundler makes none. */
 async function built(name, files, lines, how = {}) {
   const folder = project(name, files)
   for (const line of lines) {
@@ -210,7 +195,6 @@ async function built(name, files, lines, how = {}) {
   await shows(dist, how)
 }
 
-/** Opens a server program's pages by their addresses. */
 async function servedBy(folder, line, pages) {
   const server = await started(folder, line)
   try {
@@ -221,8 +205,6 @@ async function servedBy(folder, line, pages) {
     await server.end()
   }
 }
-
-// ---- Cases --------------------------------------------------------------------------------------------------------
 
 const VITE = { 'index.html': pageOf(MODULE), 'main.js': MAIN }
 const AT_PORT = '--host 127.0.0.1 --port PORT'
@@ -294,7 +276,6 @@ for (const [tool, flag] of [['Next.js (Turbopack)', '--turbopack'], ['Next.js (w
   add(tool, 'dev', DEV, () => servedBy(project(`${tool} dev`, NEXT), `next#next dev ${flag} ${at}`, pages))
 }
 
-// Parcel's build loses modules of a worker that are imported in two ways.
 const PARCEL = { 'index.html': pageOf(MODULE.replace('/main', './main')), 'main.js': INLINE }
 add('parcel 2', 'build, inline', BUILD, () =>
   built('parcel build', PARCEL, ['parcel#parcel build index.html --no-cache'], { inline: true }))
@@ -323,7 +304,6 @@ add('none, strict policy', 'a line', EVERYTHING, () => {
   return shows(folder, { headers: { 'content-security-policy': POLICY } })
 })
 
-/** A bundle without the package's files says so. */
 async function saysWhatIsMissing(page) {
   await until(page, () => globalThis.result && globalThis.said, 'nothing is said')
   const [{ error }, said] = await page.evaluate(() => [globalThis.result, globalThis.said])
@@ -368,8 +348,6 @@ add('Node', 'import', ['worker', 'wasm'], async () => {
   const { stdout, stderr } = await run(process.execPath, ['a.mjs', scene], { cwd })
   assert.deepEqual([stdout.trim(), stderr], [WANTED, ''])
 }, true)
-
-// ---- The table ----------------------------------------------------------------------------------------------------
 
 const table = {}
 

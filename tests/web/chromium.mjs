@@ -1,5 +1,4 @@
-// Shared by page.mjs, every.mjs and xr.mjs: a server of the package and of scenes, headless Chromium, and the viewer's
-// element in a page.
+// Shared by page.mjs, every.mjs and xr.mjs: a server, headless Chromium, and the viewer in a page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
@@ -21,13 +20,11 @@ const KINDS = {
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** Functions that change a package file's text on its way to the page, by file name. */
+/** functions that change a package file's text on its way to the page, by file name */
 export const changes = {}
-/** Scenes requested in ranges: bytes sent, seconds per answer, ETag, and changes to the answers. */
+/** state of the scene server: bytes sent, seconds for an answer, ETag, changes of answers */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
-/** Content-Security-Policy sent with every file, if not empty. */
 export const policy = { text: '' }
-/** Milliseconds of delay for addresses that contain "slow". */
 const SLOW = 1500
 
 async function answer(request, response) {
@@ -52,7 +49,6 @@ async function answer(request, response) {
   }
 }
 
-/** Shares of a file sent, and the milliseconds before each. */
 const TRICKLE = [[0.03, 0], [0.031, 700], [1, 200]]
 
 async function trickle(bytes, response) {
@@ -134,12 +130,8 @@ export const inside = (body, ...args) =>
 export const still = () =>
   page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
-const QUIET_MS = 250 // time with an unchanged camera, nothing moving or loading
+const QUIET_MS = 250
 
-/**
- * Waits until everything started has been drawn: the worker, which works in order, has answered a pick, and the page
- * has been still since.
- */
 export async function moved() {
   await inside(`for (let i = 0; i < 2; i++) {
       await v.pick(0, 0)
@@ -187,7 +179,6 @@ export function rendered(scene, ...options) {
   return words.trim().split(/\s/)[0]
 }
 
-/** The hash of the command's picture with a link's camera. */
 export function native(scene, view, size, background = '0e1116') {
   const n = view.split(',')
   const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]

@@ -1,8 +1,6 @@
-// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: WebGPU in Node by Dawn (npm's webgpu, in
-// MODULES) on this machine's Vulkan driver. Checks that a Screen has the command's pixels of SCENES/NAME/NAME.ply
-// (guitar, snowmiku), then measures it, PlayCanvas and three.js like webgpu_peers.mjs. VK_DRIVER_FILES chooses a
-// driver, e.g. Chromium's vk_swiftshader_icd.json. FRAMES: frames for the median (7). PICTURES: folder for the drawn
-// pictures.
+// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: checks and measures WebGPU in Node by Dawn
+// (npm package webgpu). VK_DRIVER_FILES chooses a driver, such as Chromium's vk_swiftshader_icd.json. FRAMES: frames
+// for the median (7). PICTURES: folder for the drawn pictures.
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -28,7 +26,6 @@ Object.assign(globalThis, globals)
 const gpu = create([])
 Object.defineProperty(globalThis, 'navigator', { value: { gpu, userAgent: 'node' }, configurable: true })
 
-/** The parts of a page that the other engines use. The canvas's texture has the size of the frame. */
 function makePage() {
   const shown = {}
   const listens = { addEventListener() {}, removeEventListener() {} }

@@ -1,11 +1,10 @@
-// Shared by three.mjs and playcanvas.mjs: a picture's bytes, walls in front of, amid and behind splats, and pages of
+// Shared by three.mjs and playcanvas.mjs: meshes as walls in front of, amid and behind splats, and pages of
 // docs/examples.
 import assert from 'node:assert/strict'
 import { mkdirSync, writeFileSync } from 'node:fs'
 import { base, frame, hashOf, work } from './screens.mjs'
 
 export const [WIDTH, HEIGHT] = [160, 100]
-// The pages' camera for the command: engines have y up and z back.
 export const EYE = ['--eye', '0,-1,-4', '--look', '0,0,0', '--near', '0.1']
 export const seen = frame('knot', WIDTH, HEIGHT, EYE)
 
@@ -50,7 +49,6 @@ export const PAGE = `const { render, pick } = await import('fixsplat')
     return all
   }`
 
-/** A wall in front hides all splats; a wall behind shows more of them than one amid. */
 export function checkWalls(name, [before, amid, behind]) {
   assert.ok(Math.max(before.most, amid.most, behind.most) <= 1, `${name}: ${amid.most} and ${behind.most} apart`)
   assert.ok(before.wall > 1000 && !before.both && !before.splats, `${name}: ${JSON.stringify(before)}`)
@@ -64,7 +62,6 @@ export function keepPictures(pictures) {
     writeFileSync(`${folder}/${name}.png`, Buffer.from(text, 'base64'))
 }
 
-/** The hash of the command's picture of objects placed as in the page. */
 export function hashOfPlaced(placed) {
   const objects = placed.map((how) => ({ file: 'knot.fxs', ...how }))
   writeFileSync(`${work}/placed.json`, JSON.stringify({ objects }))
@@ -72,13 +69,11 @@ export function hashOfPlaced(placed) {
   return hashOf({ args: ['--scene', `${work}/placed.json`, ...args] })
 }
 
-/** Opens a page of docs/examples, before and after a click on the drawn object. */
 export async function example(browser, address) {
   const page = await browser.newPage(), faults = []
   page.on('pageerror', ({ message }) => faults.push(message))
   await page.setViewport({ width: 660, height: 420 })
   await page.goto(`${base}examples/${address}?scene=/work/knot.fxs`)
-  // The share of the picture that is drawn, and the share of the mark.
   async function look(name) {
     const text = await page.screenshot({ encoding: 'base64', clip: { x: 8, y: 8, width: 640, height: 400 } })
     keepPictures({ [name]: text })
@@ -100,7 +95,7 @@ export async function example(browser, address) {
     return seen
   }
   const before = await until(`${address}-before`, ({ drawn }) => drawn >= 50000)
-  await page.mouse.click(8 + 150, 8 + 265)                   // away from the knot
+  await page.mouse.click(8 + 150, 8 + 265)
   const after = await until(`${address}-after`, ({ marked }) => marked > 20)
   await page.close()
   assert.deepEqual(faults, [])

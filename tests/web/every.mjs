@@ -1,6 +1,5 @@
-// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real in the viewer's page with
-// the command, with one and two threads, by the processor and by WebGL 2. Then opens and closes 100 scenes; memory must
-// not grow.
+// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real with the command. Then
+// opens and closes 100 scenes, and checks that memory does not grow.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'
@@ -8,14 +7,13 @@ import { run, scenes, viewOf } from './chromium.mjs'
 
 const SIZE = [1280, 720]
 const LOADS = 50
-const FIRST = 50 // scenes until the browser's caches are full
-const MORE = 1.05 // largest ratio of memory to the memory after FIRST
+const FIRST = 50 // number of scenes until the browser's caches are full
+const MORE = 1.05 // largest ratio of the memory at the end to the memory after FIRST scenes
 
 const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)
 const files = readdirSync(`${scenes}/real`, { recursive: true }).filter(isScene)
 const tests = {}
 
-/** Milliseconds of a second picture, as the page reports them. */
 const time = () =>
   inside(`return await new Promise((done) => {
     v.addEventListener('frame', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
@@ -44,7 +42,7 @@ for (const file of files)
   }
 
 async function memory() {
-  await pause(5000) // notes have gone
+  await pause(5000)
   const { bytes } = await page.evaluate(() => performance.measureUserAgentSpecificMemory())
   const resident = (id) => 4096 * Number(readFileSync(`/proc/${id}/statm`, 'utf8').split(' ')[1])
   return { bytes, resident: Math.max(...(await processes('renderer')).map(resident)) }
@@ -53,7 +51,6 @@ async function memory() {
 tests['memory after 50 scenes'] = async () => {
   await go('')
   await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>`)
-  /** In a single call, since each call to the page takes memory too. */
   const openMany = (count) =>
     page.evaluate(
       async (src, count) => {

@@ -1,4 +1,4 @@
-// node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the viewer's page with WebGPU.
+// node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page with WebGPU.
 import assert from 'node:assert/strict'
 import { changed, engineOf, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
 
@@ -18,7 +18,6 @@ const faults = {
     }`,
 }
 
-/** Makes WebGPU count as a graphics card's, and worker `number` slow. */
 const slowWorker = (number) => `if (globalThis.GPU) {
   GPU.prototype.requestAdapter = async () => ({ info: { vendor: 'a card' } })
   let workers = 0
@@ -66,7 +65,6 @@ await run({
         await drawn`)
       await moved()
     }
-    // A retry delay that cannot expire here makes the result independent of the machine's speed.
     const later = (text) => text.replace('AGAIN_MS = 5000', 'AGAIN_MS = 500000')
     await changed('/viewer/picture.js', later, () => changed('/viewer/worker.js', before(watch), async () => {
       await open(`${SCENE}&backend=webgpu&background=%23102030`)

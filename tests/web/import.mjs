@@ -1,4 +1,4 @@
-// node import.mjs PACKAGE WORD ARGUMENT...: the checks of readers and `load` for tests/scripts/web.sh.
+// node import.mjs PACKAGE WORD ARGUMENT...: checks the readers and `load` for tests/scripts/web.sh.
 import assert from 'node:assert/strict'
 import { File } from 'node:buffer'
 import { once } from 'node:events'
@@ -12,7 +12,6 @@ const [folder, word, ...args] = process.argv.slice(2)
 const part = (name) => import(pathToFileURL(resolve(folder, name)))
 const { load } = await part('fixsplat.js')
 
-/** Loading must fail with a message, not with a JavaScript or WebAssembly fault. */
 async function refused(source, words, options) {
   await assert.rejects(load(source, options), (error) => {
     assert.equal(error.constructor, Error, error.stack)
@@ -46,7 +45,6 @@ const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseco
 const packedOf = async (source) => Buffer.from((await load(source)).packed)
 
 const words = {
-  // Scenes of several files: the same bytes from a path, a server and a list of files.
   async beside(path) {
     const [root, name] = [dirname(path), basename(path)]
     const want = await packedOf(path)
@@ -67,14 +65,15 @@ const words = {
       await refused(files.filter((file) => file.name === name), /cannot be opened|needs the file|no .* beside/)
   },
 
-  // Truncated anywhere or with any byte changed: a message or a scene.
+  // A damaged or truncated file gives an error message or a scene.
   async hurt(...paths) {
     for (const path of paths) {
       const bytes = new Uint8Array(readFileSync(path))
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
-        if (path.endsWith('.splat') && end % 32 === 0) continue       // whole records
-        if (path.endsWith('.spz') && end >= bytes.length - 12) continue   // whole without its extension
+        if (path.endsWith('.splat') && end % 32 === 0) continue       // a .splat file of whole records is valid
+        // an .spz file is valid without the extension data at its end
+        if (path.endsWith('.spz') && end >= bytes.length - 12) continue
         await refused(bytes.slice(0, end), /./)
       }
       for (let at = 0; at < bytes.length; at += step) {
@@ -88,7 +87,6 @@ const words = {
     }
   },
 
-  // A folder written by tests/test_bombs.c.
   async bombs(root) {
     const beyond = /Gaussians or more in \d+ bytes of files, beyond the limit/
     await refused(join(root, 'padded.sog'), beyond)
@@ -98,8 +96,7 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // ROOT, with a streamed SOG in ROOT/plain. Names in its indexes that lead out of the folder are not fetched; the
-  // scene loads.
+  // Argument ROOT: file names in a streamed SOG's indexes that lead out of the folder are not fetched.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -135,7 +132,6 @@ const words = {
     assert.deepEqual(await packedOf(join(root, 'foreign', 'lod-meta.json')), want)
     const within = pathToFileURL(join(root, 'foreign')).href
     for (const url of read.filter((url) => !url.endsWith('.wasm'))) assert.ok(url.startsWith(`${within}/`), url)
-    // A symbolic link that leads out is not followed.
     const [image] = readdirSync(join(root, 'foreign'), { recursive: true }).filter((name) => /\.webp$/.test(name))
     fs.mkdirSync(join(root, 'out'))
     fs.renameSync(join(root, 'foreign', image), join(root, 'out', 'image'))
@@ -145,7 +141,7 @@ const words = {
     other.close()
   },
 
-  // SOG: loading from a server that sends 2 bytes at a time times out, and can be cancelled.
+  // Argument SOG: loading the file from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -188,8 +184,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // PLY (of 700 Gaussians) FXS: endless bodies, and bodies that claim 2 GB and never come, are refused by their first
-  // bytes.
+  // Arguments PLY FXS: endless answers of a server, and answers that claim 2 GB, are refused by their first bytes.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),
@@ -229,7 +224,6 @@ const words = {
     server.closeAllConnections()
   },
 
-  // A redirect from https to http is refused, whole or in ranges.
   async redirected(fxs) {
     const { fetch } = globalThis
     globalThis.fetch = async (url, { headers } = {}) => {
@@ -288,7 +282,6 @@ const words = {
     server.close()
   },
 
-  // In-memory scenes: a large one is previewed by evenly sampled Gaussians before packing, a smaller one is not.
   async sampled() {
     const records = new Float32Array(8 * 640000).map((_, i) => (i & 7) < 3 ? (i % 999) / 99 : (i & 7) < 6 ? 0.1 : 1)
     const seen = []

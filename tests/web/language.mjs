@@ -1,4 +1,4 @@
-// node language.mjs VIEWER: checks that each language table has exactly the texts that the viewer shows.
+// node language.mjs VIEWER: checks that the language tables have all texts of the viewer, and no others.
 import assert from 'node:assert/strict'
 import { readdirSync, readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -6,23 +6,19 @@ import { pathToFileURL } from 'node:url'
 
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
-// Scripts of other pages, or with messages for authors of files and calls.
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
-// Names of keys and classes, texts translated by words.js, and messages for authors of programs or settings files.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
   /^(The headset:|the headset's picture:)$/,
   /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/, /: left out$/]
 
-/** Texts and names of elements in HTML. */
 const wordsOfHtml = (html) => [
   ...html.replace(/<[^>]*>/g, '\n').split('\n'),
   ...[...html.matchAll(/(?:aria-label|title|placeholder)="([^"$]*)"/gs)].map(([, words]) => words.replace(/\s+/g, ' ')),
 ]
 
-/** Texts in a source: string literals, and the pieces of templates. */
 function textsOf(source) {
   const texts = []
-  const templates = [] // for each open template, its open braces
+  const templates = []
   let at = 0
   let before = '('
   const text = (end) => {
@@ -66,7 +62,7 @@ export async function wordsOfViewer() {
   const parts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, '')))
   const texts = parts.map((text) => text.trim()).filter(isWords)
   const all = [...html, ...Object.values(backends), ...texts].map((words) => words.trim())
-  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // also names of formats and keys
+  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/
   return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !isName.test(words)).sort()
 }
 

@@ -1,4 +1,4 @@
-// node package.mjs PACKAGE WORD ARGUMENT...: the checks of the npm package in PACKAGE for tests/scripts/web.sh.
+// node package.mjs PACKAGE WORD ARGUMENT...: checks the npm package in PACKAGE.
 import assert from 'node:assert/strict'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -16,7 +16,6 @@ function hash(pixels) {
   return h.toString(16).padStart(16, '0')
 }
 
-/** Loading must fail with a message, not with a JavaScript or WebAssembly fault. */
 async function refused(source, words = /./, options) {
   await assert.rejects(load(source, options), (error) => {
     assert.equal(error.constructor, Error, error.stack)
@@ -39,7 +38,8 @@ async function started(scene, module) {
 }
 
 const words = {
-  // MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture; OBJECTS are placements, in the scenes' order.
+  // Arguments MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture. OBJECTS are placements, in the
+  // order of the scenes.
   async hash(module, camera, options, objects, ...files) {
     const scenes = []
     for (const file of files) scenes.push(await load(file, modules[module]))
@@ -48,7 +48,7 @@ const words = {
     console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
   },
 
-  // MODULE FILE LEFT RIGHT OPTIONS OUT: writes two eyes side by side, like `fixsplat render --stereo`.
+  // Arguments MODULE FILE LEFT RIGHT OPTIONS OUT: writes the pictures of two eyes side by side.
   async stereo(module, file, left, right, text, out) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -59,8 +59,7 @@ const words = {
     writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
   },
 
-  // MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command. Also
-  // checks a fog from the depths, and that colour formats agree.
+  // Arguments MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command.
   async targets(module, file, camera, text, folder) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -99,7 +98,6 @@ const words = {
     assert.ok(coverage.some(Boolean) && !hidden.coverage.some(Boolean))
   },
 
-  // Damaged scenes do not change the next picture.
   async damage(...files) {
     for (const file of files) {
       const bytes = new Uint8Array(readFileSync(file))
@@ -250,7 +248,6 @@ const words = {
     assert.throws(() => scene.render({}, size), /freed/)
   },
 
-  // FILE: too little memory for a picture of 16384 x 16384 is reported before drawing.
   async noRoom(file) {
     const size = { width: 16384, height: 16384 }
     const most = { colour: 'premultiplied16', coverage: true, depth: true, ids: true }
@@ -274,7 +271,6 @@ const words = {
     assert.equal(scene.render({}, { width: 64, height: 48 }).length, 4 * 64 * 48)
   },
 
-  // FILE: a scene with levels, and the Gaussians drawn with budgets.
   async budgets(file) {
     const scene = await load(file)
     assert.equal(scene.levels, true)
@@ -291,7 +287,7 @@ const words = {
     assert.equal(before, 256 * Math.ceil(scene.count / 256))
   },
 
-  // ADDRESS CAMERA OPTIONS: the hash of a picture of a paged scene, once complete.
+  // Arguments ADDRESS CAMERA OPTIONS: prints the hash of the complete picture of a streamed scene.
   async parts(address, camera, options) {
     const scene = await load(address)
     assert.equal(scene.paged, true)
@@ -300,7 +296,7 @@ const words = {
     scene.free()
   },
 
-  // CAMERA X Y: prints what `fixsplat render --pick --json` prints.
+  // Arguments FILE CAMERA OPTIONS X Y: prints the same as `fixsplat render --pick --json`.
   async pick(file, camera, options, x, y) {
     const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))
     console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
@@ -321,17 +317,17 @@ const words = {
     console.log(hasRelaxed)
   },
 
-  // FILE: counts bytes that look like i16x8.q15mulr_sat_s.
+  // Argument FILE: counts the bytes that look like the instruction i16x8.q15mulr_sat_s.
   async products(file) {
     console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
   },
 
-  // FILE PROFILE [MODULE]: writes the packed scene to standard output.
+  // Arguments FILE PROFILE [MODULE]: writes the packed scene to standard output.
   async pack(file, profile, module) {
     process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
-  // MODULE FILE CAMERA WIDTH HEIGHT: the least milliseconds of twelve frames, or of 3 seconds.
+  // Arguments MODULE FILE CAMERA WIDTH HEIGHT: prints the smallest of the times of twelve frames, in milliseconds.
   async speed(module, file, camera, width, height) {
     const scene = await load(file, modules[module])
     await started(scene, module)

@@ -1,4 +1,4 @@
-// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the checks of the viewer's page for tests/scripts/page.sh.
+// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page.
 import assert from 'node:assert/strict'
 import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -9,11 +9,9 @@ import { base, go, hash, inside, moved, native, open, page, pause, picture, show
 
 const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
-/** Workers with a scene; other workers are their threads. */
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
 const SCENE = '?scene=/scenes/scene.ply'
 
-/** Makes WebGL count as fast, and worker `number` slow. */
 const slowWorker = (number) => `{
   const own = HTMLCanvasElement.prototype.getContext
   HTMLCanvasElement.prototype.getContext = function (kind) { return own.call(this, kind) }
@@ -160,7 +158,7 @@ const tests = {
         own.remove()
       }
     }, at)
-    await are(enginesOf, 2) // of the removed viewers, two keep their scenes
+    await are(enginesOf, 2)
   },
 
   async 'several scenes at their places, moved, taken away and put back'() {
@@ -193,7 +191,6 @@ const tests = {
       const names = new Set(found.filter(Boolean).map(({ scene }) => scene.name))
       assert.deepEqual(names, new Set(['scene.ply', 'levels.fxs']))
 
-      // Moved within the page, and removed for a while: the same worker, and no download.
       const before = { ...counts }
       await inside(`document.getElementById('b').append(v)`)
       await moved()
@@ -213,7 +210,6 @@ const tests = {
       assert.equal(await hash(), together)
       assert.deepEqual(counts, before)
 
-      // Its placement changes; a wrong one is reported and changes nothing.
       await inside(`window.child.position = [0, 0, 0]`)
       await moved()
       assert.notEqual(await hash(), together)
@@ -227,7 +223,6 @@ const tests = {
       await moved()
       assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
 
-      // A scene that fails does not hide the others. A scene removed while loading does not appear.
       await inside(`window.child.src = 'scenes/levels.fxs'; window.child.hidden = false
         const other = document.createElement('fixsplat-viewer')
         other.setAttribute('src', 'scenes/none.ply')
@@ -279,7 +274,7 @@ const tests = {
     await page.mouse.down()
     await page.mouse.move(420, 220, { steps: 3 })
     await page.mouse.up()
-    assert.equal(await flight, false) // user input took over
+    assert.equal(await flight, false)
     const cameras = await told('camera')
     assert.ok(cameras.some(({ byHand }) => byHand) && cameras.some(({ byHand }) => !byHand))
 
@@ -311,7 +306,7 @@ const tests = {
       await pause(400)
       return [(await viewOf()) !== before, (await page.evaluate(() => scrollY)) !== top]
     }
-    assert.deepEqual(await wheel(), [true, false]) // the clicks gave it the focus
+    assert.deepEqual(await wheel(), [true, false])
     await inside('document.activeElement.blur()')
     assert.deepEqual(await wheel(), [false, true])
     assert.match(await inside(`return $('note').textContent`), /hold Ctrl/)
@@ -327,7 +322,6 @@ const tests = {
     const [ups, given] = [[0.5, -0.8660254, 0], [0.6, -0.64, 0.48]]
     const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0)
     const near = (a, b) => assert.ok(a.every((x, i) => Math.abs(x - b[i]) < 2e-4), `${a} is not ${b}`)
-    /** The roll of a camera relative to `up`, its turn, and its height above the target. */
     const seen = async (up) => {
       const { eye, look, up: top } = await inside('return v.camera')
       const [b, a] = [top, eye.map((x, i) => x - look[i])]
@@ -355,7 +349,7 @@ const tests = {
     await still()
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
-    // A settings file's camera without roll keeps `up`; with roll it defines `up`.
+    // A camera without roll keeps the viewer's up direction; a camera with roll defines it.
     const readCamera = (camera) =>
       inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')
@@ -367,7 +361,6 @@ const tests = {
     near(await inside('return v.settings.up.map((x) => x / 3)'), given)
     await dragged(150, 0)
     near([(await seen(given))[0]], [0])
-    // The scene's own up takes precedence over that of views in a file.
     await go('?scene=/scenes/leant.fxs&cameras=/scenes/cameras.json')
     await still()
     near(await inside('return v.settings.up'), ups)
@@ -439,7 +432,7 @@ const tests = {
     await moved()
     assert.equal(await inside(`return $('name').textContent + ' | ' + $('count').textContent`),
       'levels.fxs and 1 more | 40,000 splats')
-    assert.equal(await inside(`return $('after').hidden`), false) // views are loaded
+    assert.equal(await inside(`return $('after').hidden`), false)
     assert.equal(await hash(), rendered('levels.fxs', `${scenes}/scene.ply`, '--cameras', `${scenes}/cameras.json`,
       '--size', '640x360', '--bg', '0e1116'))
 
@@ -496,10 +489,6 @@ const tests = {
     const { Pace } = await import(resolve(folder, 'viewer/pace.js'))
     let seed = 1
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647
-    /**
-     * The most frequent divisor and the number of changes, for pictures that take `fixed` ms plus `all` ms for the
-     * pixels of a full one.
-     */
     const most = (fixed, all, noise) => {
       const pace = new Pace()
       const take = (divisor) => pace.take(divisor, (fixed + all / divisor ** 2) * (1 + noise * (2 * random() - 1)))
@@ -518,7 +507,7 @@ const tests = {
       [0, 30, 0.1, 1],
       [0, 130, 0.1, 2],
       [10, 110, 0.1, 2],
-      [70, 85, 0.1, 2], // smaller pictures would gain little
+      [70, 85, 0.1, 2],
       [300, 50, 0.1, 1],
       [10, 1000, 0.2, 4],
     ]) {
@@ -714,7 +703,7 @@ const tests = {
     assert.ok(count > 3)
     await open(PARTS)
     await exact()
-    assert.equal(ranges.sent, 192) // the rest came from the cache
+    assert.equal(ranges.sent, 192)
     await page.evaluate(async () => {
       const cache = await caches.open('fixsplat')
       for (const key of await cache.keys()) {
@@ -722,12 +711,12 @@ const tests = {
         await cache.put(key, new Response(bytes.fill(9, bytes.length >> 1)))
       }
     })
-    await open(PARTS) // damage in the cache is found, and the right bytes are fetched
+    await open(PARTS)
     await exact()
     assert.ok(ranges.sent > 10000)
     ranges.tag = '"two"'
     ranges.sent = 0
-    await open(PARTS) // nothing of another version is kept
+    await open(PARTS)
     await exact()
     assert.ok(ranges.sent > 10000 && (await kept()) <= count + 2)
   },
@@ -755,7 +744,7 @@ const tests = {
     await moved()
     await page.keyboard.press('ArrowLeft', { delay: 60 })
     await moved()
-    await open('?scene=/scenes/parts.fxs&budget=3000') // without ranges: as a whole
+    await open('?scene=/scenes/parts.fxs&budget=3000')
     assert.equal(await inside(`return $('error').hidden`), true)
   },
 
@@ -774,7 +763,7 @@ const tests = {
       })
     await open(SCENE)
     await pause(1000)
-    assert.equal(enginesOf().length, 1) // software WebGL is not tried
+    assert.equal(enginesOf().length, 1)
   },
 
   async 'a lost context: the same anew, and the processor where it is lost again'() {

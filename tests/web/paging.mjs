@@ -1,5 +1,4 @@
-// node paging.mjs PACKAGE SCENE HASH: the checks of paged scenes with levels for tests/scripts/web.sh. HASH: the
-// command's picture with CAMERA and OPTIONS.
+// node paging.mjs PACKAGE SCENE HASH: checks streamed scenes. HASH is of the command's picture with CAMERA and OPTIONS.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -41,7 +40,6 @@ async function served(options, run, paging = {}, more = {}) {
 
 const refused = (options, words, paging) => assert.rejects(served(options, () => {}, paging), words)
 
-/** A failure after opening gives one message, and the picture stays. */
 async function fails(change, words, paging = {}) {
   const said = []
   await served({}, async (scene, server) => {

@@ -1,6 +1,5 @@
-// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: measures the first picture of a paged scene from a
-// server of RATE bytes a second; then a walk of FRAMES pictures, 33 ms apart, around the scene's middle; then a tenth
-// of the frames with no chunk missing; and the memory.
+// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: measures a streamed scene from a server of RATE bytes a
+// second: the first picture, a walk of FRAMES pictures, and frames without missing chunks.
 import { fork } from 'node:child_process'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'

@@ -1,5 +1,5 @@
-// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: the measurements of tools/scripts/peers.sh. MADE:
-// folder of landscape.ply, a million Gaussians of fixsplat make-scene.
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other viewers. MADE
+// is the folder of landscape.ply.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -13,13 +13,13 @@ const [folder, scenes, makes, modules, pictures, rounds = '3', ...asked] = proce
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', json: 'application/json' }
 const [WIDTH, HEIGHT] = [1280, 720]
-const STEP = 2 // degrees the camera turns per frame
+const STEP = 2
 const LEAST_FRAMES = 8
-const MOTION_MS = 12000 // minimum; at most five times as long
-const QUIET_MS = 6000 // without a frame for this time, a viewer has finished
-const SAME = 1 // mean difference of 255 that counts as the same picture
+const MOTION_MS = 12000
+const QUIET_MS = 6000 // a viewer has finished after these milliseconds without a frame
+const SAME = 1 // pictures with at most this mean difference, of 255, count as equal
 
-// Scene axes, y down. snowmiku: its first view.
+// Views in scene axes, with y down.
 const VIEWS = {
   snowmiku: {
     file: '/scenes/snowmiku/snowmiku.ply',
@@ -36,8 +36,6 @@ function turned({ eye, look, fov }, degrees) {
   const [x, y, z] = eye.map((e, i) => e - look[i])
   return { eye: [look[0] + c * x + s * z, look[1] + y, look[2] - s * x + c * z], look, fov }
 }
-
-// ---- Pages ------------------------------------------------------------------------------------------------------------
 
 /** supersplat-viewer has y up, the scene turned by 180 degrees about z, and the horizontal field of view. */
 function settingsOf(view) {
@@ -103,7 +101,6 @@ mesh.initialized.then(() => { peer.loaded = true })
 renderer.setAnimationLoop(() => renderer.render(scene, camera))
 </script>`
 
-/** Their own page, changed to expose the viewer. */
 const supersplatPage = () =>
   readFileSync(join(modules, '@playcanvas/supersplat-viewer/public/index.html'), 'utf8').replace(
     'createViewer({ container',
@@ -126,7 +123,7 @@ const viewers = {
 }
 
 const only = process.env.VIEWERS?.split(' ') ?? Object.keys(viewers)
-const sent = new Set() // files of the current page, without the scene
+const sent = new Set()
 let now = {}
 const made = {
   '/settings.json': () => JSON.stringify(settingsOf(now.view)),
@@ -167,9 +164,6 @@ function downloaded() {
   return bytes
 }
 
-// ---- Measuring --------------------------------------------------------------------------------------------------------
-
-/** Processor seconds of a process and its descendants, ended ones included. */
 function processorTime(root) {
   const all = readdirSync('/proc').filter((name) => /^\d+$/.test(name))
   const fields = new Map()
@@ -182,10 +176,8 @@ function processorTime(root) {
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/**
- * Runs in every page. `peer.frames`: completion time of each picture and, while `peer.small` is true, the picture at
- * 160x90. A WebGL frame is complete once a pixel has been read back at the end of its animation frame.
- */
+/** Records the time of each picture in `peer.frames` and, while `peer.small` is true, the picture at 160x90. A WebGL
+    frame is complete once a pixel has been read back. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {
@@ -255,7 +247,6 @@ function watch(width, height) {
   })
 }
 
-/** Waits until the picture is stable: loaded, and three equal frames or no frame for a while. */
 async function settled(page) {
   await page.waitForFunction(() => window.peer?.loaded, { timeout: 120000, polling: 200 })
   await page.waitForFunction(
@@ -272,7 +263,6 @@ async function settled(page) {
   )
 }
 
-/** The first frame from which the picture does not change. */
 const firstPicture = (page) =>
   page.evaluate((same) => {
     const last = peer.frames.at(-1).small

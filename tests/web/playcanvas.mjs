@@ -1,4 +1,4 @@
-// The checks of fixsplat/playcanvas for webgl.mjs.
+// Checks the package entry fixsplat/playcanvas, for webgl.mjs.
 import assert from 'node:assert/strict'
 import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
@@ -57,7 +57,6 @@ const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await
       return target ? readOf(target) : bytes
     })`
 
-/** Two objects in the page, drawn in one order. */
 const TWO = `const second = splats.clone()
   second.setPosition(0.7, 0.4, 0.5)
   second.setEulerAngles(0, 40, 0)

@@ -1,6 +1,5 @@
-// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks that the page of `fixsplat fit SET --preview` shows the scene
-// during the fit, keeps a turned camera, draws the curve, and ends with the last scene. Runs in SET/.. and leaves
-// page.fxs there.
+// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks the page of `fixsplat fit SET --preview`. Runs in SET/.. and
+// leaves page.fxs there.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { once } from 'node:events'
@@ -129,7 +128,7 @@ try {
   await test('it goes on when the fit does, and has the last scene when that is over', async () => {
     const steps = Number(long.said().match(/stopped after (\d+)/)[1]) + 3000
     const rest = await begin(port, '--resume', 'page.fxs.fit', '--steps', String(steps))
-    await inside(`v.setAttribute('backend', 'webgl2')`)   // its script comes from the new server
+    await inside(`v.setAttribute('backend', 'webgl2')`)
     await until(`return v.backend === 'webgl2'`)
     await until(`return $('state').textContent === 'The fit is over'`)
     assert.deepEqual(await rest.exit, [0, null])

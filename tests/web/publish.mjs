@@ -1,5 +1,4 @@
-// node publish.mjs SITE MODULES PICTURES SCENE...: checks that pages written by `fixsplat publish`, served as plain
-// files, show their scenes in the viewer, and that the list has a picture of each.
+// node publish.mjs SITE MODULES PICTURES SCENE...: checks pages written by `fixsplat publish`, served as plain files.
 import assert from 'node:assert/strict'
 import { existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -29,7 +28,7 @@ try {
   await open('')
   if (names.length > 1) {
     const loaded = () => [...document.images].every((image) => image.naturalWidth)
-    await page.waitForFunction(loaded, { timeout: 10000 }).catch(() => {}) // loaded lazily
+    await page.waitForFunction(loaded, { timeout: 10000 }).catch(() => {})
     const widths = await page.$$eval('img', (all) => all.map((image) => image.naturalWidth))
     assert.deepEqual(widths, names.map(() => 640), 'a picture for each scene')
     console.log('ok the list')

@@ -1,14 +1,11 @@
-// A test server of one file in ranges. It counts the bytes sent, limits the rate, and simulates faults.
+// A test server of one file in ranges, with a limited rate and simulated faults.
 import { createReadStream, openSync, readSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/**
- * `faults` is called with { first, end, count } and the request. Its result changes the answer: { status, headers,
- * bytes (a function of the right ones), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay
- * (milliseconds) }.
- */
+/** faults({ first, end, count }, request) returns changes of an answer: { status, headers, bytes (a function of the
+    right bytes), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay (milliseconds) }. */
 export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
   const file = openSync(path)
   const { size } = statSync(path)
@@ -16,7 +13,6 @@ export async function serveRanges(path, { rate = Infinity, faults = () => ({}), 
   const told = { sent: 0, requests: 0, ranges: [], rate, faults, tag: '"one"', modified }
   let due = performance.now()
 
-  /** All answers share the rate. */
   async function send(answer, bytes) {
     for (let at = 0; at < bytes.length && !answer.destroyed; at += 65536) {
       const part = bytes.subarray(at, at + 65536)

@@ -1,5 +1,5 @@
-// Shared by webgl.mjs and webgpu.mjs: a server of the package and of scenes, code run in its pages, and frames that a
-// Screen must draw like the command. node TEST.mjs PACKAGE WORK MODULES COMMAND [1].
+// node TEST.mjs PACKAGE WORK MODULES COMMAND [1]. Shared by webgl.mjs and webgpu.mjs: a server, code run in its pages,
+// and frames that a Screen must draw like the command.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
@@ -91,7 +91,6 @@ export const launch = (...args) =>
     protocolTimeout: 600000,
   })
 
-/** Opens a page and returns a function that runs code in it. The isolated page has threads and shared memory. */
 export async function open(browser, address) {
   const page = await browser.newPage()
   await page.goto(base + address)
@@ -108,7 +107,6 @@ export async function runIn(browser, address, ...args) {
   return page.run(...args).finally(page.close)
 }
 
-/** A frame: the page's arguments and the command's. */
 export const frame = (scene, width, height, args = [], options = {}, camera = {}, more = []) => ({
   objects: [{ scene }, ...more],
   camera,
@@ -140,8 +138,6 @@ export const FRAMES = {
 }
 export const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
-
-/** Screens of some back ends in one page: over a backdrop the bytes of `render`, without it the command's. */
 export async function drawsOverBackdrop(run, ...backends) {
   const [over, ...seen] = await run(
     `const { render } = await import('/fixsplat.js')

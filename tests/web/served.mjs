@@ -1,6 +1,5 @@
-// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks that the pages of `fixsplat view --web FOLDER` list its
-// scenes with pictures, show one, keep the camera when its file changes, and report a damaged file. FOLDER has knot.ply
-// and bad.ply, which is damaged.
+// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks the pages of `fixsplat view --web FOLDER`. FOLDER has
+// knot.ply and a damaged bad.ply.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { renameSync, rmSync, writeFileSync } from 'node:fs'
@@ -68,7 +67,7 @@ try {
     await still()
     await count('2,000')
     const named = `document.querySelector('fixsplat-viewer').shadowRoot.getElementById('name').textContent`
-    assert.equal(await page.evaluate(named), 'knot.ply') // not the packed file's name
+    assert.equal(await page.evaluate(named), 'knot.ply')
     await compare(knot)
   })
   let view

@@ -1,5 +1,5 @@
 // node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: checks that a page written by `fixsplat publish --single` shows
-// its scene from file://, without a network and without requests, with the bytes of the command's picture of SCENE.
+// its scene from file://, without requests.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createRequire } from 'node:module'

@@ -1,14 +1,11 @@
-// Runs Spark's own reader (the worker of @sparkjsdev/spark, with its WebAssembly) on a .rad, without a browser.
-// node spark.mjs MODULES decode FILE.rad OUT.ply: writes a .ply of floats with SH; of a tree its leaves.
+// Runs the reader of Spark (@sparkjsdev/spark) on a .rad file, without a browser.
+// node spark.mjs MODULES decode FILE.rad OUT.ply: writes a .ply with SH; of a tree, the leaves.
 // node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the nodes, at most SPLATS, that Spark would draw of
-// a .rad or of the tree of its quality builder. VIEW: X,Y,Z for all directions; followed by the camera's axes (right,
-// down, ahead), Spark's defaults: fewer nodes to the sides and behind.
+// a tree. VIEW is a position X,Y,Z, or a position and the camera's axes (right, down, ahead).
 import { readFileSync, writeFileSync } from 'node:fs'
 
 const [modules, command, file, ...rest] = process.argv.slice(2)
 const source = readFileSync(`${modules}/@sparkjsdev/spark/dist/spark.module.js`, 'utf8')
-
-// ---- The worker: a text in the module, which receives its WebAssembly by a message ----------------------------------
 
 const wasm = Buffer.from(source.match(/\nconst WASM = decode64\("([^"]*)"\)/)[1], 'base64')
 const text = Function(`return ${source.match(/\nconst jsContent = ('(?:[^'\\]|\\.)*')/)[1]}`)()
@@ -33,15 +30,13 @@ const call = (name, args) => new Promise((resolve, reject) => {
     send({ id: calls, name, args })
 })
 
-// ---- Decoding -------------------------------------------------------------------------------------------------------
-
 const half = bits => {
     const exponent = bits >> 10 & 31, fraction = bits & 1023
     const value = exponent ? 2 ** (exponent - 25) * (1024 + fraction) : fraction * 2 ** -24
     return bits >> 15 & 1 ? -value : value
 }
 
-// x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle
+// Quaternion x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle.
 const rotation = bits => {
     let x = (bits & 1023) / 511.5 - 1, y = (bits >> 10 & 1023) / 511.5 - 1
     const z = 1 - Math.abs(x) - Math.abs(y), fold = Math.max(-z, 0), angle = (bits >>> 20) / 4095 * Math.PI / 2
@@ -51,7 +46,6 @@ const rotation = bits => {
     return [x * sine, y * sine, z * sine, Math.cos(angle)]
 }
 
-// Three 8-bit numbers with signs and a common exponent
 const triple = bits => {
     const unit = 2 ** ((bits >>> 27) - 15) / 255
     return [0, 1, 2].map(c => (bits >>> 8 * c & 255) * unit * (bits >>> 24 + c & 1 ? -1 : 1))
@@ -66,7 +60,6 @@ const tree = splats.extra.lodTree
 const arrays = [splats.extra.sh1, splats.extra.sh2, splats.extra.sh3a, splats.extra.sh3b].filter(array => array)
 const degree = Math.min(arrays.length, 3)
 
-// Four coefficients per array, degree by degree
 const sh = i => arrays.flatMap(array => [...array.subarray(4 * i, 4 * i + 4)]).slice(0, degree * (degree + 2)).map(triple)
 
 const row = (i, opacity) => {

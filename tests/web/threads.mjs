@@ -1,4 +1,4 @@
-// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: the package's threads in Node. HASH: of the scene, 320x200.
+// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: checks the threads of the package in Node.
 import assert from 'node:assert/strict'
 import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs'
 import { createRequire, syncBuiltinESMExports } from 'node:module'
@@ -11,7 +11,6 @@ const workers = createRequire(import.meta.url)('node:worker_threads')
 const size = { width: 320, height: 200 }
 let copies = 0
 
-/** Imports a fresh copy of the package. */
 const anew = (from = folder) => import(`${pathToFileURL(resolve(from, 'fixsplat.js'))}?${copies++}`)
 
 function hash(pixels) {
@@ -117,7 +116,7 @@ const cases = {
     isRight(scene)
   },
 
-  // With a stack of 16 bytes, its first job leaves the memory.
+  // A thread with a stack of 16 bytes accesses memory out of bounds in its first job.
   async 'a thread that traps'() {
     const small = class extends workers.Worker {
       constructor(url, options) {
@@ -178,4 +177,4 @@ for (const [name, run] of Object.entries(cases)) {
   console.log(name)
   await run()
 }
-console.log('all')                 // Node exits although threads wait forever
+console.log('all')

@@ -1,4 +1,4 @@
-// The checks of fixsplat/three for webgl.mjs and webgpu.mjs.
+// Checks the package entry fixsplat/three, for webgl.mjs and webgpu.mjs.
 import assert from 'node:assert/strict'
 import {
   checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH,
@@ -34,7 +34,6 @@ const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await i
     return drawMesh(wall(camera, distance))
   })`
 
-/** Two objects in the page, drawn in one order. */
 const TWO = `const second = splats.clone()
   second.position.set(0.7, 0.4, 0.5)
   second.rotation.y = 0.7
@@ -361,7 +360,6 @@ export const threeTests = (browser) => ({
   ...(ALL && { 'three.js: docs/examples/three-webgl.html': () => example(browser, 'three-webgl.html') }),
 })
 
-/** With a WebGPURenderer; each device compiles the shaders again. */
 export const threeGpuTests = (browser) => ({
   async 'three.js by WebGPU: the bytes of the command, walls, sizes, two objects, given back, errors in words'() {
     const { hashes, walls, placed, counts, said, pictures } = await runIn(browser, 'mesh-gpu', `${STAGE}

@@ -1,5 +1,5 @@
-// node tour.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the checks of the viewer's annotations, camera tracks, films,
-// settings files, skies and languages for tests/scripts/page.sh.
+// node tour.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's annotations, camera tracks, films,
+// settings files, skies and languages.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import * as chromium from './chromium.mjs'
@@ -47,7 +47,6 @@ const TOUR = {
     { loop: 'repeat', keys: [{ time: 0, ...front }, { time: 0.8, ...side }] },
   ],
 }
-// A settings file as supersplat-viewer writes it.
 const THEIRS = {
   version: 2,
   tonemapping: 'none',
@@ -73,7 +72,6 @@ const THEIRS = {
   startMode: 'default',
 }
 
-/** Values of supersplat-viewer's CubicSpline for that track, by seconds. */
 const THEIRS_AT = {
   0.3: [4.177285714285715, 0.6737142857142859, -5.968285714285715, 54.72214285714286],
   1.8: [-0.4397142857142857, 1.433714285714286, -2.548285714285713, 64.31714285714287],
@@ -85,7 +83,7 @@ put('film.json', { ...TOUR, tracks: [{ name: 'Around', keys: ends }] })
 
 const tests = {
   async 'annotations: markers, their captions and links, by buttons and keys'() {
-    policy.text = POLICY // the strict policy of docs/web.md
+    policy.text = POLICY // the strict Content-Security-Policy of docs/web.md
     await open(WITH('tour.json'))
     policy.text = ''
     near(await numbersOf(), [0, 0, -9, 0, 0, 0, 0, -1, 0, 40])
@@ -113,7 +111,7 @@ const tests = {
     await inside(`$('later').click()`)
     await moved()
     assert.equal(await inside(`return $('caption').querySelector('h2').textContent`), 'Annotation 3')
-    assert.ok(Math.abs((await numbersOf())[3] - 2) < 1e-9) // without a camera, the annotation is the camera's target
+    assert.ok(Math.abs((await numbersOf())[3] - 2) < 1e-9)
     await page.keyboard.press('Escape')
     assert.equal(await inside(`return $('caption').hidden`), true)
     assert.deepEqual(await inside('return v.told'), [[0, 'The knot'], [1, 'Behind'], [2, ''], [-1, null]])
@@ -149,7 +147,7 @@ const tests = {
       await page.keyboard.press('Escape')
       assert.deepEqual(await outside(), [[], true])
       await inside('await v.goTo(0)')
-      assert.deepEqual(await outside(), [[], width > 400]) // in a narrow viewer the caption replaces the bars
+      assert.deepEqual(await outside(), [[], width > 400])
       const [caption, text] = await inside(`return ['caption', 'captionText'].map((id) => $(id).offsetHeight)`)
       assert.ok(caption <= Math.max(150, 0.9 * height - 74) && text > 40, `${caption}, ${text}`)
       if (width === 320) await picture('card')
@@ -158,11 +156,11 @@ const tests = {
     await inside(`v.camera = { eye: [0, -2.6, -6], look: [0, -2.6, 0] }; $('mark').click()`)
     await until('v.annotations.length === 4')
     const foot = await inside(`return ['newTitle', 'remove'].map((id) => $(id).getBoundingClientRect().bottom)`)
-    assert.ok(foot[0] < foot[1] && foot[1] < 240, `${foot}`) // text scrolls, buttons stay
+    assert.ok(foot[0] < foot[1] && foot[1] < 240, `${foot}`)
     assert.deepEqual(await outside(), [[], false])
     const arrows = () => inside(`return ['earlier', 'later', 'linkTo'].map((id) => $(id).checkVisibility())`)
     assert.deepEqual(await arrows(), [true, true, true])
-    await inside(`v.settings = '/scenes/one.json'`) // as React sets it
+    await inside(`v.settings = '/scenes/one.json'`) // React sets the property `settings` in this way
     await until('v.annotations.length === 1')
     await inside('await v.goTo(0)')
     assert.deepEqual(await arrows(), [false, false, true])
@@ -183,7 +181,8 @@ const tests = {
     await inside(`$('closeCaption').focus()`)
     await page.keyboard.press('Enter')
     assert.equal(await focused(), 'Annotation 1 of 3: The knot')
-    assert.equal(await inside(`return $('clock').getAttribute('aria-live')`), 'off') // it changes with each picture
+    // screen readers skip the clock, which changes with each picture
+    assert.equal(await inside(`return $('clock').getAttribute('aria-live')`), 'off')
     await inside('await v.goTo(0)')
     const parts = { markers: '#markers', caption: '#caption', player: '#player', bar: 'nav', corner: '.top' }
     const seen = () => inside(`return Object.entries(args[0]).filter(([, one]) =>
@@ -227,7 +226,7 @@ const tests = {
   async 'settings of supersplat-viewer, version 2 and 1'() {
     put('theirs.json', THEIRS)
     await open(WITH('theirs.json'))
-    // supersplat-viewer's scenes are turned about z, and fov is along the longer side.
+    // Scenes of supersplat-viewer are turned about z; fov is the field of view of the longer side.
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)
@@ -235,7 +234,6 @@ const tests = {
     const { annotations, tracks } = await inside('return { annotations: v.annotations, tracks: v.tracks }')
     assert.deepEqual(annotations[0].position, [-0.5, -0.25, -2])
     assert.deepEqual(tracks[0].keys.map(({ time }) => time), [0, 20 / 30, 1.5])
-    // supersplat-viewer's spline at 0.3 and 1.8 seconds of this track.
     for (const [time, wanted] of [[0.3, THEIRS_AT[0.3]], [1.8, THEIRS_AT[1.8]]]) {
       await inside('v.seek(args[0])', time)
       await moved()
@@ -259,7 +257,7 @@ const tests = {
     await features('reduce')
     await open(WITH('early.json'))
     await pause(500)
-    assert.equal(await inside('return v.paused && v.time'), 0) // reduced motion: no autoplay
+    assert.equal(await inside('return v.paused && v.time'), 0) // with reduced motion, a track does not start by itself
     await features('')
   },
 
@@ -288,7 +286,7 @@ const tests = {
     }
     await moved()
     assert.deepEqual(await inside('return [v.annotations.length, v.tracks.length, v.duration]'), [3, 1, 1])
-    await inside('await v.play()') // a track of one key
+    await inside('await v.play()')
     await until('v.paused')
     near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
     const none = await inside(`return v.goTo(500).catch((error) => error.message)`)
@@ -335,7 +333,7 @@ const tests = {
     const hear = (request) => asked.push(...(request.url().match(late)?.slice(1).filter(Boolean) ?? []))
     page.on('request', hear)
     await open(SCENE)
-    assert.deepEqual(asked, []) // none of the scripts tested in this file
+    assert.deepEqual(asked, [])
     const texts = () => inside(`const walker = document.createTreeWalker(v.shadowRoot, NodeFilter.SHOW_ALL,
         (node) => (node.translate === false || /^(draws|readout|note)$/.test(node.id) || node.nodeName === 'KBD' ? 2 : 1))
       const seen = []
@@ -432,7 +430,6 @@ const tests = {
 
   async 'a sky: the bytes of a backdrop, by the processor and by WebGL; words where there is none'() {
     await open(SCENE)
-    // 64 x 32 pixels with colours that encode their position.
     const png = await inside(`const canvas = new OffscreenCanvas(64, 32), context = canvas.getContext('2d')
       for (let i = 0; i < 2048; i++) {
         const [x, y] = [i % 64, i >> 6]

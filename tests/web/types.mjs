@@ -1,6 +1,5 @@
-// node types.mjs TARBALL MODULES PAGE_MODULES [all]: compiles the code of port/web/README.md and docs/web.md and
-// bundlers/types.tsx with strict TypeScript, with types of React 19 and bundler module resolution; `all`: also with
-// Node's resolution, and with React 18. Prints the errors.
+// node types.mjs TARBALL MODULES PAGE_MODULES [all]: compiles the code of port/web/README.md, docs/web.md and
+// bundlers/types.tsx with strict TypeScript. `all`: also with Node's module resolution, and with React 18.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { dirname, join, resolve } from 'node:path'
@@ -13,7 +12,6 @@ const LANGUAGES = /^(js|ts|tsx|html)$/
 const CODE = /\bconst \w+ =|\bawait \w|^import /m
 const HTML = /<script type="module">\n([^]*?)<\/script>/
 
-/** Code blocks with their languages: fenced, or indented. */
 function blocksOf(text) {
   const fenced = [...text.matchAll(/^```(\w+)\n([^]*?)^```$/gm)].map(([, language, code]) => ({ language, code }))
   const indented = text.replace(/^```[^]*?^```$/gm, '').match(/(^( {4}.*)?\n)*^ {4}.*\n/gm) ?? []

@@ -1,5 +1,5 @@
-// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's validator. It does not know the
-// extension, nor the names of its attributes.
+// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's glTF validator, except unknown names of
+// the extension.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { resolve } from 'node:path';

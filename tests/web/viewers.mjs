@@ -1,13 +1,12 @@
 // Shared by webgpu_peers.mjs and dawn.mjs: WebGPU viewers and their views.
 
-// y up. snowmiku: its first view.
 export const VIEWS = {
   guitar: { eye: [5.5, 3.2, -0.2], look: [0.09, 2.1, -0.2], fov: 50 },
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// Each opens the scene at `url`, with `bring` as import, turned by 180 degrees about x. It returns a function that
-// draws from an eye into the canvas and waits for the device.
+// Returns a function that draws from an eye and waits for the device. The scene at `url` is turned by 180 degrees about
+// x.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]
@@ -68,10 +67,7 @@ export const VIEWERS = {
     }`,
 }
 
-/**
- * Source of a function of bring, canvas, url, width, height and a number of frames. It returns the milliseconds of each
- * frame, after two warm-up frames, while the camera goes around the scene.
- */
+/** Source of a function that measures the milliseconds of frames while the camera goes around the scene. */
 export const measureText = (name, scene) => `
   const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}
   const [x, y, z] = eye.map((e, i) => e - look[i])

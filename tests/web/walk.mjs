@@ -1,9 +1,10 @@
-// Tests of walking, gamepads and the thumb stick, for page.mjs.
+// Tests of walking, gamepads and the on-screen stick, for page.mjs.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
 
-// A yard: floor at y = 0, up is -y; a ramp and a platform at the right, a wall at the left, a hole between.
+// A yard for walking, with the floor at y = 0 and up as -y: a ramp and a platform at the right, a wall at the left, a
+// hole between.
 const RAMP = { left: 1, right: 3, from: 1, slope: 0.3, top: 4 }
 const WALL = { z: 3, right: -0.5, tall: 2 }
 const HOLE = { x: [-0.3, 0.4], z: [0.4, 1.1], deep: 6 }
@@ -11,7 +12,7 @@ const rise = (x, z) =>
   x < RAMP.left || x > RAMP.right ? 0 : RAMP.slope * Math.max(0, Math.min(z, RAMP.top) - RAMP.from)
 
 function yard() {
-  const points = [] // position, then ln(scale)
+  const points = [] // position and ln(scale) of each Gaussian
   const [flat, thin] = [Math.log(0.05), Math.log(0.004)]
   const isHole = (x, z) => x > HOLE.x[0] && x < HOLE.x[1] && z > HOLE.z[0] && z < HOLE.z[1]
   for (let i = 0; i < 80; i++)
@@ -30,7 +31,7 @@ function yard() {
   writeFileSync(`${scenes}/yard.ply`, Buffer.concat([Buffer.from(header), Buffer.from(new Float32Array(rows).buffer)]))
 }
 
-const start = [2, -1.2, 0.4] // straight on to the ramp
+const start = [2, -1.2, 0.4]
 const YARD = `?scene=/scenes/yard.ply&eye-height=1&background=%230e1116#view=${start},2,-1.2,9,0,-1,0,60`
 const above = ([x, y, z]) => -y - rise(x, z) // height above the ground, ignoring the hole
 const near = (a, b, most, words) => assert.ok(Math.abs(a - b) <= most, `${words}: ${a}, not ${b}`)
@@ -46,7 +47,6 @@ async function until(is, words) {
 
 const stands = (height, words) => until(async () => Math.abs(above(await eye()) - height) < 0.03, words)
 
-/** Holds a key until the eye is at a place, or has stopped moving. */
 async function hold(key, isThere = () => false) {
   await page.keyboard.down(key)
   for (let [last, rests, i] = [await eye(), -5, 0]; rests < 4; i++) {
@@ -62,7 +62,6 @@ async function hold(key, isThere = () => false) {
   return eye()
 }
 
-/** Puts the camera somewhere; its next step brings it down. */
 async function from(x, z, [to, far]) {
   await inside(`v.camera = { eye: [args[0], -1.1, args[1]], look: [args[2], -1.1, args[3]], up: [0, -1, 0] }
     v.seen = []`, x, z, to, far)
@@ -125,7 +124,6 @@ async function holes() {
   for (const [, y, z] of await inside('return v.seen')) if (z > 0.1) near(y, -1, 0.03, 'over the hole')
 }
 
-/** Eye height: set, found, and kept when going to a point. */
 async function heights() {
   await inside('v.settings = { eyeHeight: 0.5 }')
   await stands(0.5, 'lower')
@@ -173,7 +171,6 @@ async function gamepad() {
   assert.ok(turned.look[0] > walked.look[0] + 0.5, `to the right: ${turned.look}`)
 }
 
-/** The gamepad is polled only if one is connected and the viewer is visible. */
 async function polls() {
   const looks = () => inside(`await new Promise(requestAnimationFrame)
     const before = window.looked
@@ -225,7 +222,6 @@ async function stick() {
   await isThere(false, 'no use for it')
 }
 
-/** A second scene is framed after the mode was set. */
 async function two() {
   await open('?scene=/scenes/yard.ply&eye-height=1', 400, 260)
   const high = -(await eye())[1]
@@ -236,7 +232,7 @@ async function two() {
 }
 
 const OFTEN = [ground, walls, holes]
-const SELDOM = [heights, gamepad, polls, stick, two] // only with FXS_PROCESSORS=all: they double the time
+const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, which run only with FXS_PROCESSORS=all
 
 export const walking = {
   async 'walking: on the ground and up a ramp; walls stop, holes do not; with all, gamepads and a stick for the thumb'() {

@@ -1,5 +1,4 @@
-// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program; with RELAXED set, after replacing products by relaxed
-// ones as fixsplat.js does.
+// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: with relaxed products, as in fixsplat.js.
 import { readFileSync } from 'node:fs'
 import { WASI } from 'node:wasi'
 

@@ -1,5 +1,4 @@
-// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: the checks of a Screen for tests/scripts/webgl.sh; 1: also its
-// speed.
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks a Screen with WebGL 2; 1: also measures its speed.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'
@@ -191,7 +190,7 @@ const tests = {
     assert.equal(lost, true)
     assert.match(draws, /context was lost: open another Screen/)
     assert.match(opens, /context is lost: take another canvas/)
-    assert.equal(still, true) // a restored context is empty
+    assert.equal(still, true)
     assert.match(stays, /context was lost: open another Screen/)
     assert.equal(again, hashOf(FRAMES.framed))
   },
@@ -270,7 +269,6 @@ const tests = {
   },
 }
 
-/** Milliseconds of 1280x720, median of 5 frames. */
 async function measure() {
   const [camera] = JSON.parse(readFileSync(`${work}/cameras.json`))
   for (const [scene, view] of [['shared-snowmiku', camera], ['shared-guitar', {}]])

@@ -1,4 +1,4 @@
-// node webgpu.mjs PACKAGE WORK MODULES COMMAND: the checks of a Screen for tests/scripts/webgpu.sh.
+// node webgpu.mjs PACKAGE WORK MODULES COMMAND: checks a Screen for tests/scripts/webgpu.sh.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
@@ -20,13 +20,11 @@ const frames = {
   'first again': FRAMES.framed,
 }
 
-// The scenes of tests/golden in each profile, made by webgpu.sh.
 const golden = {}
 for (const kind of ['knot', 'landscape', 'needles', 'fog', 'layers', 'cubes'])
   for (const profile of ['default', 'compact', 'small'])
     golden[`${kind} ${profile}`] = frame(`${kind}-${profile}`, 96, 64)
 
-// Random objects, far enough away for the command's depths to have 26 fractional bits.
 const random = ((state) => (low, high) => {
   state = (Math.imul(state, 1664525) + 1013904223) >>> 0
   return low + ((high - low) * state) / 2 ** 32
@@ -73,7 +71,6 @@ const hashesOf = (some) => Object.fromEntries(Object.entries(some).map(([name, f
 const DRAWS = `const hashes = {}
   for (const [name, frame] of Object.entries(args[0])) hashes[name] = hash(await drawn(screen, frame))`
 
-// Counts the page's WebGPU calls, and the bytes sent to the device and back.
 const COUNTS = `const counts = { submit: 0, getCurrentTexture: 0, bytes: 0, buffers: 0 }
   const wrapped = (prototype, name, note) => {
     const was = prototype[name]
@@ -472,7 +469,6 @@ const tests = {
   },
 }
 
-// Slow tests, since each page and worker compiles the shaders again.
 const more = {
   async 'scenes of shared/scenes'() {
     const [width, height] = (process.env.SIZE ?? '200x150').split('x').map(Number)

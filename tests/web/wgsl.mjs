@@ -1,5 +1,5 @@
-// node tests/web/wgsl.mjs FOLDER MODULES: compiles every .wgsl of FOLDER in headless Chromium, for WebGPU on
-// SwiftShader, and makes a pipeline of each entry point. Fails with the compiler's messages.
+// node tests/web/wgsl.mjs FOLDER MODULES: compiles every .wgsl of FOLDER in headless Chromium, and makes a pipeline of
+// each entry point.
 import { readFileSync, readdirSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'

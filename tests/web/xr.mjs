@@ -1,4 +1,4 @@
-// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: the viewer in iwer's simulated headset and phone.
+// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: checks VR and AR with iwer's simulated devices.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -10,12 +10,10 @@ import {
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 
-const [width, height] = [320, 160] // both eyes
-const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // there, one metre is one unit
+const [width, height] = [320, 160] // size of the picture of both eyes together
+const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a view with one unit for a metre
 
-/**
- * Runs in the page before its script: a headset with diverging eyes, a record of its pictures, and a controlled clock.
- */
+/** Runs in the page before its script: simulates a headset with diverging eyes and a controlled clock. */
 function prepare() {
   const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.0625, visibilityMask: null })
   device.installRuntime({ forceInstall: true })
@@ -32,7 +30,6 @@ function prepare() {
   const clock = performance.now.bind(performance)
   let [from, rate, base] = [0, 1, 0]
   performance.now = () => base + rate * (clock() - from)
-  /** Speeds up the page's clock, so that the time of a picture does not depend on the machine. */
   test.run = (times) => ([base, from, rate] = [performance.now(), clock(), times])
   test.skip = (milliseconds) => (base += milliseconds)
   const { getContext } = HTMLCanvasElement.prototype
@@ -47,7 +44,6 @@ function prepare() {
     else postMessage.call(this, message, ...more)
   }
   addEventListener('eyes', ({ detail }) => test.seen.push(detail), true)
-  /** Pixels of both eyes: RGBA, rows from the top, left eye first. */
   test.pixels = () => {
     const { gl } = test
     const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
@@ -60,10 +56,8 @@ function prepare() {
   }
 }
 
-/**
- * Also runs in the page: a phone with one view and AR sessions that show the page over the camera's picture and find
- * surfaces: a wall close by, and level ones at given heights.
- */
+/** Simulates a phone with one view, and AR sessions that find surfaces: a wall close by, and level surfaces at given
+    heights. */
 function prepareRoom() {
   const { test } = window
   Object.assign(test, { isPhone: false, heights: [0], finds: true, hasFloor: true, hasPage: true, asked: [] })
@@ -126,7 +120,6 @@ async function enter() {
   await inside('test.run(0.01)')
 }
 
-/** Enters AR; with `taps`, taps as soon as the ring appears. */
 async function enterRoom(taps) {
   await until(`!$('room').hidden`)
   await inside(`test.seen = []; $('room').click()`)
@@ -139,13 +132,11 @@ async function enterRoom(taps) {
   await drawn()
 }
 
-/** Waits for a picture of the newest pose. */
 async function drawn() {
   await inside('test.seen = []')
   await until('test.seen.length > 2')
 }
 
-/** Waits for a full-size picture of the newest pose. */
 async function settle() {
   await drawn()
   await until('test.seen.at(-1).scale === 1')
@@ -157,7 +148,7 @@ async function leave() {
   await until(`!v.hasAttribute('headset')`)
 }
 
-/** Moves the head and hands, and turns them left and up by angles. */
+/** Moves the head and hands, and turns them left and up by degrees. */
 const pose = (position, left = 0, up = 0) =>
   inside(
     `test.device.position.set(...args[0]);
@@ -177,7 +168,7 @@ const frames = (body, ...args) =>
   inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
   frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
-/** Fingers at the device's place, or controllers, that point left and up by angles: pressed, moved and released. */
+/** Presses, moves and releases fingers or controllers that point left and up by angles. */
 const drag = (...fingers) =>
   inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
     const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])
@@ -218,7 +209,6 @@ function packaged(pair, how) {
   return Buffer.concat(Array.from({ length: height }, (_, y) => eyes.map((eye) => row(eye, y))).flat())
 }
 
-/** AR on the GPU: pictures with alpha, received as a bitmap. */
 async function seenThrough() {
   await engineOf().evaluate(() => (self.bitmaps = 0))
   await inside('test.finds = false')
@@ -246,11 +236,8 @@ function direction(left, up) {
 }
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
-/**
- * Converts a vector of the room to the placed scene, `units` per metre. The page's camera looks along z with y down;
- * this is the direction from the person at `eye` to `foot` when the scene was placed. Then the scene was turned left,
- * seen from above.
- */
+/** Converts a vector of the room to the placed scene. When the scene was placed, the page's camera looked along z
+    with y down, and the person at `eye` looked at `foot`. */
 function inScene([x, y, z], eye, foot, turn, units) {
   const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
   const [c, s] = [Math.cos(turn), Math.sin(turn)]
@@ -260,9 +247,8 @@ function inScene([x, y, z], eye, foot, turn, units) {
 
 const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[i] + scene.high[i]) / 2))
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
-const TABLE = 2 * longest // units per metre: the longest side is half a metre
+const TABLE = 2 * longest // units a metre: the longest side of the scene is half a metre
 
-/** Asserts that a picture's camera is an eye before the scene that stands at `at` and was placed at `put`. */
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
   near(position, middle().map((x, i) => x + to[i]), 1e-4)
@@ -271,8 +257,8 @@ function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, 
 
 const EYE = [0.4, 1.6, 0.2]
 const LOOKS = [30, -45]
-const HEIGHT = 0.9 // the table's height
-const BEFORE = 0.7 // toward the near side, where no surface is known
+const HEIGHT = 0.9
+const BEFORE = 0.7
 
 const tests = {
   async 'both eyes: the pixels of the command'() {
@@ -414,7 +400,7 @@ const tests = {
     await inside(`test.run(1); test.gl.getExtension('WEBGL_lose_context').loseContext()`)
     await until(`!v.hasAttribute('headset') && !$('error').hidden`)
     assert.match(await inside(`return $('words').textContent`), /headset: its graphics context was lost/)
-    faults.length = 0                 // iwer asks the lost context for its clear colour
+    faults.length = 0                 // iwer asks the lost context for its clear colour, which is an error
     await inside(`$('closeError').click()`)
     await enter()
     await settle()
@@ -464,7 +450,7 @@ const tests = {
     const most = far.reduce((a, b) => Math.max(a, b))
     const same = (100 * far.filter((one) => one <= 0.5).length) / far.length
     console.log(`  over a colour ${same.toFixed(2)} % are the page's bytes, the others at most ${most.toFixed(2)} away`)
-    assert.ok(most <= 1.5, `${most}`) // three roundings: colour, coverage, and the page's own
+    assert.ok(most <= 1.5, `${most}`) // tolerance for three roundings: of the colour, of the coverage, and of the page
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
@@ -538,7 +524,7 @@ const tests = {
     await check(EYE, LOOKS, 0)
     await settle()
     assert.ok(Buffer.compare(await pixels(), packaged(await cameras(), { alpha: true })) === 0)
-    await pose(EYE, 0, 0) // iwer's next space starts at the device's pose
+    await pose(EYE, 0, 0) // iwer's next space starts at the pose of the device
     await drawn()
     await leave()
     await inside('test.hasFloor = false')
@@ -595,7 +581,7 @@ const tests = {
     await page.setUserAgent('Mozilla/5.0 (X11; Linux x86_64; Quest 3) OculusBrowser/35.0 Chrome/126.0')
     await page.goto(`${base.replace('127.0.0.1', 'far.test')}/viewer/index.html?scene=/scenes/scene.ply`)
     await still()
-    faults.length = 0 // the browser warns that it does not isolate such a page
+    faults.length = 0 // the browser warns that such a page is not isolated
     assert.equal(await inside('return isSecureContext'), false)
     await inside(`$('headset').click()`)
     await until(`/https/.test($('words').textContent)`)

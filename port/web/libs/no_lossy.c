@@ -1,5 +1,4 @@
-/* Stubs for the functions of libwebp that decode lossy pictures. A .sog has none: src/scene/read/sog.c refuses them by
-   their headers. */
+/* Stubs for decoding lossy pictures with libwebp. The reader of .sog files refuses lossy pictures. */
 #include "src/dec/vp8_dec.h"
 #include "src/dec/webpi_dec.h"
 
@@ -18,7 +17,7 @@ int VP8InitIoInternal(VP8Io *io, int version)
 
 void WebPInitCustomIo(WebPDecParams *params, VP8Io *io)
 {
-    io->opaque = params;             /* lossless pictures read their output buffer from here */
+    io->opaque = params;             /* the lossless decoder reads its output buffer from here */
 }
 
 VP8Decoder *VP8New(void)

@@ -1,4 +1,4 @@
-/* Stubs for functions that libzip and cJSON refer to and readers never call: compression, encryption, writing. */
+/* Stubs for unused functions of libzip and cJSON: compression, encryption, writing. */
 #include "zipint.h"
 
 #include <zlib.h>
@@ -28,7 +28,7 @@ zip_encryption_implementation _zip_get_encryption_implementation(zip_uint16_t me
     return NULL;
 }
 
-/* There is no clock, as times of entries are not used. */
+/* Returns time 0, since the module has no clock. */
 time_t time(time_t *now)
 {
     return now ? *now = 0 : 0;
@@ -47,7 +47,7 @@ struct tm *localtime(const time_t *time)
     return &none;
 }
 
-/* For the writing of cJSON. */
+/* A stub for cJSON, which calls sscanf only when writing. */
 int sscanf(const char *text, const char *format, ...)
 {
     (void)text, (void)format;

@@ -1,4 +1,4 @@
-/* The types of libzip, as its CMake would write them. */
+/* The types of libzip, as its CMake build would generate them. */
 #ifndef FXS_WEB_ZIPCONF_H
 #define FXS_WEB_ZIPCONF_H
 

@@ -1,23 +1,23 @@
-// AR (WebXR, immersive-ar): puts the scene upright on a floor or table of the room. A ring shows the place, from hit
-// tests of WebXR; a tap or the trigger of a controller puts the scene there. Dragging the scene moves it, dragging
-// elsewhere turns it, and two fingers on a screen turn and scale it. xr.js has the session and the pictures.
+// Augmented reality (WebXR): puts the scene upright on a floor or table of the room. A ring shows the place, which
+// WebXR hit tests find. A tap or trigger puts the scene there. Dragging the scene moves it, dragging elsewhere turns
+// it, and two fingers turn and scale it.
 import { button, ICONS } from './body.js'
 import { programOf } from './eyes.js'
 import { add, dot, unit } from './motion.js'
 import { numbers, Place } from './xr.js'
 
-const TABLE = 0.5 // metres: the longest side of a scene of the size table
-const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side when scaling by fingers
-const LEVEL = Math.cos(Math.PI / 6) // least vertical component of the normal of a level surface
-const BEFORE = 0.7 // metres: distance of the near side if no surface is known
+const TABLE = 0.5 // metres: longest side of a scene in the size 'table'
+const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side of a scene scaled by fingers
+const LEVEL = Math.cos(Math.PI / 6) // smallest vertical component of the normal of a level surface
+const BEFORE = 0.7 // metres: distance to the near side of the scene if no surface is known
 const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
-const PATIENCE_MS = 8000 // without a surface, until a tap puts the scene in front
-const HINT_MS = 8000 // how long the hint on gestures is shown
-const REACH = 20 // metres: longest ray to the floor
-const TURNING = 4 // the scene turns by this multiple of the angle of a drag
-const [RING_LEAST, RING_MOST] = [0.06, 0.5] // metres: range of the radius of the ring
+const PATIENCE_MS = 8000 // milliseconds without a surface until a tap puts the scene in front of the user
+const HINT_MS = 8000
+const REACH = 20 // metres: longest ray from a pointer to the floor
+const TURNING = 4 // ratio of the scene's turn to the angle of a drag
+const [RING_LEAST, RING_MOST] = [0.06, 0.5]
 
-const SIZES = { table: (longest) => TABLE / longest, true: () => 1 } // metres a unit
+const SIZES = { table: (longest) => TABLE / longest, true: () => 1 } // metres for a scene unit
 const OTHER = { table: 'true', true: 'table' }
 const NAMES = { table: 'On the table', true: 'True size' }
 const HINTS = {
@@ -35,7 +35,7 @@ void main() {
   at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   gl_Position = projection * view * vec4(ring.xyz + ring.w * vec3(at.x, 0.0, at.y), 1.0);
 }`
-// The ring is white between dark edges, to be visible on any floor. Colours are premultiplied.
+// A white ring between dark edges is visible on any floor. Colours are premultiplied.
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at;
@@ -57,7 +57,6 @@ sheet.replaceSync(`
 #inRoom .bar { bottom: calc(16px + env(safe-area-inset-bottom)); }
 #inRoom .words { padding: 0 14px; white-space: nowrap; }`)
 
-/** Makes the panel over the picture of the camera, for browsers with the feature dom-overlay. */
 function panelOf({ root, language }, acts) {
   const panel = document.createElement('div')
   Object.assign(panel, { id: 'inRoom', hidden: true })
@@ -73,18 +72,15 @@ ${button('roomEnd', 'Back to the page', ICONS.close)}</div>`
   return { panel, hint, size: bar.querySelector('#roomSize') }
 }
 
-/** The origin and the direction of a ray. */
 function rayOf({ position, matrix }) {
   return { from: numbers(position), along: [-matrix[8], -matrix[9], -matrix[10]] }
 }
 
-/** The point where a ray meets a horizontal plane; null if none is within REACH. */
 function meetsLevel({ from, along }, height) {
   const far = (height - from[1]) / along[1]
   return far > 0 && far < REACH ? add(from, along, far) : null
 }
 
-/** True if a ray meets a box: it enters the last pair of planes before it leaves the first (slab test). */
 function meetsBox({ from, along }, { low, high }) {
   let [enters, leaves] = [0, Infinity]
   for (let i = 0; i < 3; i++) {
@@ -96,10 +92,8 @@ function meetsBox({ from, along }, { low, high }) {
   return enters <= leaves
 }
 
-/** The same angle in the range -pi to pi. */
 const least = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI))
 
-/** The distance and the angle between two rays on the screen. */
 function apart([a, b], { matrix }) {
   const axis = (i) => [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]]
   const [p, q] = [a, b].map(({ along }) => [0, 1].map((i) => dot(along, axis(i)) / -dot(along, axis(2))))
@@ -107,18 +101,18 @@ function apart([a, b], { matrix }) {
   return { far: Math.hypot(...to), angle: Math.atan2(to[1], to[0]) }
 }
 
-/** Places the scene in the room: the Guide of the mode AR, see xr.js. */
+/** The Guide of the AR mode (see xr.js) places the scene in the room. */
 class Stand {
   #host
   #session
   #size
-  #hits = null // hit test source; null if the device does not find surfaces
-  #ring = null // the position of the ring
-  #floor = false // true: the floor is at height 0
+  #hits = null // WebXR hit test source; null if the device does not find surfaces
+  #ring = null
+  #floor = false
   #since = 0
   #taps = false
-  #asked = null // a function that a button applies to the Place
-  #held = [] // input sources with a pressed trigger, or fingers
+  #asked = null
+  #held = []
   #rays = []
   #moves = false
   #program = null
@@ -153,7 +147,7 @@ class Stand {
       this.#hold(this.#held.filter((source) => source !== inputSource)))
     try {
       this.#hits = await session.requestHitTestSource({ space: await session.requestReferenceSpace('viewer') })
-    } catch {} // no hit tests
+    } catch {} // the device has no hit tests
     this.#since = performance.now()
   }
 
@@ -183,24 +177,22 @@ class Stand {
     this.#saidAt = now
   }
 
-  /** Names the button after the other size. */
   #name() {
     this.#panel.size.textContent = this.#host.language.of(NAMES[OTHER[this.#size]])
   }
 
-  // ---- Standing -----------------------------------------------------------------------------------------------------
+  // ---- Placing the scene --------------------------------------------------------------------------------------------
 
   get #longest() {
     const { low, high } = this.#host.scene()
     return Math.max(...add(high, low, -1), 1e-6)
   }
 
-  /** Metres a unit. */
   get #scale() {
     return SIZES[this.#size](this.#longest)
   }
 
-  /** The middle of the underside of the scene's box: middle - h up, where h = sum of |up_i| side_i / 2. */
+  /** Middle of the underside of the scene's box: middle - h up, with h = sum of |up_i| side_i / 2. */
   get #foot() {
     const { low, high } = this.#host.scene()
     const up = unit(this.#host.view().up)
@@ -209,7 +201,6 @@ class Stand {
     return add(low.map((x, i) => (x + high[i]) / 2), up, -h)
   }
 
-  /** The Place on the ring after a tap; in front of the user if no surface is found; else null. */
   #stand({ pose, frame, space }, taps) {
     this.#ring = this.#hits && this.#surface(frame, space)
     if (this.#ring) return taps ? this.#at(this.#ring, pose.transform) : null
@@ -217,7 +208,6 @@ class Stand {
     return waits ? null : this.#at(this.#ahead(pose.transform), pose.transform)
   }
 
-  /** The nearest level surface ahead of the device. */
   #surface(frame, space) {
     const found = frame.getHitTestResults(this.#hits).map((hit) => hit.getPose(space)?.transform)
     const level = found.find((one) => one && one.matrix[5] > LEVEL)
@@ -231,13 +221,12 @@ class Stand {
     return [position.x + far * x, height, position.z + far * z]
   }
 
-  /** The horizontal direction of view; the upper edge of the device if it looks straight down. */
+  /** If the device looks straight down, its upper edge gives the horizontal direction of view. */
   #heading(matrix) {
     const ahead = [-matrix[8], -matrix[10]]
     return unit(Math.hypot(...ahead) > 0.01 ? ahead : [matrix[4], matrix[6]])
   }
 
-  /** Turns the side that is visible in the page to the user. */
   #at(point, { position, matrix }) {
     const to = [point[0] - position.x, point[2] - position.z]
     const heading = Math.hypot(...to) > 0.01 ? unit(to) : this.#heading(matrix)
@@ -249,8 +238,6 @@ class Stand {
     this.#name()
     this.#asked = (place) => place.about(place.from(this.#foot), 0, 1 / this.#scale / place.units)
   }
-
-  // ---- Drags --------------------------------------------------------------------------------------------------------
 
   #hold(sources) {
     this.#held = sources
@@ -274,7 +261,6 @@ class Stand {
     return { from: place.at(from), along: place.turned(along) }
   }
 
-  /** Applies a drag with one source: along the floor, or a turn about the vertical. */
   #pull(place, before, now) {
     const foot = place.from(this.#foot)
     if (this.#moves) {
@@ -292,13 +278,10 @@ class Stand {
     return place.about(place.from(this.#foot), least(b.angle - a.angle), 1 / scale / place.units)
   }
 
-  // ---- The ring -----------------------------------------------------------------------------------------------------
-
   get #radius() {
     return Math.min(Math.max((this.#longest * this.#scale) / 2, RING_LEAST), RING_MOST)
   }
 
-  /** Draws the ring in a viewport without a scene. */
   show(gl, { projectionMatrix, transform }, { x, y, width, height }) {
     if (!this.#ring || !this.#host.scene()) return
     this.#program ??= programOf(gl, VERTEX, FRAGMENT)
@@ -312,7 +295,6 @@ class Stand {
   }
 }
 
-/** A mode of xr.js. */
 export const AR = {
   session: 'immersive-ar',
   name: 'AR:',

@@ -1,4 +1,4 @@
-// The HTML inside the element <fixsplat-viewer>: the stage for the picture, the buttons and the panels.
+// The HTML inside <fixsplat-viewer>: the stage for the picture, the buttons and the panels.
 
 const icon = (path) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${path}"/></svg>`
 export const button = (id, name, path, more = '') =>
@@ -77,7 +77,6 @@ const rows = (list) =>
     return `<div><dt>${all.join('')}</dt><dd>${does}</dd></div>`
   })
 
-/** The list of keys of a mode, as HTML. */
 export const listOf = (mode) => [MODES[mode], ALWAYS].map((list) => `<dl>${rows(list).join('')}</dl>`).join('')
 
 const check = (name, words, more = '') => `<label>${words} <input name="${name}" type="checkbox" ${more}></label>`

@@ -1,8 +1,9 @@
 // Finds the scenes among dropped or chosen files and folders.
 
 const FORMATS = '@FORMATS@'.split(', ')
-const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name)) // these name other files
-const MOST = 10000 // most files in folders
+// formats that name other files
+const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name))
+const MOST = 10000 // largest number of files in dropped folders
 
 const lastOf = (file) => file.name.split('/').pop().toLowerCase()
 const isOf = (names) => (file) =>
@@ -10,7 +11,7 @@ const isOf = (names) => (file) =>
 const isIndex = isOf(INDEX)
 const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
 
-/** All files of a drop, with the files in folders. These have their path as name, for scenes of several files. */
+/** Returns all files of a drop. A file in a folder has its path as name. */
 export async function filesOf(entries, dropped) {
   if (!entries.some((entry) => entry.isDirectory)) return dropped
   const files = []
@@ -25,7 +26,8 @@ async function take(entry, files) {
     return
   }
   const reader = entry.createReader()
-  const next = () => new Promise((done, failed) => reader.readEntries(done, failed)) // returns a part of the entries
+  // readEntries returns only a part of the entries a call
+  const next = () => new Promise((done, failed) => reader.readEntries(done, failed))
   for (let some = await next(); some.length; some = await next())
     for (const one of some) {
       if (files.length >= MOST) throw new Error(`${entry.name}: this folder has more than ${MOST} files`)
@@ -33,8 +35,8 @@ async function take(entry, files) {
     }
 }
 
-// Finds the scenes among files, each a file or a list of files, and a file of views or settings. An index gets all
-// files below its folder. A single file without a known ending is tried as a scene.
+// Finds scenes among files, and a file of views or settings. An index file gets all files below its folder. A single
+// file without a known ending is tried as a scene.
 export function scenesIn(files) {
   const isViews = (file) => /\.json$/i.test(file.name) && !isIndex(file)
   const rest = new Set([...files].sort((a, b) => (a.name < b.name ? -1 : 1)))

@@ -1,3 +1,3 @@
-// The entry of the element for bundlers.
+// The entry of the viewer element for bundlers.
 import './starts.js'
 export * from './viewer.js'

@@ -1,14 +1,11 @@
-// The page's side of worker.js. Each request to the worker returns a promise. Ending the worker frees all of its memory
-// and rejects the open requests.
+// Sends requests to worker.js and returns promises. Ending the worker frees all of its memory.
 import { assets, startWorker } from '../fixsplat_assets.js'
 
-/** The objects to transfer with a value, not copied. */
 const moved = (value) => {
   if (globalThis.OffscreenCanvas && value instanceof OffscreenCanvas) return [value]
   return value instanceof Uint8Array ? [value.buffer] : []
 }
 
-// The script was not found, or the browser does not support it.
 const NO_WORKER = 'The script of the renderer cannot be loaded: where a bundler has made this page, see Bundlers in the ' +
   'README of fixsplat; else this browser is too old'
 
@@ -17,7 +14,6 @@ export class Engine {
   #ended = ''
   #next = 0
 
-  /** `hear` gets messages that are not answers. `threads`: as LoadOptions.threads. */
   constructor(hear, threads) {
     this.threads = threads
     this.worker = startWorker('viewer/worker.js')
@@ -26,7 +22,6 @@ export class Engine {
     if (assets()) this.ask('assets', assets()).catch(() => {})
   }
 
-  /** Loads a scene. `previews`: the worker sends previews. */
   open(key, source, place = {}, previews = false) {
     return this.ask('open', key, source, place, { threads: this.threads, previews })
   }

@@ -1,7 +1,6 @@
-// The pictures for the eyes of a headset. Each eye has a camera and a picture. When a picture is shown, it is
-// reprojected to the present pose of the head, as if all of it were on a plane at the distance of the scene.
+// Shows the pictures for the eyes of a headset. A picture is reprojected to the present pose of the head, as a plane at
+// the distance of the scene.
 
-/** The camera of an XRView in a picture of this size, enlarged by `margin` pixels on each side. `place`: see Place. */
 export function cameraOf(view, place, { width, height, margin = 0 }, near) {
   const [p, m] = [view.projectionMatrix, view.transform.matrix]
   const axis = (i, sign) => place.turned([sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]])
@@ -29,8 +28,9 @@ const sum = (a, r, b, c) => a[r] * b[c] + a[r + 1] * b[3 + c] + a[r + 2] * b[6 +
 const product = (a, b) => ROWS.flatMap((r) => COLUMNS.map((c) => sum(a, r, b, c)))
 const transposed = (a) => COLUMNS.flatMap((c) => ROWS.map((r) => a[r + c]))
 
-/** The matrix (by rows) from the pixels of a camera to the pixels of another, for a plane at the depth `far` of the
- * first: K' R'^T M K^-1, where M is R with (e - e') / far added to its last column. */
+/** Returns the homography between the pixels of two cameras for a plane at depth `far`: K' R'^T M K^-1. K, R and e
+    are intrinsics, rotation and eye; primes mark the second camera. M is R with (e - e') / far added to its last
+    column. */
 export function turnBetween(from, to, far) {
   const rays = [1 / from.fx, 0, -from.cx / from.fx, 0, 1 / from.fy, -from.cy / from.fy, 0, 0, 1]
   const pixels = [to.fx, 0, to.cx, 0, to.fy, to.cy, 0, 0, 1]
@@ -41,8 +41,7 @@ export function turnBetween(from, to, far) {
 const VERTEX = `#version 300 es
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }`
 
-// Pixels count from the top left, as in the picture. The picture of an eye has the size `area`, at x = `left` in the
-// texture.
+// Pixels count from the top left. The picture of an eye starts at x = `left` in the texture.
 const FRAGMENT = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;
@@ -80,7 +79,6 @@ export function programOf(gl, vertex, fragment) {
   return program
 }
 
-/** Shows pairs of pictures in the viewports of a framebuffer. */
 export class Eyes {
   #gl
   #program
@@ -97,7 +95,6 @@ export class Eyes {
     for (const name of ['WRAP_S', 'WRAP_T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.CLAMP_TO_EDGE)
   }
 
-  /** Takes the pictures of the cameras: the pixels of each, or one bitmap with all side by side. */
   take(cameras, { pictures, bitmap }) {
     const gl = this.#gl
     const [{ width, height }] = cameras
@@ -114,8 +111,7 @@ export class Eyes {
     })
   }
 
-  /** Draws an eye with its present camera. If the picture has the same camera, its bytes are copied; else it is
-   * reprojected as a plane at the depth `far`. */
+  /** If the camera is unchanged, the bytes of the picture are copied; else the picture is reprojected. */
   draw(eye, camera, far, { x, y, width, height }) {
     const gl = this.#gl
     const index = Math.min(eye, this.cameras.length - 1)
@@ -129,7 +125,6 @@ export class Eyes {
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
-  /** The colour outside the pictures, 0xrrggbb; null: transparent. */
   set ground(rgb) {
     const gl = this.#gl
     const parts = rgb === null ? [0, 0, 0, 0] : [...[16, 8, 0].map((shift) => ((rgb >> shift) & 255) / 255), 1]
@@ -142,10 +137,10 @@ export class Eyes {
 const [LEAST, MOST] = [0.35, 1]
 const STEP = 1.25
 const MARGIN = 1 / 8
-const PATIENCE = 4 // quick pictures in a row before the size grows
+const PATIENCE = 4 // number of quick pictures in a row before the picture size grows
 
-/** Controls the size of pictures, as a share of the viewport, so that each takes about `aim` milliseconds. Pictures
- * below full size get a margin, since they come late and the head turns meanwhile. */
+/** Controls the size of pictures for a drawing time of `aim` milliseconds. Smaller pictures get a margin, because
+    the head turns meanwhile. */
 export class Scale {
   value = 0.5
   #aim

@@ -1,14 +1,12 @@
-// Makes a film of a camera track as a .webm, frame by frame. WebCodecs encodes each frame with its time in the film, no
-// matter how long it took to draw. Without WebCodecs (insecure pages, older browsers), MediaRecorder records each frame
-// for its duration, by the clock. The codec (VP9 or VP8, 4:2:0) changes the bytes of the frames. It encodes at constant
-// quality if the encoder supports that, else with a bit rate in proportion to the pixels.
+// Makes a film of a camera track as a .webm file, frame by frame. WebCodecs encodes each frame with its time in the
+// film. Without WebCodecs, MediaRecorder records each frame for its duration by the clock.
 
 const CODECS = { 'vp09.00.51.08': 'VP9', vp8: 'VP8' }
 const BITS_A_PIXEL = 0.3
 const QUANTIZER = 20 // quantizer of VP9: 0 is the finest, 63 the coarsest
-const FAST_BITS = 16e6 // bits a second of MediaRecorder
+const FAST_BITS = 16e6 // bit rate of MediaRecorder in bits a second
 const KEY_S = 2 // seconds between key frames
-const MOST_WAITING = 4 // most frames in the queue of the encoder
+const MOST_WAITING = 4 // largest number of frames in the queue of the encoder
 const MOST_FRAMES = 36000
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
@@ -33,7 +31,6 @@ const partOf = (value) => {
   return typeof value === 'string' ? new TextEncoder().encode(value) : value
 }
 
-/** An EBML element: id, size in eight bytes, content. */
 function element(id, ...inside) {
   const body = inside.map(partOf).flat(Infinity)
   const size = body.reduce((sum, bytes) => sum + bytes.length, 0)
@@ -42,7 +39,7 @@ function element(id, ...inside) {
 
 const bytesOf = (parts) => parts.reduce((sum, bytes) => sum + bytes.length, 0)
 
-/** Groups frames into clusters, each from a key frame on. Times in a cluster must be below 32768 ms. */
+/** Clusters of a .webm file start at key frames. Times within a cluster must be below 32768 ms. */
 function clustersOf(chunks) {
   const clusters = []
   for (const chunk of chunks) {
@@ -58,7 +55,6 @@ function clustersOf(chunks) {
   })
 }
 
-/** Makes a .webm of encoded frames { bytes, time, isKey }, with times in milliseconds. */
 function webmOf(codec, { width, height, rate }, chunks) {
   const head = element(0x1a45dfa3, element(0x4282, 'webm'), element(0x4287, 4), element(0x4285, 2))
   const length = (1000 * chunks.length) / rate
@@ -81,7 +77,7 @@ function webmOf(codec, { width, height, rate }, chunks) {
   return new Blob([...head, ...segment], { type: 'video/webm' })
 }
 
-// ---- By WebCodecs, and by MediaRecorder ----------------------------------------------------------------------------
+// ---- Encoding by WebCodecs or MediaRecorder ------------------------------------------------------------------------
 
 async function configOf({ width, height, rate, bitrate }) {
   const [fine, coarse] = Object.keys(CODECS)
@@ -150,8 +146,8 @@ async function recorded(film, frames) {
   return { blob: new Blob(parts, { type: 'video/webm' }), codec: 'MediaRecorder', frames: count }
 }
 
-// Makes a film: { blob, codec, frames, width, height }. `asked` is { width, height, rate, seconds, bitrate }.
-// draw(seconds, width, height) returns the pixels of a frame. progress(share) may throw to cancel.
+// Returns { blob, codec, frames, width, height }. draw(seconds, width, height) returns the pixels of a frame.
+// progress(share) may throw to cancel.
 export async function filmOf(asked, draw, progress) {
   const even = (n) => Math.max(2 * Math.round(n / 2), 2)
   const { rate = 30, seconds } = asked

@@ -1,9 +1,8 @@
-// The page of `fixsplat fit --preview`: polls /fit.json, shows its numbers and curve, and replaces the scene by each
-// newer one.
+// The page of `fixsplat fit --preview`: shows the numbers, the curve and the newest scene of a running fit.
 import './viewer.js'
 
 const ASK_MS = 1000
-const SILENT = 3 // unanswered requests before the page reports it
+const SILENT = 3
 const STATES = {
   reads: 'Reading photographs and cameras',
   fits: 'Fitting',
@@ -12,17 +11,15 @@ const STATES = {
   stopped: 'Stopped, and saved',
   failed: 'The fit has failed',
 }
-const TICKS = 4 // most intervals on an axis
+const TICKS = 4
 
 const ui = {}
 for (const element of document.querySelectorAll('[id]')) ui[element.id] = element
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 const many = (n) => n.toLocaleString('en')
 
-// ---- The scene ------------------------------------------------------------------------------------------------------
-
 let viewer
-let shown = 0 // the version of the scene
+let shown = 0
 
 function newViewer(background) {
   const element = document.createElement('fixsplat-viewer')
@@ -32,7 +29,6 @@ function newViewer(background) {
   return element
 }
 
-/** Opens or replaces the scene. False if it failed or the viewer is busy. */
 async function open(address, background) {
   viewer ??= newViewer(background)
   if (viewer.hasAttribute('open')) return viewer.replace(address).catch(() => false)
@@ -52,8 +48,6 @@ async function showLast(facts) {
     await pause(200)
   }
 }
-
-// ---- Numbers --------------------------------------------------------------------------------------------------------
 
 function durationOf(seconds) {
   const s = Math.floor(seconds)
@@ -88,8 +82,6 @@ function write(facts) {
 
 const wordsOf = (psnr, ssim) => `${psnr === null ? 'equal' : `${psnr.toFixed(2)} dB`}, SSIM ${ssim.toFixed(4)}`
 
-// ---- The curve ------------------------------------------------------------------------------------------------------
-
 const draw = (name, attributes, text = '') => {
   const element = document.createElementNS('http://www.w3.org/2000/svg', name)
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value)
@@ -97,7 +89,7 @@ const draw = (name, attributes, text = '') => {
   return element
 }
 
-/** The step of an axis: the least of 1, 2 or 5 times a power of ten that divides a range into at most TICKS parts. */
+/** Returns the step of an axis: 1, 2 or 5 times a power of ten, for at most TICKS parts. */
 function stepOf(range) {
   const power = 10 ** Math.floor(Math.log10(range / TICKS))
   return power * [1, 2, 5, 10].find((times) => (times * power * TICKS) / range > 0.9999)
@@ -105,7 +97,6 @@ function stepOf(range) {
 
 const short = (n) => (n >= 1000 && n % 100 === 0 ? `${n / 1000}k` : many(n))
 
-/** Draws the curve of points [step, psnr, ssim]. */
 function drawCurve({ points, ...facts }) {
   const steps = Math.max(facts.steps, facts.step)
   const { clientWidth: width, clientHeight: height } = ui.curve
@@ -143,7 +134,7 @@ function drawCurve({ points, ...facts }) {
 
 const drawAgain = (facts) => facts?.points.some(([, psnr]) => psnr !== null) && drawCurve(facts)
 
-// ---- Asking ---------------------------------------------------------------------------------------------------------
+// ---- Polling the server ---------------------------------------------------------------------------------------------
 
 const ask = () =>
   fetch('../fit.json', { cache: 'no-store' })

@@ -1,38 +1,36 @@
-// Gamepads with the standard mapping (w3.org/TR/gamepad). They are polled while one is connected. A gamepad moves the
-// viewer with the focus, else the viewer with the largest visible share.
-const DEAD = 0.15 // dead zone of a stick
-const FAST = 4 // speed with a trigger pressed
+// Gamepads with the standard mapping (w3.org/TR/gamepad). A gamepad controls the viewer with the focus, else the viewer
+// with the largest visible share.
+const DEAD = 0.15 // dead zone of a stick as a share of its range
+const FAST = 4 // factor for the speed with a trigger pressed
 
-// Axes and buttons of each motion. `pressed`: for each button, a function of the mode that gives an equivalent key.
 const BINDINGS = {
-  fly: [0, 1], // the left stick
-  turn: [2, 3], // the right one
-  down: [4], // the left shoulder
-  up: [5], // the right one
-  fast: [6, 7], // the triggers
+  fly: [0, 1], // axes of the left stick
+  turn: [2, 3], // axes of the right stick
+  down: [4], // left shoulder button
+  up: [5], // right shoulder button
+  fast: [6, 7], // trigger buttons
   pressed: {
-    0: (mode) => (mode === 'walk' ? '2' : '3'), // A: walk, fly
-    1: () => '1', // B: turn the scene
-    2: () => '0', // X: the whole scene
-    3: () => 'r', // Y: the start
-    9: () => 'h', // Start: the keys
-    12: () => 'p', // up, down: views
+    0: (mode) => (mode === 'walk' ? '2' : '3'), // button A: walk or fly
+    1: () => '1', // button B: orbit the scene
+    2: () => '0', // button X: show the whole scene
+    3: () => 'r', // button Y: the start view
+    9: () => 'h', // button Start: the list of keys
+    12: () => 'p', // D-pad up and down: another view
     13: () => 'n',
-    14: () => ',', // left, right: annotations
+    14: () => ',', // D-pad left and right: another annotation
     15: () => '.',
   },
 }
 
-const viewers = new Map() // for each viewer { act, share }: its commands and its visible share
+const viewers = new Map()
 const watch = new IntersectionObserver((list) => list.forEach(seen), { threshold: [0, 0.25, 0.5, 0.75, 1] })
-let last = 0 // time of the last poll; 0: not polling
-let before = [] // values of the buttons at the last poll
+let last = 0
+let before = []
 
-/** Adds a viewer of the page, once a gamepad is connected. */
 export function join(viewer, act) {
   viewers.set(viewer, { act, share: 0 })
   watch.unobserve(viewer)
-  watch.observe(viewer) // reports at once
+  watch.observe(viewer)
 }
 
 function seen({ target, isIntersecting, intersectionRatio }) {
@@ -43,7 +41,6 @@ function seen({ target, isIntersecting, intersectionRatio }) {
   requestAnimationFrame(look)
 }
 
-/** The viewer to move. */
 function meant() {
   for (const viewer of viewers.keys()) if (!viewer.isConnected) watch.unobserve(viewer), viewers.delete(viewer)
   const value = (viewer) => viewers.get(viewer).share + (viewer.matches(':focus-within') ? 1 : 0)
@@ -51,7 +48,7 @@ function meant() {
   return there.sort((a, b) => value(b) - value(a))[0]
 }
 
-/** The position of a stick without its dead zone; quadratic, for fine control near the middle. */
+/** The deflection beyond the dead zone is squared, for fine control near the middle. */
 function placeOf(pad, axes) {
   const place = axes.map((i) => pad.axes[i] ?? 0)
   const far = Math.hypot(...place)

@@ -1,10 +1,8 @@
-// Listens to pointers and keys, and calls the functions of an object `act`: drag, look and pan (distances in pixels),
-// zoom (a factor), focus and click (a pixel), fly and arrows (seconds), press (a key). act.takesWheel(event) returns
-// true if the wheel should zoom.
+// Listens to pointers and keys, and calls the functions of an object `act`. drag, look and pan get distances in pixels,
+// zoom a factor, focus and click a pixel, fly and arrows seconds, press a key.
 
-const CLICK_PIXELS = 4 // a pointer that moves farther is a drag, not a click
+const CLICK_PIXELS = 4 // pixels: a pointer that moves farther is a drag, not a click
 
-/** The middle of one or two pointers, and their distance. */
 function middle(pointers) {
   const [a, b = a] = [...pointers.values()]
   return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, apart: Math.hypot(a.x - b.x, a.y - b.y) }
@@ -16,7 +14,7 @@ export function listenToPointers(stage, act, holdsSpace) {
     if (holdsSpace()) return act.look
     return pointers.size > 1 || event.buttons & 6 || event.shiftKey ? act.pan : act.drag
   }
-  let pressed = null // the pointerdown event of a possible click
+  let pressed = null
   const end = (event) => pointers.delete(event.pointerId)
   stage.addEventListener('pointerdown', (event) => {
     stage.setPointerCapture(event.pointerId)
@@ -66,7 +64,6 @@ function isForText(target) {
   return target.matches?.('input, select, textarea')
 }
 
-/** Held keys fly, walk and turn once an animation frame; other keys call act.press. Returns the set of held keys. */
 export function listenToKeys(element, act) {
   const held = new Set()
   let last = 0

@@ -1,8 +1,7 @@
-// The on-screen stick for touchscreens, at the lower left. It flies and walks like the keys W A S D, while another
-// finger looks around.
-const SIZE = 116 // diameter in CSS pixels
-const REACH = SIZE / 3 // largest deflection in CSS pixels
-const DEAD = 0.12 // dead zone as a share of REACH
+// The on-screen stick for touchscreens, which flies and walks like the keys W A S D.
+const SIZE = 116
+const REACH = SIZE / 3 // largest deflection of the stick in CSS pixels
+const DEAD = 0.12 // dead zone of the stick as a share of REACH
 const rules = `
 #stick { position: absolute; left: calc(16px + var(--left, 0px)); bottom: calc(78px + var(--below, 0px));
   width: ${SIZE}px; height: ${SIZE}px; border-radius: 50%; touch-action: none; cursor: grab;
@@ -15,18 +14,17 @@ const rules = `
 #stick:has(~ #player:not([hidden])) { bottom: calc(132px + var(--below, 0px)); }
 @media (max-height: 420px) { #stick { bottom: calc(66px + var(--below, 0px)); } }`
 
-/** Makes the stick, above the picture and below all buttons and panels. */
 export function joystick(root, act) {
   const sheet = new CSSStyleSheet()
   sheet.replaceSync(rules)
   root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet]
   const stick = document.createElement('div')
   stick.id = 'stick'
-  stick.ariaHidden = 'true' // keys do the same
+  stick.ariaHidden = 'true' // hidden from screen readers, since keys do the same
   root.getElementById('stage').after(stick)
-  let held = null // id of the pointer that holds the stick
+  let held = null
   let last = 0
-  let at = [0, 0] // deflection to the right and down, at most 1
+  let at = [0, 0]
 
   function show(x, y) {
     at = [x, y]

@@ -1,25 +1,21 @@
-// Translates the texts of the viewer. The source has English texts; a table for each other language maps them to
-// translations and is loaded when needed. tests/web/language.mjs checks that each table is complete.
+// Translates the texts of the viewer. A table for each language other than English is loaded when needed.
 
 const TABLES = { de: () => import('./language_de.js'), zh: () => import('./language_zh.js') }
 const NAMES = ['aria-label', 'title', 'placeholder']
 
-/** The first supported language in a list; 'en' if none is. */
 export function chosen(asked) {
   const names = asked.map((one) => one.toLowerCase().split(/[-_]/)[0])
   return names.find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
 }
 
-/** The preferred languages: one by name, then the languages of the browser. */
 export const askedFor = (name) => [name, ...(navigator.languages ?? [navigator.language])].filter(Boolean)
 
 export class Language {
   name = 'en'
   #table = new Map()
-  #seen = new WeakMap() // for each text node or attribute { english, written }
+  #seen = new WeakMap()
   #roots = []
 
-  /** Translates a text and inserts values for {0}, {1}. After a prefix such as "file: ", translates the rest. */
   of(words, ...values) {
     let [at, text] = [0, this.#table.get(words)]
     while (!text && (at = words.indexOf(': ', at) + 2) > 1) text = this.#table.get(words.slice(at))
@@ -30,13 +26,11 @@ export class Language {
     return n.toLocaleString(this.name)
   }
 
-  /** Translates the content of an element, now and after each change of the language. */
   take(root) {
     if (!this.#roots.includes(root)) this.#roots.push(root)
     this.write(root)
   }
 
-  /** Translates texts and attributes, except in elements with translate="no". */
   write(root) {
     const own = (node) => (node.translate === false ? NodeFilter.FILTER_REJECT : NodeFilter.FILTER_ACCEPT)
     const walker = document.createTreeWalker(root, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT, own)
@@ -57,7 +51,6 @@ export class Language {
     this.#seen.set(node, { english, written })
   }
 
-  /** Chooses the first supported language of a list. True if the language changed. */
   async choose(asked) {
     const name = chosen(asked)
     if (name === this.name) return false

@@ -1,4 +1,4 @@
-// The list of scenes of `fixsplat view --web`: polls the server, and shows the picture or the state of each scene.
+// The list of scenes of `fixsplat view --web`, with the picture or the state of each scene.
 import { Language, askedFor } from './language.js'
 
 const ASK_MS = 1000

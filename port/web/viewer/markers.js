@@ -1,10 +1,10 @@
-// Annotations: numbered markers on the picture, and the caption of the selected one. Markers that the scene hides are
-// faded; the worker finds these by the depths of a small picture.
+// Annotations: numbered markers on the picture, and the caption of the selected marker. Markers that the scene hides
+// are faded, by the depths of a small picture.
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
-const AGAIN_MS = 250 // least time between two depth tests; the pause is also at least 5 times the time of a test
-const SMALL = 320 // longer side of the small picture, pixels
+const AGAIN_MS = 250 // minimum milliseconds between two depth tests; at least 5 times the time of a test
+const SMALL = 320
 
 const LINK = ICONS.share
 const REMOVE = 'M5 7h14M10 7V4h4v3M7 7l1 13h8l1-13'
@@ -28,7 +28,6 @@ export class Markers {
   #pause = AGAIN_MS
   #looking = false
 
-  /** `acts`: choose(index), step(by), link(index), close(), change(index, { title, text }), remove(index). */
   constructor(host, acts) {
     this.#host = host
     this.acts = acts
@@ -66,7 +65,6 @@ export class Markers {
     this.place()
   }
 
-  /** Sets the names of the markers for screen readers. */
   name() {
     const { language } = this.#host
     this.#list.forEach(({ title }, i) => {
@@ -75,7 +73,6 @@ export class Markers {
     })
   }
 
-  /** Opens the caption of an annotation; -1 closes it. */
   choose(index, isEditing) {
     const ui = this.#ui
     if (index < 0 && ui.caption.matches(':focus-within')) this.#leave()
@@ -92,7 +89,6 @@ export class Markers {
     ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
   }
 
-  /** Moves the focus from the caption to its marker if visible, else to the picture. */
   #leave() {
     const marker = this.#layer.querySelector('[aria-expanded="true"]:not([hidden])')
     ;(marker ?? this.#host.ui.stage).focus({ focusVisible: false })
@@ -102,7 +98,6 @@ export class Markers {
     this.#ui.newTitle.focus()
   }
 
-  /** Updates the title of an annotation. */
   entitle(index) {
     const { title } = this.#list[index]
     this.#buttons[index].title = title
@@ -110,7 +105,6 @@ export class Markers {
     this.name()
   }
 
-  /** Moves the markers to their positions in the present picture. */
   place() {
     const { element, camera } = this.#host
     const [width, height, seen] = [element.clientWidth, element.clientHeight, camera()]
@@ -127,7 +121,6 @@ export class Markers {
     this.#timer = setTimeout(() => this.#look(), Math.max(this.#lookedAt + this.#pause - performance.now(), 0))
   }
 
-  /** Fades the markers that the scene hides. */
   async #look() {
     const { element, camera, depths, radius } = this.#host
     const seen = camera()

@@ -1,7 +1,7 @@
-// The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units.
-// views.js describes the fields of a camera.
+// The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units. `look`
+// is the target of a camera.
 
-const POLE = 0.02 // least angle between the direction of view and up, radians
+const POLE = 0.02 // smallest angle between the direction of view and up, radians
 
 export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -21,7 +21,6 @@ export const distance = ({ eye, look }) => Math.hypot(...add(look, eye, -1))
 const slope = (fov) => Math.tan((fov * Math.PI) / 360)
 const degrees = (slope) => (360 / Math.PI) * Math.atan(slope)
 
-/** The height of the visible area at the depth of `look`. */
 const heightAt = (camera) => 2 * distance(camera) * slope(camera.fov)
 
 function axes({ eye, look, up }) {
@@ -30,7 +29,8 @@ function axes({ eye, look, up }) {
   return { forward, right, down: cross(forward, right) }
 }
 
-/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both. */
+/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both
+    vectors. */
 function turn(camera, from, up, right, down) {
   const view = axes(camera)
   const axis = unit(up)
@@ -40,45 +40,39 @@ function turn(camera, from, up, right, down) {
   return [both(from), both(cross(view.right, view.forward))]
 }
 
-/** Turns the camera about `look`. */
 export function orbit(camera, sceneUp, right, down) {
   const [back, up] = turn(camera, add(camera.eye, camera.look, -1), sceneUp, right, down)
   return { ...camera, eye: add(camera.look, back), up }
 }
 
-/** True if a camera is not rolled with respect to an up direction. */
 export function isLevel(camera, sceneUp) {
   const { right, down } = axes(camera)
   const up = unit(sceneUp)
   return Math.abs(dot(right, up)) < 1e-3 && dot(down, up) < 1e-3
 }
 
-/** Sets the up vector of a camera, unless the camera looks along it. */
 export function level(camera, sceneUp) {
   const up = unit(sceneUp)
   return Math.abs(dot(axes(camera).forward, up)) > 0.9998 ? camera : { ...camera, up }
 }
 
-/** Turns the camera about its eye. */
 export function lookAround(camera, sceneUp, right, down) {
   const [ahead, up] = turn(camera, add(camera.look, camera.eye, -1), sceneUp, right, down)
   return { ...camera, look: add(camera.eye, ahead), up }
 }
 
-/** Moves the camera along its own axes. */
 export function fly(camera, right, down, forward) {
   const view = axes(camera)
   const move = (a) => add(add(add(a, view.right, right), view.down, down), view.forward, forward)
   return { ...camera, eye: move(camera.eye), look: move(camera.look) }
 }
 
-/** Moves the camera by pixels of a picture of this height, at the depth of `look`. */
 export function pan(camera, height, right, down) {
   const unitsAPixel = heightAt(camera) / height
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
 }
 
-/** Scales the distance to `look`, to at least `nearest`; for an orthographic camera, the visible area. */
+/** Scales the distance to the target; for an orthographic camera, the visible area. */
 export function zoom(camera, factor, nearest) {
   const least = Math.min(1, nearest / (camera.flat ? heightAt(camera) : distance(camera)))
   const times = Math.max(factor, least)
@@ -86,20 +80,17 @@ export function zoom(camera, factor, nearest) {
   return { ...camera, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** Makes a camera orthographic or perspective, with the same size of the visible area at `look`. */
 export function flatten(camera, flat, fov) {
   const times = slope(camera.fov) / slope(fov)
   return { ...camera, flat, fov, eye: mix(camera.look, camera.eye, times) }
 }
 
-/** A camera between two cameras; t is 0 to 1, with ease in and out. */
 export function between(a, b, t) {
   const part = t * t * (3 - 2 * t)
   const mixed = ['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])
   return { ...b, fov: a.fov + part * (b.fov - a.fov), ...Object.fromEntries(mixed) }
 }
 
-/** Converts a camera for the renderer: as LookAt if possible, as Pinhole with `flat` or `shift`. */
 export function rendered(camera, width, height, near) {
   const { eye, flat, shift, fov } = camera
   if (!flat && !shift.some(Boolean)) return camera
@@ -110,7 +101,6 @@ export function rendered(camera, width, height, near) {
   return { rotation, position: eye, fx, cx, cy, near, orthographic: flat, width, height }
 }
 
-/** Projects a point to pixels x, y and its depth along the axis of view. */
 export function project(camera, point, width, height) {
   const { right, down, forward } = axes(camera)
   const to = add(point, camera.eye, -1)
@@ -122,7 +112,6 @@ export function project(camera, point, width, height) {
 
 const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
 
-/** The direction from a scene to a camera slightly above it. */
 function frontOf(up) {
   const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
   const back = unit(add(start, up, -dot(start, up)))
@@ -133,7 +122,7 @@ function frontOf(up) {
   )
 }
 
-/** A camera that sees all corners of the box of a scene, at 1.1 times the least distance. `first`: as Scene.first. */
+/** Returns a camera that sees all corners of a scene's box, at 1.1 times the least distance. */
 export function seeAll(scene, sceneUp, fov, aspect, first) {
   const { low, high } = first ?? scene
   const up = unit(sceneUp)
@@ -155,7 +144,7 @@ export function seeAll(scene, sceneUp, fov, aspect, first) {
   return { eye: add(look, from, 1.1 * (first?.part ?? 1) * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
 }
 
-/** Converts a camera of a cameras.json. `look` is the point on its axis that is nearest to the middle of the scene. */
+/** Converts a camera of a cameras.json file. Its target is the point of its axis nearest to the middle of the scene. */
 export function ofView(view, { low, high }) {
   const column = (i) => view.rotation.map((row) => row[i])
   const forward = unit(column(2))
@@ -169,7 +158,6 @@ export function ofView(view, { low, high }) {
   return { eye: [...view.position], look, up: column(1).map((x) => -x), fov, flat, shift }
 }
 
-/** The up direction of a scene: the mean of the views' up vectors; `otherwise` if they cancel out. */
 export function upOf(views, otherwise) {
   const mean = [0, 1, 2].map((i) => views.reduce((sum, view) => sum - view.rotation[i][1] / views.length, 0))
   return Math.hypot(...mean) > 0.1 ? mean : otherwise

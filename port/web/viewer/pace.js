@@ -1,40 +1,37 @@
-// Chooses the size of pictures while the camera moves, by the measured times at each size: the largest size that takes
-// at most AIM_MS, or at most WORTH times the time of the smallest size.
+// Chooses the size of pictures while the camera moves: the largest size that takes at most AIM_MS, or at most WORTH
+// times the time of the smallest size.
 
-const AIM_MS = 40 // aimed time for a picture in motion
-const WORTH = 1.3 // factor over the time of the smallest picture; below it, smaller pictures gain little
-const MARGIN = 1.3 // hysteresis: factor between the limits for growing and for shrinking
-const DIVISORS = [1, 1.5, 2, 3, 4] // divisors of width and height
-const KEPT = 7 // the median of so many last pictures is taken
-const PROBES = 5 // pictures of the smallest size when the camera moves first
-const PATIENCE = 12 // pictures before the size grows
-const FORGOTTEN = 100 // pictures after which times of other sizes are dropped
+const AIM_MS = 40 // milliseconds to aim at for a picture in motion
+const WORTH = 1.3 // largest accepted time of a picture, as a multiple of the time of the smallest picture
+const MARGIN = 1.3 // hysteresis: ratio between the limits for growing and for shrinking
+const DIVISORS = [1, 1.5, 2, 3, 4]
+const KEPT = 7 // number of recent pictures for the median time
+const PROBES = 5
+const PATIENCE = 12 // number of pictures before their size may grow
+const FORGOTTEN = 100
 
 const LAST = DIVISORS.length - 1
 const STEPS = [...DIVISORS.keys()]
-const share = (step) => 1 / DIVISORS[step] ** 2 // share of the pixels of the whole picture
+const share = (step) => 1 / DIVISORS[step] ** 2
 const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
 export class Pace {
-  #step = 0 // index in DIVISORS
-  #times = STEPS.map(() => 0) // milliseconds for a picture at each step; 0: unknown
-  #recent = [] // times of the last pictures at this step
-  #count = 0 // number of pictures at this step
+  #step = 0
+  #times = STEPS.map(() => 0) // milliseconds for a picture at each step of DIVISORS; 0: unknown
+  #recent = []
+  #count = 0
 
-  /** The divisor of width and height in motion. */
   get divisor() {
     return DIVISORS[this.#step]
   }
 
-  /** Takes the time of a picture. */
   take(divisor, milliseconds) {
     const step = DIVISORS.indexOf(divisor)
     if (step === this.#step) this.#measure(milliseconds)
-    else if (step === 0) this.#times[0] = (this.#times[0] + milliseconds) / (this.#times[0] ? 2 : 1) // at rest
+    else if (step === 0) this.#times[0] = (this.#times[0] + milliseconds) / (this.#times[0] ? 2 : 1)
     this.#choose()
   }
 
-  /** After the first KEPT pictures, a change of the time at one size scales the times of all sizes. */
   #measure(milliseconds) {
     this.#recent = [...this.#recent, milliseconds].slice(-KEPT)
     const [time, before] = [median(this.#recent), this.#times[this.#step]]
@@ -43,7 +40,6 @@ export class Pace {
     this.#times[this.#step] = time
   }
 
-  /** The time at a step: measured, else interpolated linearly over the number of pixels. */
   #timeAt(step) {
     if (this.#times[step]) return this.#times[step]
     const finer = STEPS.findLast((one) => one < step && this.#times[one])
@@ -52,7 +48,6 @@ export class Pace {
     return this.#times[coarser] + part * (this.#times[finer] - this.#times[coarser])
   }
 
-  /** The step to use. */
   #wanted() {
     if (!this.#times[LAST]) return this.#times[0] <= AIM_MS ? 0 : LAST
     if (this.#step === LAST && this.#count < PROBES) return LAST

@@ -1,5 +1,5 @@
-// The page of the viewer. The address of the page chooses the scene (?scene=URL), other attributes of the element
-// <fixsplat-viewer>, and the camera (#view=...).
+// The page of the viewer. Its address sets the scene (?scene=URL), other attributes of <fixsplat-viewer>, and the
+// camera (#view=...).
 import './viewer.js'
 import { followAddress } from './views.js'
 

@@ -1,9 +1,9 @@
-// The visible texts and buttons of the viewer: the bar, panels, progress, errors and notes.
+// The visible texts and buttons of the viewer: bar, panels, progress, errors, notes.
 import { listOf } from './body.js'
 import { backends } from './picture.js'
 
 const NOTE_MS = 4000
-const PAUSE_MS = 1000 // no frame rate is shown after a longer pause between pictures
+const PAUSE_MS = 1000
 
 const KEYS = { orbit: 'Keys', fly: 'Keys in flight', walk: 'Keys on foot' }
 const HINTS = {
@@ -50,14 +50,12 @@ export class Panels {
     this.ui.error.hidden = false
   }
 
-  /** Shows a note. `words`: English text, with {0}, {1} for the values. */
   note(words, ...values) {
     this.ui.note.textContent = this.language.of(words, ...values)
     clearTimeout(this.#timer)
     this.#timer = setTimeout(() => (this.ui.note.textContent = ''), NOTE_MS)
   }
 
-  /** Shows a hint with the first picture. */
   greet(scrolls) {
     if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
@@ -66,7 +64,6 @@ export class Panels {
     this.note(hovers ? byWheel : 'Drag to turn, pinch to zoom')
   }
 
-  /** Shows or hides a panel, and hides the other one. */
   toggle(panel) {
     const { help, options, keys, set, stage } = this.ui
     for (const other of [help, options]) other.hidden = other !== panel || !other.hidden
@@ -85,7 +82,6 @@ export class Panels {
     for (const one of [help, stage]) this.language.write(one)
   }
 
-  /** Writes values into the fields of the settings panel. */
   set(values) {
     for (const [name, value] of Object.entries(values)) {
       const field = this.#root.querySelector(`[name=${name}]`)
@@ -94,7 +90,6 @@ export class Panels {
     }
   }
 
-  /** Shows the numbers of a picture: rate, time, size, Gaussians, missing parts. */
   read({ width, height, milliseconds, backend, drawn, missing }) {
     const now = performance.now()
     const between = now - this.#readAt

@@ -1,14 +1,14 @@
-// The picture in the page: its canvas, the back end that draws on it, and its size. The first back end is 'wasm',
-// unless one was chosen. Then a trial in a second worker times the back ends of the GPU once; the fastest one draws.
+// The picture in the page: its canvas, back end and size. The first back end is 'wasm', unless the page names another.
+// A trial then times the GPU back ends once, and the fastest back end draws.
 import { Pace } from './pace.js'
 
 const MOST_PIXELS = 1 << 23
 const LEAST_PIXELS = 1 << 14
-const SHOWN_MS = 100 // time in which the browser shows a picture of a worker
-const AGAIN_MS = 5000 // a back end that loses its context sooner is not opened again
+const SHOWN_MS = 100
+const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner is not opened again
 const TRIES = 3
-const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i // GPUs emulated by the processor
-const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' } // fallbacks
+const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i
+const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' }
 
 export const backends = {
   wasm: 'the processor',
@@ -20,12 +20,11 @@ let screens = 0
 
 export class Picture {
   #stage
-  #screen = null // the present screen: { engine, id, canvas, backend, openedAt }
+  #screen = null
   #tried = true
   #most = MOST_PIXELS
   #pace = new Pace()
 
-  /** The last child of the stage is visible: a canvas, or the poster. */
   constructor(stage) {
     this.#stage = stage
   }
@@ -34,7 +33,8 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Opens a back end, or its fallback. Without `wanted`, a trial follows. False: the processor replaces the GPU. */
+  /** Opens a back end. Without `wanted`, a trial of the GPU follows later. Returns false if the processor replaces
+      the GPU. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
@@ -57,7 +57,7 @@ export class Picture {
     this.#stage.replaceChildren()
   }
 
-  /** Makes a canvas below the visible one. Its id is 0 if a worker cannot draw on it but only return pixels. */
+  /** Makes a canvas below the visible canvas. The id 0 means that a worker can only return pixels. */
   async #open(engine, backend) {
     const canvas = document.createElement('canvas')
     const id = canvas.transferControlToOffscreen ? ++screens : 0
@@ -77,7 +77,6 @@ export class Picture {
     return { width: w, height: h, divisor }
   }
 
-  /** Draws a picture and returns its facts; null if the screen was lost or changed meanwhile. */
   async draw(camera, { divisor, ...options }) {
     const screen = this.#screen
     const { pixels, lost, ...facts } = await screen.engine.ask('draw', screen.id, camera, options)
@@ -95,16 +94,12 @@ export class Picture {
     }, SHOWN_MS)
   }
 
-  /** Halves the number of pixels from now on; false below the minimum. */
   shrink({ width, height }) {
     this.#most = (width * height) / 2
     return this.#most >= LEAST_PIXELS
   }
 
-  // ---- Back ends ----------------------------------------------------------------------------------------------------
-
-  // Times the back ends of the GPU once, on hidden canvases in a new worker; copy(engine) gives it the scenes. If one
-  // is faster, it draws from now on, and its engine is returned; else null.
+  // Times the GPU back ends once and returns the engine of a faster back end, else null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true
@@ -121,7 +116,6 @@ export class Picture {
     return wins ? engine : null
   }
 
-  /** Opens back ends in a worker with copies of the scenes. Fails for streamed scenes, which cannot be copied. */
   async #copies(engine, copy, backends) {
     await copy(engine)
     const opened = []
@@ -129,7 +123,6 @@ export class Picture {
     return opened.filter(Boolean)
   }
 
-  /** Continues after a lost context or device: with a new one of the same kind, or with the fallback. */
   async lost(id) {
     const { engine, id: own, backend, openedAt } = this.#screen ?? {}
     if (!engine || id !== own) return false
@@ -148,7 +141,6 @@ function free(canvas) {
   canvas.remove()
 }
 
-/** The back ends on a real GPU, which the processor does not emulate. */
 async function ofGraphicsCard() {
   if (!globalThis.OffscreenCanvas) return []
   return [(await hasWebGpu()) && 'webgpu', hasWebGl() && 'webgl2'].filter(Boolean)
@@ -168,7 +160,6 @@ function hasWebGl() {
   return !!gl && !BY_PROCESSOR.test(name)
 }
 
-/** The screen with the shortest time for a picture. */
 async function fastest(own, others, camera, { divisor, ...options }) {
   const least = async ({ engine }, id) => {
     const times = []

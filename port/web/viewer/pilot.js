@@ -1,34 +1,34 @@
-// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys. The effect of
-// input depends on the mode (orbit, fly or walk). motion.js has the geometry, walk.js the walking.
+// Moves the camera of the viewer: glides between views, and applies the input of pointers and keys in the modes orbit,
+// fly and walk.
 import * as motion from './motion.js'
 
 const GLIDE_MS = 350
-const IDLE_MS = 2500 // without input, until the scene turns by itself
-const TURN = 0.25 // radians a second
+const IDLE_MS = 2500 // milliseconds without input before the scene turns by itself
+const TURN = 0.25 // speed of the turning scene in radians a second
 const UPRIGHT = [0, -1, 0]
-const BY_KEY = 400 // a key turns like a drag at this speed, pixels a second
+const BY_KEY = 400
 const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
 
 export class Pilot {
   camera = null
-  mode = 'orbit' // or fly or walk
-  walker = null // see walk.js
+  mode = 'orbit' // how the user moves the camera: 'orbit', 'fly' or 'walk'
+  walker = null
   up = UPRIGHT
   views = []
   index = 0
-  home = () => null // the start view of a settings file
+  home = () => null
   speed = 0.5
   fov = 50
-  ahead = null // the point in the middle of the picture, if known
-  turns = false // true: the scene turns by itself
-  touched = false // true: the camera was moved since the scene was opened
-  gliding = null // the token of the current glide
+  ahead = null
+  turns = false
+  touched = false
+  gliding = null
   #element
   #moved
   #scene = null
-  #given = false // true: the up direction was set by upright(), not by a scene or file
+  #given = false
   #actedAt = 0
-  #turning = 0 // the animation frame of turning
+  #turning = 0
 
   /** moved(isMoving, byHand) is called after each change of the camera. */
   constructor(element, moved) {
@@ -41,7 +41,6 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** Takes a list of views. `view`: the start view, if not the first. home(): the start view without a list. */
   takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0
@@ -54,7 +53,6 @@ export class Pilot {
     this.show(view ?? this.start)
   }
 
-  /** The start view, from the settings file, the list of views or the scene; else a view of the whole scene. */
   get start() {
     return this.#given ? motion.level(this.#begins, this.up) : this.#begins
   }
@@ -77,7 +75,6 @@ export class Pilot {
     return Math.max(Math.hypot(...motion.add(this.#scene.high, this.#scene.low, -1)) / 2, 1e-3)
   }
 
-  /** Converts a camera for the renderer. */
   rendered({ width, height }, camera = this.camera) {
     return motion.rendered(camera, width, height, Math.min(this.radius / 100, 0.2))
   }
@@ -88,7 +85,6 @@ export class Pilot {
     this.#moved(false, false)
   }
 
-  /** Shows the next camera of a playing track. */
   follow(camera) {
     if (!this.#scene) return
     this.#actedAt = performance.now()
@@ -101,7 +97,6 @@ export class Pilot {
     this.#moved(true, byHand)
   }
 
-  /** Moves the camera smoothly. True on arrival; false if something else has moved the camera meanwhile. */
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
@@ -127,7 +122,6 @@ export class Pilot {
     })
   }
 
-  /** Moves nearer to a point and makes it the point to turn about. */
   goTo(point) {
     if (this.walks) return this.walker?.begin(point)
     const eye = motion.add(point, motion.add(this.camera.eye, point, -1), 0.6)
@@ -143,14 +137,12 @@ export class Pilot {
     if (this.#scene) this.show({ ...this.camera, fov })
   }
 
-  /** Sets the up direction; undefined: as in the scene. */
   upright(up) {
     this.#given = !!up
     this.up = up ?? this.#scene?.first.up ?? UPRIGHT
     if (this.#scene) this.show(this.start)
   }
 
-  /** Turns the scene while the user does nothing. */
   turnByItself(on) {
     if (this.turns === on) return
     this.turns = on
@@ -166,15 +158,13 @@ export class Pilot {
     if (on) this.#turning = requestAnimationFrame(step)
   }
 
-  // ---- Pointers and keys: by pixels, by a factor, in units of speed -------------------------------------------------
+  // ---- Input of pointers and keys -----------------------------------------------------------------------------------
 
-  /** The commands for input.js: of this class, and `others`. */
   acts(others) {
     const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows', 'turn']
     return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }
   }
 
-  /** Sets the camera by an input of the user. */
   act(camera) {
     this.touched = true
     this.#actedAt = performance.now()
@@ -208,7 +198,6 @@ export class Pilot {
     else if (this.#scene) this.act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
   }
 
-  /** Scales the distance: when flying, to the point ahead; else to the point that the camera turns about. */
   zoom(factor) {
     if (!this.#scene) return
     if (this.walks) this.walker?.go(0, BY_ZOOM * (1 - factor))
@@ -216,7 +205,6 @@ export class Pilot {
     else this.act(motion.zoom(this.camera, factor, 1e-4 * this.radius))
   }
 
-  /** Moves the camera. When walking, `down` turns left and right. */
   fly(right, down, forward) {
     if (!this.#scene || !(right || down || forward)) return
     if (this.walks) {
@@ -227,19 +215,16 @@ export class Pilot {
     this.act(motion.fly(this.camera, right * step, down * step, forward * step))
   }
 
-  /** Applies the arrow keys: seconds to the right and down. */
   arrows(right, down) {
     if (this.walks) this.fly(right, 0, -down)
     else this.turn(right, down)
   }
 
-  /** Orbits the scene, or looks around. */
   turn(right, down) {
     const sign = this.mode === 'orbit' ? -BY_KEY : BY_KEY
     this.drag(sign * right, sign * down)
   }
 
-  /** The distance to the visible surface, which scales the speed of flight. */
   get #reach() {
     const to = this.isFlying ? this.ahead : this.camera.look
     const far = to ? motion.distance({ eye: this.camera.eye, look: to }) : this.radius

@@ -9,7 +9,6 @@ export class Player {
   #host
   #ui = {}
 
-  /** `acts`: toggle(), seek(seconds), choose(index), film(). */
   constructor(host, acts) {
     this.#host = host
     const bar = document.createElement('div')
@@ -26,14 +25,13 @@ export class Player {
     ui.play.onclick = () => acts.toggle()
     ui.time.oninput = () => acts.seek(Number(ui.time.value))
     ui.time.onkeydown = ({ key }) => {
-      if (key.toLowerCase() === 'k') acts.toggle() // keys in fields do not reach the viewer
+      if (key.toLowerCase() === 'k') acts.toggle()
     }
     ui.track.onchange = () => acts.choose(Number(ui.track.value))
     ui.film.onclick = () => acts.film()
     host.language.write(bar)
   }
 
-  /** Shows a list of tracks and the selected one. */
   show(tracks, index) {
     const { bar, track, time } = this.#ui
     const { language } = this.#host
@@ -57,7 +55,6 @@ export class Player {
     play.querySelector('path').setAttribute('d', plays ? PAUSE : PLAY)
   }
 
-  /** Shows the progress of a film, 0 to 1; null: no film. */
   filming(share) {
     const { film, clock, time, play, track } = this.#ui
     const words = this.#host.language.of(share === null ? 'Save a film' : 'Stop the film')

@@ -1,4 +1,4 @@
-// The script of a page of `fixsplat publish`: the address of the page sets view and annotation, as its own links do.
+// The page that `fixsplat publish` writes. The page's address sets the view and the annotation.
 import './viewer.js'
 import { followAddress } from './views.js'
 

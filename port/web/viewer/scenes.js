@@ -1,11 +1,9 @@
-// The scenes of a viewer: the element <fixsplat-scene>, which adds a scene to a <fixsplat-viewer>, and Item, the state
-// of each scene.
+// The element <fixsplat-scene>, which adds a scene to a <fixsplat-viewer>, and the class Item, the state of a scene.
 
 import { addressOf, nameOf } from './views.js'
 
-const RADIANS = Math.PI / 360 // half a degree, for quaternions
+const RADIANS = Math.PI / 360 // half a degree in radians, since quaternions have half angles
 
-/** The numbers of an attribute, separated by spaces or commas; undefined without the attribute. */
 function numbersOf(element, name, ...counts) {
   const text = element.getAttribute(name)
   if (text === null) return undefined
@@ -14,7 +12,6 @@ function numbersOf(element, name, ...counts) {
   throw new Error(`${name}="${text}": expected ${counts.join(' or ')} ${counts[0] === 1 ? 'number' : 'numbers'}`)
 }
 
-/** The product of two quaternions w, x, y, z. */
 const product = ([a, b, c, d], [e, f, g, h]) => [
   a * e - b * f - c * g - d * h,
   a * f + b * e + c * h - d * g,
@@ -22,7 +19,7 @@ const product = ([a, b, c, d], [e, f, g, h]) => [
   a * h + b * g - c * f + d * e,
 ]
 
-/** The quaternion of a rotation by degrees about x, then y, then z, as in `fixsplat convert --rotate`. */
+/** Returns the quaternion of a rotation by degrees about x, then y, then z. */
 const quaternionOf = (degrees) =>
   degrees.map((angle, axis) => {
     const part = [Math.cos(angle * RADIANS), 0, 0, 0]
@@ -30,7 +27,6 @@ const quaternionOf = (degrees) =>
     return part
   }).reduce((before, next) => product(next, before))
 
-/** The placement of a scene by its attributes, as a `Placed`; without fields for missing attributes. */
 function placeOf(element) {
   const rotation = numbersOf(element, 'rotation', 3, 4)
   const [scale] = numbersOf(element, 'scale', 1) ?? []
@@ -49,7 +45,6 @@ function placeOf(element) {
   return Object.fromEntries(Object.entries(place).filter(([, value]) => value !== undefined))
 }
 
-/** The attributes of a scene; the viewer observes them. */
 export const WATCHED = ['src', 'position', 'rotation', 'scale', 'opacity', 'tint', 'hidden']
 
 const asText = (value) => (typeof value === 'object' ? [...value].join(' ') : `${value}`)
@@ -75,7 +70,6 @@ if (!customElements.get('fixsplat-scene')) customElements.define('fixsplat-scene
 
 let keys = 0
 
-/** An absolute address; files and invalid addresses are returned unchanged. */
 function wholeOf(source) {
   try {
     return typeof source === 'string' ? addressOf(source) : source
@@ -84,18 +78,16 @@ function wholeOf(source) {
   }
 }
 
-/** A wanted or loaded scene. */
 export class Item {
   key = ++keys
-  engine = null // the worker that holds it
-  facts = null // the answer of the worker
-  bytes = null // the packed scene, while it moves from one worker to another
+  engine = null
+  facts = null
+  bytes = null
   failed = false
-  wrong = null // an Error in its placement; the last valid one is kept
+  wrong = null // an Error in the placement; the last valid placement is kept
   #place = {}
   #timer = 0
 
-  /** `element`: null for the scene of `src` or `open`. */
   constructor(source, element = null) {
     Object.assign(this, { source: wholeOf(source), element })
   }
@@ -115,13 +107,11 @@ export class Item {
     return this.#place
   }
 
-  /** The ShownScene for events and properties. */
   get told() {
     const { name, count, low, high } = this.facts
     return { source: this.source, name, count, low, high, element: this.element }
   }
 
-  /** Calls a function after some seconds, unless `keep` is called before. */
   let(seconds, call) {
     this.#timer ||= setTimeout(call, 1000 * seconds)
   }

@@ -1,13 +1,12 @@
-// The page of a scene that `fixsplat view --web` serves. It polls the server, shows the state of the scene, opens it
-// when it is packed, and replaces it by each newer version with the same camera. The address of the page chooses the
-// scene (?scene=/scenes/0/NAME), other attributes of the element, and the camera (#view=...).
+// The page of a scene of `fixsplat view --web`. Shows the state of the scene, the packed scene and each newer version.
+// The page's address sets the scene (?scene=/scenes/0/NAME) and other attributes.
 import './viewer.js'
 import { Language, askedFor } from './language.js'
 import { followAddress } from './views.js'
 
 const ASK_MS = 1000
-const FIRST_MS = 300 // the same until a scene is shown
-const SILENT = 3 // unanswered requests before the page reports it
+const FIRST_MS = 300 // milliseconds between requests until a scene is shown
+const SILENT = 3
 
 const params = new URLSearchParams(location.search)
 const [, number] = (params.get('scene') ?? '').match(/^\/scenes\/(\d+)\//) ?? []
@@ -18,9 +17,8 @@ const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 const language = new Language()
 
 let viewer = null
-let shown = 0 // the version that is shown, or that failed last
+let shown = 0
 
-/** Shows a text in the middle of an empty page, or above a scene; hides it if empty. */
 function say(text, done) {
   told.hidden = !text
   told.classList.toggle('over', !!viewer)
@@ -34,7 +32,6 @@ const ask = () =>
     .then((answer) => answer.json())
     .catch(() => null)
 
-/** Shows the state of the file, if it is not shown completely. */
 function tell({ name, state, done, words: why }) {
   const still = viewer ? `. ${language.of('This is what there was before')}` : ''
   if (state === 'packs' && !viewer) say(language.of('Packing {0}: {1} %', name, Math.floor(100 * done)), done)
@@ -53,7 +50,6 @@ function begin(address, name) {
   viewer.focus({ focusVisible: false })
 }
 
-/** Opens or replaces the scene. False if the viewer is busy. */
 async function open(address, name) {
   if (!viewer) return begin(address, name)
   if (viewer.hasAttribute('open')) return viewer.replace(address)

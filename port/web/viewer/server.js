@@ -1,3 +1,3 @@
-// Empty classes of the elements for server-side rendering; the browser defines the real ones.
+// Empty classes of the elements for server-side rendering. The browser defines the real classes.
 export class Viewer {}
 export class PlacedScene {}

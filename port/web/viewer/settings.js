@@ -1,21 +1,20 @@
-// Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part of a
-// file is left out with a line of text; the rest is taken. The result is { camera, annotations, tracks, skybox, start }
-// and some settings of the element; each may be missing. A camera is { eye, look, up, fov, longer }; with `longer`, fov
-// is the field of view of the longer side of the picture.
+// Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part is
+// left out, with a line of text. A camera is { eye, look, up, fov, longer }. With `longer`, fov is the field of view of
+// the longer side of the picture.
 import { LOOPS } from './track.js'
 import { hasNumbers } from './views.js'
 
 const MOST_ANNOTATIONS = 200
 const MOST_TRACKS = 20
 const MOST_KEYS = 10000
-const MOST_TITLE = 200 // characters
+const MOST_TITLE = 200
 const MOST_TEXT = 5000
 const MOST_SECONDS = 86400
-const MOST_WORDS = 5 // most lines about a file
+const MOST_WORDS = 5
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
   ['eyeHeight', 0, FAR]]
-const SIZES = ['table', 'true', 'off'] // values of ar
+const SIZES = ['table', 'true', 'off']
 const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
 
@@ -44,7 +43,6 @@ function listOf(value, name, most, words) {
   return value.slice(0, most)
 }
 
-/** Checks a camera of our own format. */
 export function poseOf(value, name = 'camera') {
   need(isObject(value), `${name}: expected an object`)
   const { up, fov, longer } = value
@@ -87,7 +85,7 @@ function trackOf(value, name) {
 
 // ---- Files of supersplat-viewer ------------------------------------------------------------------------------------
 
-/** Converts a vector: supersplat-viewer turns scenes by half a turn about the axis z. */
+/** Converts a vector of supersplat-viewer, which turns scenes by half a turn about z. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
 const UP = [0, -1, 0]
 
@@ -95,10 +93,9 @@ function poseOfTheirs({ position, target, fov } = {}) {
   return { eye: turned(position), look: turned(target), up: UP, fov, longer: true }
 }
 
-/** Entry i of a flat list of vectors. */
 const rowsOf = (list, i) => (Array.isArray(list) ? list.slice(3 * i, 3 * i + 3) : undefined)
 
-/** Converts a track. Times are in frames; in early files without a frame rate, in seconds. */
+/** Times of supersplat-viewer's tracks are in frames, or in seconds in early files without a frame rate. */
 function trackOfTheirs(track, fov) {
   if (!isObject(track)) return track
   const { name, duration, frameRate, loopMode, interpolation, smoothness, keyframes } = track
@@ -123,10 +120,8 @@ const COLOUR = [0, 0, 0]
 const byte = (x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, '0')
 const hex = (colour) => (isVector(colour) ? `#${colour.map(byte).join('')}` : colour)
 
-/** Maps a list. Other values are returned as they came; checked() reports them. */
 const eachOf = (list, of) => (Array.isArray(list) ? list.map(of) : list)
 
-/** Adds lines about features that this viewer lacks. */
 function sayLeftOut({ postEffectSettings, soundUrl, tonemapping }, words) {
   const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {})
   const names = effects.filter(([, effect]) => effect?.enabled).map(([name]) => name)
@@ -154,9 +149,8 @@ function fromTheirs(file, words) {
   }
 }
 
-// ---- All -----------------------------------------------------------------------------------------------------------
+// ---- Settings files ------------------------------------------------------------------------------------------------
 
-/** Checks each part of a file. Leaves faulty parts out, with a line about each. */
 function checked(file, words) {
   const settings = {}
   const take = (name, read) => {
@@ -191,7 +185,6 @@ function checked(file, words) {
   return settings
 }
 
-/** Reads a file: { settings, words }, with lines about ignored parts. Throws an Error if it is not a settings file. */
 export function settingsOf(name, text) {
   let file
   try {
@@ -214,7 +207,6 @@ function shortened(words) {
   return more > 0 ? [...words.slice(0, MOST_WORDS), `and ${more} more of the kind`] : words
 }
 
-/** Checks lists from a program. Throws an Error if anything is wrong. */
 export function listsOf(given) {
   const words = []
   const settings = checked(given, words)
@@ -222,5 +214,4 @@ export function listsOf(given) {
   return settings
 }
 
-/** The text of a settings file. */
 export const textOfSettings = (settings) => `${JSON.stringify({ fixsplat: 1, ...settings }, null, 2)}\n`

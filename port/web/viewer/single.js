@@ -1,5 +1,5 @@
-// The script of a page of `fixsplat publish --single`, which contains all files of the viewer and the scene. It makes a
-// blob: address for each file, changes imports and `new URL` to these addresses, and opens the scene.
+// The script of a page of `fixsplat publish --single`, which contains all files. Makes a blob: address for each file,
+// and changes imports and `new URL` to these addresses.
 
 const carried = (id) => document.getElementById(id)
 
@@ -11,7 +11,6 @@ async function unpacked(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer())
 }
 
-/** Makes blob: addresses for files, returned by file name, and makes new URL(file, import.meta.url) return them. */
 function addressAll(files) {
   const base = 'https://fixsplat.invalid/' // placeholder for the folder of the scripts; never requested
   const imports = /(\bfrom\s*|\bimport\s*\(?\s*)(["'])(\.\.?\/[^"'\s]+)\2/g
@@ -28,7 +27,6 @@ function addressAll(files) {
     return (addresses[name] = URL.createObjectURL(new Blob([content], { type })))
   }
 
-  /** The text of a script with blob: addresses in its imports. */
   function scriptOf(name) {
     const here = base + name
     const addressed = (all, before, quote, path) => {
@@ -51,7 +49,6 @@ function addressAll(files) {
       this.#isOwn = true
     }
 
-    /** Files in the page have the origin of the page. */
     get origin() {
       return this.#isOwn ? location.origin : super.origin
     }
@@ -59,8 +56,8 @@ function addressAll(files) {
   return addresses
 }
 
-// The script of a worker. On file:// it cannot be a module and cannot use blob: addresses of the page. So it is sent
-// the files and makes its own addresses. Messages that arrive before its real script has started are kept for it.
+// On file://, a worker cannot be a module and cannot use blob: addresses of the page. The page therefore sends the
+// files, and the worker makes its own addresses. Messages that arrive early are kept.
 function work(addressAll) {
   const kept = []
   const keep = (event) => kept.push(event.data)

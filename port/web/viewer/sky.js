@@ -1,16 +1,14 @@
-// The skybox: makes the backdrop of a frame from an equirectangular picture, in the worker. The middle column of the
-// picture is ahead, along the axis z (along -y if z is up); its top row is up. Only sums, products, quotients and
-// square roots of doubles are used, so all browsers give the same bytes if they decode the picture to the same bytes.
+// The skybox: makes the backdrop of a frame from an equirectangular picture. The middle column of the picture is ahead,
+// along z, or along -y if z is up. Only exactly rounded operations are used, so all browsers give the same bytes.
 import { download } from '../read.js'
 import { add, cross, dot, unit } from './motion.js'
 
 const MOST_BYTES = 256e6
 const MOST_WIDTH = 4096
-const SPAN = 8 // pixels between exact directions
+const SPAN = 8 // pixels between exactly computed directions
 const TURN = 2 * Math.PI
 const skies = new Map()
 
-/** Downloads and decodes a picture: { width, height, pixels }. */
 async function pixelsOf(url) {
   const file = await download(new URL(url), { most: MOST_BYTES }).catch((error) => {
     throw error.isSlow || error.isLarge ? error : new Error(`${url}: there is no picture at this address`)
@@ -28,14 +26,13 @@ async function pixelsOf(url) {
   return { width, height, pixels: context.getImageData(0, 0, width, height).data }
 }
 
-/** atan(x) / 2 pi for x of 0 to 1: Abramowitz and Stegun 4.4.49, with an error of at most 4e-9. */
+/** Returns atan(x) / 2 pi for x of 0 to 1, with an error of at most 4e-9 (Abramowitz and Stegun 4.4.49). */
 function turnsOfPart(x) {
   const s = x * x
   const even = ((((0.0028662257 * s - 0.0161657367) * s + 0.0429096138) * s - 0.075289640) * s + 0.1065626393) * s
   return (x * ((((even - 0.1420889944) * s + 0.1999355085) * s - 0.3333314528) * s + 1)) / TURN
 }
 
-/** atan2(y, x) / 2 pi, in turns. */
 function turnsOf(y, x) {
   const a = Math.abs(y)
   const b = Math.abs(x)
@@ -44,7 +41,6 @@ function turnsOf(y, x) {
   return y < 0 ? -half : half
 }
 
-/** The axes of a camera, the slope for a step of one pixel, and the principal point. */
 function raysOf(camera, width, height) {
   if (camera.rotation) {
     const [right, down, forward] = [0, 1, 2].map((i) => camera.rotation.map((row) => row[i]))
@@ -60,7 +56,6 @@ function raysOf(camera, width, height) {
   return { right, down: cross(forward, right), forward, step, cx: width / 2, cy: height / 2 }
 }
 
-/** The axes of a sky: right, up, ahead. */
 function axesOf(up) {
   const above = unit(up)
   const start = Math.abs(above[2]) > 0.9 ? [0, -1, 0] : [0, 0, 1]
@@ -68,7 +63,6 @@ function axesOf(up) {
   return [cross(ahead, above), above, ahead]
 }
 
-/** Samples the sky bilinearly at u (to the right) and v (down), 0 to 1, and writes the pixel. */
 function sample({ width, height, pixels }, u, v, out, at) {
   const x = (u - Math.floor(u)) * width - 0.5
   const y = Math.min(Math.max(v * height - 0.5, 0), height - 1)
@@ -89,9 +83,8 @@ function sample({ width, height, pixels }, u, v, out, at) {
   out[at + 3] = 255
 }
 
-// The pixels of a frame that show the sky. u and v are exact for every SPAN-th pixel of a row and interpolated linearly
-// between, which is wrong by a fraction of a pixel of the sky. Near the poles and where u wraps around, all pixels are
-// exact.
+// Every SPAN-th pixel of a row has an exact direction, and the pixels between are interpolated linearly. Near the poles
+// and where u wraps around, all pixels are exact.
 function seen(sky, camera, up, width, height) {
   const { right, down, forward, step, cx, cy } = raysOf(camera, width, height)
   const axes = axesOf(up)
@@ -127,7 +120,6 @@ function seen(sky, camera, up, width, height) {
   return out
 }
 
-/** The backdrop of a frame, of the sky { url, up }. Throws an Error if the picture cannot be loaded. */
 export async function backdropOf({ url, up }, camera, { width, height }) {
   if (!skies.has(url)) skies.clear(), skies.set(url, pixelsOf(url))
   return seen(await skies.get(url), camera, up, width, height)

@@ -1,6 +1,4 @@
-// Settings files, annotations, camera tracks and films of the viewer. Loaded when the first of them is used.
-// settings.js reads the files, markers.js shows annotations, track.js computes the path of a track, player.js is the
-// bar that plays it.
+// Settings files, annotations, camera tracks and films of the viewer, loaded on first use.
 import { staysInside } from '../read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
@@ -9,17 +7,17 @@ import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
 import { addressOf, nameOf, textAt } from './views.js'
 
-const KEY_S = 2 // seconds between added keys
+const KEY_S = 2 // seconds between keys that are added to a track
 const FLIGHT_MS = 1000
-const NEARER = 0.6 // factor for the distance to an annotation without a camera
-const LONGEST_S = 0.5 // longest step of playing
-const WAIT_MS = 100 // pause of a film before it repeats a frame with missing parts
-const PATIENCE_MS = 30000 // longest wait for missing parts
-const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attributes that a file may set
-const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // other settings that a file may set
+const NEARER = 0.6
+const LONGEST_S = 0.5 // longest time step of a playing track in seconds
+const WAIT_MS = 100 // milliseconds before a film repeats a frame with missing parts
+const PATIENCE_MS = 30000 // longest wait for missing parts in milliseconds
+const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar']
+const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight']
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
-/** True if a settings file may use this picture: it is in the folder of the file or below, or a data: address. */
+/** Returns true if a picture is in the folder of the settings file or below, or has a data: address. */
 const isOwn = (url) => /^data:/i.test(url.trim()) || staysInside(url.trim())
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
 
@@ -29,18 +27,18 @@ export class Tour {
   #player
   #annotations = []
   #tracks = []
-  #index = -1 // index of the annotation with an open caption
+  #index = -1
   #edits = false
   #track = 0
-  #made = null // the cached path of the selected track: { told, up, path }
-  #seconds = 0 // time of playing
+  #made = null
+  #seconds = 0
   #plays = false
-  #last = null // the last camera shown by playing
+  #last = null
   #filming = null
-  #reading = null // the token of the last read
-  #given = [] // attributes set by the settings file
+  #reading = null
+  #given = []
   #home = null
-  #start = null // the start action of the file, until it is done
+  #start = null
 
   constructor(host) {
     this.#host = host
@@ -63,9 +61,8 @@ export class Tour {
     })
   }
 
-  // ---- Settings -----------------------------------------------------------------------------------------------------
+  // ---- Settings files -----------------------------------------------------------------------------------------------
 
-  /** Reads settings. Returns lines about ignored parts; no line if another read has begun meanwhile. */
   async read(source) {
     const own = (this.#reading = {})
     const isAddress = typeof source === 'string'
@@ -98,12 +95,10 @@ export class Tour {
     this.tracks = tracks
   }
 
-  /** The start view of the settings file; null without one. */
   get home() {
     return this.#home && this.#cameraOf(this.#home)
   }
 
-  /** Does the start action of the file, after the scene is loaded. */
   begin() {
     const start = this.#start
     this.#start = null
@@ -111,7 +106,6 @@ export class Tour {
     if (start === 'track' && this.#tracks.length && !reduced()) this.play()
   }
 
-  /** The present state as the content of a settings file. */
   get saved() {
     const { element, current } = this.#host
     const all = { ...element.settings, skybox: element.getAttribute('skybox') }
@@ -149,7 +143,6 @@ export class Tour {
     return this.#index
   }
 
-  /** Opens an annotation by its index from 0, and flies to it. Messages of errors count from `from`. */
   async goTo(index, from = 0) {
     const [one, { length }] = [this.#annotations[index], this.#annotations]
     const range = length ? `, expected ${from} to ${from + length - 1}` : ''
@@ -178,7 +171,6 @@ export class Tour {
     this.#host.tell('annotation', { index, annotation: this.annotations[index] ?? null })
   }
 
-  /** Adds an annotation at a point with the present camera, and opens its caption for writing. */
   mark(position) {
     this.#annotations.push({ position, title: '', text: '', camera: this.#poseOf(this.#host.current()) })
     this.#edits = true
@@ -200,7 +192,6 @@ export class Tour {
 
   // ---- Tracks -------------------------------------------------------------------------------------------------------
 
-  /** The path of the selected track. It depends on the up direction, since keys may have none of their own. */
   get #path() {
     const [told, up] = [this.#tracks[this.#track], this.#host.up()]
     if (!told) return null
@@ -216,7 +207,6 @@ export class Tour {
     this.choose(0)
   }
 
-  /** Selects a track. */
   choose(index) {
     this.pause()
     this.#track = index
@@ -225,7 +215,6 @@ export class Tour {
     this.#tell()
   }
 
-  /** Adds the present camera to the track as a key, KEY_S after the last one. Returns the number of keys. */
   addKey() {
     const key = this.#poseOf(this.#host.current())
     const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
@@ -258,7 +247,6 @@ export class Tour {
     this.#host.tell('timeupdate', { time: this.time, track: this.#track })
   }
 
-  /** Plays a track; continues if it was paused. */
   play(index = this.#track) {
     if (!this.#tracks[index]) throw new Error(`track ${index}: there are ${this.#tracks.length}`)
     if (index !== this.#track) this.choose(index)
@@ -271,7 +259,7 @@ export class Tour {
     let before = performance.now()
     const step = (now) => {
       if (!this.#plays) return
-      if (this.#host.current() !== this.#last) return this.pause() // the user or a program has moved the camera
+      if (this.#host.current() !== this.#last) return this.pause()
       this.#seconds += Math.min((now - before) / 1000, LONGEST_S)
       before = now
       this.#show()
@@ -309,7 +297,6 @@ export class Tour {
 
   // ---- Films --------------------------------------------------------------------------------------------------------
 
-  /** Makes a film of a track: { blob, codec, frames, width, height }. A 'pingpong' track is filmed there and back. */
   async film({ track = this.#track, rate, bitrate, progress = () => {}, ...size } = {}) {
     const told = this.#tracks[track]
     if (!told) throw new Error(`track ${track}: there are ${this.#tracks.length}`)
@@ -321,7 +308,6 @@ export class Tour {
     return filmOf({ width, height, rate, bitrate, seconds }, draw, progress)
   }
 
-  /** The pixels of a picture without missing parts; waits for them. */
   async #whole(camera, width, height) {
     const until = performance.now() + PATIENCE_MS
     for (;;) {
@@ -355,14 +341,10 @@ export class Tour {
     this.#tell()
   }
 
-  // ---- Both ---------------------------------------------------------------------------------------------------------
-
-  /** Called after each picture. */
   drawn() {
     this.#markers.place()
   }
 
-  /** Called after a change of the language. */
   rename() {
     this.#markers.name()
     this.#player.show(this.#tracks, this.#track)

@@ -1,13 +1,12 @@
-// Camera tracks: interpolates cameras between keys with times, by cubic Hermite curves.
-// A track is { name, loop, duration, smoothness, step, longer, keys }, a key is { time, eye, look, up, fov }. Times and
-// durations are in seconds. settings.js has checked the track.
+// Camera tracks: interpolates cameras between keys by cubic Hermite curves. A track is { name, loop, duration,
+// smoothness, step, longer, keys }. A key is { time, eye, look, up, fov }. Times and durations are in seconds.
 
 export const LOOPS = ['none', 'repeat', 'pingpong']
 
 const flat = ({ eye, look, up, fov }) => [...eye, ...look, ...up, fov]
 
-/** The keys of a repeated track, with two more keys before and after, which close the path. If the track ends with its
-    last key, a second is inserted before the first key of the next round, as in supersplat-viewer. */
+/** Two more keys before and after close the path of a repeated track. If the track ends with its last key, one
+    second is inserted before the next round, as in supersplat-viewer. */
 function closed(keys, duration) {
   if (keys.length < 2) return keys
   const length = duration + (duration === keys.at(-1).time ? 1 : 0)
@@ -16,7 +15,6 @@ function closed(keys, duration) {
   return [...before.map((key) => later(key, -length)), ...keys, ...behind.map((key) => later(key, length))]
 }
 
-/** The index of the last key at or before a time, by bisection; at most the last key but one. */
 function segmentAt(keys, time) {
   let [low, high] = [0, keys.length - 2]
   while (low < high) {
@@ -27,13 +25,12 @@ function segmentAt(keys, time) {
   return low
 }
 
-/** The slope of each number at a key: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
+/** The slope at key i of values p at times t: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
 function slopes(keys, i) {
   const [before, after] = [keys[Math.max(i - 1, 0)], keys[Math.min(i + 1, keys.length - 1)]]
   return after.values.map((x, k) => (x - before.values[k]) / (after.time - before.time))
 }
 
-/** The cubic Hermite curve between two keys; t is 0 to 1. */
 function between(keys, i, t, smoothness) {
   const [a, b] = [keys[i], keys[i + 1]]
   const scale = smoothness * (b.time - a.time)
@@ -48,14 +45,12 @@ const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1))
 export class Track {
   #keys
 
-  /** `up`: for keys without an up vector. */
   constructor(track, up) {
     Object.assign(this, track)
     const keys = track.loop === 'repeat' ? closed(track.keys, track.duration) : track.keys
     this.#keys = keys.map((key) => ({ time: key.time, values: flat({ up, ...key }) }))
   }
 
-  /** The time in the track after `seconds` of playing. */
   timeAt(seconds) {
     const { loop, duration } = this
     if (loop === 'repeat') return seconds % duration
@@ -64,12 +59,10 @@ export class Track {
     return there > duration ? 2 * duration - there : there
   }
 
-  /** True if playing ends by itself. */
   get ends() {
     return this.loop === 'none'
   }
 
-  /** The camera at a time of the track. */
   at(time) {
     const keys = this.#keys
     const i = keys.length > 1 ? segmentAt(keys, time) : 0
@@ -83,7 +76,6 @@ export class Track {
   }
 }
 
-/** Converts the field of view of the longer side, if `longer` is set, to the vertical one. */
 export function upright({ longer, ...camera }, aspect) {
   const tan = Math.tan((camera.fov * Math.PI) / 360)
   return longer && aspect > 1 ? { ...camera, fov: (360 / Math.PI) * Math.atan(tan / aspect) } : camera

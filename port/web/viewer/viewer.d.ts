@@ -3,7 +3,6 @@ import type { Vector } from '../fixsplat.js'
 type How = boolean | AddEventListenerOptions
 export type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
-/** The camera of the viewer. */
 export interface ViewerCamera {
   /** The position of the camera, in scene units. */
   eye: [number, number, number]
@@ -19,16 +18,16 @@ export interface ViewerCamera {
   shift: [number, number]
 }
 
-/** A part of a camera; the other fields stay unchanged. */
+/** Some fields of a camera; the other fields stay unchanged. */
 export type SomeCamera = { [Name in keyof ViewerCamera]?: Readonly<ViewerCamera[Name]> }
 
 /** The placement of a scene, as in the attributes of <fixsplat-scene>. */
 export interface Place {
-  /** The position in world units; 0 0 0 by default. */
+  /** The position of the scene in world units; 0 0 0 by default. */
   position?: Vector | string | null
-  /** Degrees about x, then y, then z; or a quaternion w, x, y, z. No rotation by default. */
+  /** The rotation of the scene: degrees about x, then y, then z, or a quaternion w, x, y, z. No rotation by default. */
   rotation?: Vector | readonly [number, number, number, number] | string | null
-  /** A scale above 0; 1 by default. */
+  /** The scale of the scene, above 0; 1 by default. */
   scale?: number | string | null
   /** A factor for the opacity, 0 to 1; 1 by default. */
   opacity?: number | string | null
@@ -36,8 +35,8 @@ export interface Place {
   tint?: Vector | string | null
 }
 
-/** The element <fixsplat-scene> adds a scene to the <fixsplat-viewer> around it. The attribute `hidden` hides the
-    scene. Each property sets an attribute, so reading it returns text. */
+/** The element <fixsplat-scene>, which adds a scene to the <fixsplat-viewer> around it. The attribute `hidden` hides
+    the scene. Each property sets an attribute, so reading a property returns text. */
 export class PlacedScene extends HTMLElement {
   get src(): string | null
   set src(address: string | null)
@@ -51,18 +50,18 @@ export class PlacedScene extends HTMLElement {
   set opacity(value: Place['opacity'])
   get tint(): string | null
   set tint(value: Place['tint'])
-  /** A file, or the files of one scene, to show instead of `src`. Set it before the element is put into a viewer. */
+  /** A file, or the files of one scene, to show instead of `src`. Set `source` before the element is put into a
+      viewer. */
   source: File | File[] | null
 }
 
-/** A loaded scene. */
 export interface ShownScene {
   /** The address, the file or the files of the scene. */
   source: string | File | File[]
   name: string
   /** The number of Gaussians. */
   count: number
-  /** The smallest (`low`) and largest (`high`) x, y, z of the scene, in its own units. */
+  /** The smallest (`low`) and the largest (`high`) x, y, z of the scene, in scene units. */
   low: number[]
   high: number[]
   /** The element of the scene; null for the scene of `src` or `open`. */
@@ -71,20 +70,19 @@ export interface ShownScene {
 
 /** The Gaussian at a pixel, found by `pick`. */
 export interface Found {
-  /** A point in world coordinates. */
+  /** The point on the ray through the pixel, in world coordinates. */
   position: [number, number, number]
-  /** The distance from the camera along its axis, in world units. */
+  /** The distance of the point from the camera along the camera's axis, in world units. */
   depth: number
   /** The index of the Gaussian in the packed scene. */
   gaussian: number
   scene: ShownScene
 }
 
-/** The settings of the viewer. A setting with an attribute has the name of the attribute. */
 export interface Settings {
-  /** The background colour, #rrggbb. By default dark or light, as the system prefers. */
+  /** The background colour, #rrggbb. The default is dark or light, as the system prefers. */
   background: string
-  /** The back end; '' chooses the fastest one. */
+  /** The back end that draws; '' chooses the fastest back end. */
   backend: Backend | ''
   /** The largest number of Gaussians in a picture, for scenes with levels of detail; 0, the default: no limit. */
   budget: number
@@ -94,71 +92,68 @@ export interface Settings {
   turn: boolean
   /** How the user moves the camera; 'orbit' by default. */
   mode: 'orbit' | 'fly' | 'walk'
-  /** The height of the eye above the ground while walking, in scene units. 0, the default: estimated from the start
-      view or from the height of the scene. */
+  /** The height of the eye above the ground while walking, in scene units. The default is 0: estimated from the
+      start view or from the height of the scene. */
   eyeHeight: number
   /** A factor for the speed of flying and walking, 0.1 to 2; 0.5 by default. */
   speed: number
-  /** The vertical field of view, 1 to 170 degrees. */
   fov: number
-  /** True for an orthographic camera. */
   flat: boolean
   /** The up direction of the scene. */
   up: number[]
   /** The resolution of the picture as a share of the device pixels in width and height, 0.25 to 1; 1 by default. */
   sharpness: number
-  /** False draws colours without their dependence on the direction of view. True by default. */
+  /** False draws colours that do not depend on the direction of view. True by default. */
   colours: boolean
   /** True shows the frame rate and other numbers of the picture. */
   readout: boolean
-  /** The size of the scene in AR. 'table', the default: the longest side is half a metre. 'true': a scene unit is a
-      metre. 'off': AR is not offered. */
+  /** The size of the scene in AR. 'table', the default, makes the longest side half a metre. 'true' makes a scene
+      unit a metre. 'off' does not offer AR. */
   ar: 'table' | 'true' | 'off'
 }
 
 /** An Error with a message for the user of the page, in the language of the viewer. `cause` is the original Error. */
 export interface ViewerError extends Error {
   kind: 'format' | 'damaged' | 'missing' | 'network' | 'memory' | 'browser' | 'policy' | 'other'
-  /** The scene that could not be opened, if the error concerns a scene. */
+  /** The scene that could not be opened; undefined if the error concerns no scene. */
   source?: string | File | File[]
 }
 
 /** The events of <fixsplat-viewer>. They do not bubble. */
 export interface ViewerEvents {
-  /** A scene is loaded. */
   load: CustomEvent<ShownScene>
-  /** The progress of loading a scene. `done` is the completed share of the stage, 0 to 1; undefined if it is not known.
+  /** The progress of loading a scene. `done` is the completed share of the stage, 0 to 1; undefined if unknown.
       `bytes` is the number of downloaded bytes. */
   progress: CustomEvent<{
     source: ShownScene['source']; name: string; element: PlacedScene | null
     stage: 'download' | 'prepare'; done?: number; bytes?: number
   }>
-  /** An error; its property `error` is a ViewerError. */
+  /** An error. The property `error` of the event is a ViewerError. */
   error: ErrorEvent
-  /** The camera has changed. `byHand`: true for input by pointer, key or gamepad, false for a program. */
+  /** The camera has changed. `byHand` is true for input by pointer, key or gamepad, false for a program. */
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
-  /** The mode has changed. */
+  /** The mode (orbit, fly or walk) has changed. */
   mode: CustomEvent<{ mode: Settings['mode'] }>
-  /** A click on the scene. `x` and `y` are CSS pixels of the element. `found` is null if nothing is at this pixel. */
+  /** A click on the scene. `x` and `y` are CSS pixels of the element. `found` is null if no Gaussian is at the
+      pixel. */
   pick: CustomEvent<{ x: number; y: number; found: Found | null }>
-  /** A picture is shown. `drawn`: the number of Gaussians. `missing`: the number of parts that have not arrived.
-      `divisor`: width and height were divided by this number because the camera moves; 1 at rest. */
+  /** A picture is shown. `drawn` is the number of Gaussians, `missing` the number of parts that have not arrived.
+      Width and height were divided by `divisor` because the camera moves; 1 at rest. */
   frame: CustomEvent<{
     width: number; height: number; divisor: number; milliseconds: number; backend: Backend
     drawn: number; missing: number
   }>
-  /** The caption of an annotation was opened or closed. If it was closed, `index` is -1 and `annotation` is null. */
+  /** The caption of an annotation was opened or closed. After closing, `index` is -1 and `annotation` is null. */
   annotation: CustomEvent<{ index: number; annotation: Annotation | null }>
-  /** A track was started, was paused, has ended, or shows another time. `time` is in seconds. */
+  /** A camera track was started, was paused, has ended, or shows another time. `time` is in seconds. */
   play: CustomEvent<{ track: number }>
   pause: CustomEvent<{ track: number }>
   ended: CustomEvent<{ track: number }>
   timeupdate: CustomEvent<{ track: number; time: number }>
-  /** Pictures were drawn for VR or AR. `scale`: width and height of the pictures as a share of the viewport's. */
+  /** Pictures were drawn for VR or AR. `scale` is the width and height of the pictures as a share of the viewport. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
-/** A camera in a settings file. */
 export interface Pose {
   eye: Vector
   look: Vector
@@ -171,149 +166,141 @@ export interface Pose {
   longer?: boolean
 }
 
-/** A text at a position in the world. */
+/** A title and a text at a position in the world. */
 export interface Annotation {
   position: Vector
-  /** Plain text, at most 200 characters. */
+  /** The title: plain text, at most 200 characters. */
   title?: string
-  /** Plain text with line breaks, at most 5,000 characters. */
+  /** The text: plain text with line breaks, at most 5,000 characters. */
   text?: string
-  /** The camera that shows the annotation. By default the camera turns to the annotation and moves nearer. */
+  /** The camera that shows the annotation. The default turns the camera to the annotation and moves the camera
+      nearer. */
   camera?: Pose
 }
 
 /** A camera track: a path of the camera along cubic curves through its keys. */
 export interface CameraTrack {
   name?: string
-  /** The behaviour at the end of the track; 'none', the default, stops there. */
+  /** The behaviour at the end of the track. 'none', the default, stops there. */
   loop?: 'none' | 'repeat' | 'pingpong'
   /** The duration in seconds; the time of the last key by default. */
   duration?: number
-  /** The smoothness of the path: 0 is straight lines with a stop at each key, 1 the smoothest. 1 by default. */
+  /** The smoothness of the path, 0 to 1; 1 by default. 0 means straight lines with a stop at each key. */
   smoothness?: number
-  /** True shows each key until the time of the next one, without motion between. False by default. */
+  /** True shows each key until the time of the next key, without motion between. False by default. */
   step?: boolean
-  /** As `Pose.longer`, for all keys. */
+  /** True if `fov` of all keys is the field of view of the longer side of the picture. False by default. */
   longer?: boolean
-  /** 1 to 10,000 keys. `time` is in seconds and must increase from key to key. */
+  /** 1 to 10,000 keys. `time` is in seconds and increases from key to key. */
   keys: readonly (Omit<Pose, 'longer'> & { time: number })[]
 }
 
-/** A settings file. Settings files of supersplat-viewer, versions 1 and 2, are read too. */
+/** The content of a settings file. Settings files of supersplat-viewer, versions 1 and 2, are read too. */
 export interface SettingsFile
   extends Partial<Omit<Settings, 'backend' | 'fov' | 'flat' | 'up' | 'readout'>> {
-  /** The version of the format. */
+  /** The version of the file format. */
   fixsplat: 1
-  /** The start view. */
+  /** The start view of the camera. */
   camera?: Pose
-  /** The address of an equirectangular picture, in the folder of this file or below it; or a data: address. */
+  /** The address of an equirectangular picture in the folder of the settings file or below, or a data: address. */
   skybox?: string
-  /** At most 200 annotations. */
   annotations?: readonly Annotation[]
-  /** At most 20 tracks. */
   tracks?: readonly CameraTrack[]
-  /** The action when the scene is loaded: 'track' plays the first track, 'annotation' opens the first
-      annotation, 'camera', the default, shows the start view. */
+  /** The action after the scene is loaded. 'track' plays the first track, 'annotation' opens the first annotation.
+      'camera', the default, shows the start view. */
   start?: 'camera' | 'track' | 'annotation'
 }
 
-/** Options of `Viewer.film`. */
 export interface FilmOptions {
   /** The index of the track, from 0; the selected track by default. */
   track?: number
-  /** The size in pixels, rounded to even numbers; the size of the picture by default. */
+  /** The size of the film in pixels, rounded to even numbers. The default is the size of the viewer's picture. */
   width?: number
   height?: number
-  /** Frames a second, 1 to 120; 30 by default. */
+  /** The number of frames a second, 1 to 120; 30 by default. */
   rate?: number
-  /** Bits a second. By default the quality is constant if the encoder supports that, else 0.3 bits a pixel (16e6 bits a
-      second with MediaRecorder). */
+  /** The bit rate in bits a second. The default is a constant quality if the encoder supports that, else 0.3 bits a
+      pixel. */
   bitrate?: number
-  /** Called with the completed share, 0 to 1. An exception from this function cancels the film. */
+  /** Receives the completed share, 0 to 1. An exception from this function cancels the film. */
   progress?: (share: number) => void
 }
 
-/** A film as a .webm file. */
 export interface Film {
   blob: Blob
-  /** 'MediaRecorder' is used if WebCodecs is missing; it records each frame for its duration, by the clock. */
+  /** The encoder. Without WebCodecs, 'MediaRecorder' records each frame for its duration by the clock. */
   codec: 'VP9' | 'VP8' | 'MediaRecorder'
   frames: number
   width: number
   height: number
 }
 
-/** The element <fixsplat-viewer>. Attributes: src, cameras, view, background (#rrggbb), budget, detail, poster, turn,
-    backend, threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height, joystick, ar. */
+/** The element <fixsplat-viewer>. Its attributes are listed in ViewerAttributes. */
 export class Viewer extends HTMLElement {
-  /** 'empty': no scene. 'loading': a scene or a part of it is loading. 'moving': the camera moves. 'still': the picture
-      is complete. */
+  /** The state of the viewer. 'empty': no scene. 'loading': a scene or a part of a scene is loading. 'moving': the
+      camera moves. 'still': the picture is complete. */
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
-  /** The back end that draws; undefined before the first scene. Setting it sets the attribute `backend`. */
+  /** The back end that draws; undefined before the first scene. Setting the property sets the attribute `backend`. */
   get backend(): Backend | undefined
   set backend(name: Backend | '' | null | undefined)
-  /** The camera as text: eye, look, up and field of view, ten numbers separated by commas. Three more numbers follow if
-      any is not 0: 1 for an orthographic camera, then `ViewerCamera.shift`. Empty without a scene. */
+  /** The camera as text: eye, look, up and field of view, ten numbers separated by commas. An orthographic or
+      shifted camera has three more numbers: 1 if orthographic, then `ViewerCamera.shift`. The text is empty without
+      a scene. */
   get view(): string
-  /** Sets the attribute `view`. */
+  /** Sets the attribute `view`, the start view. */
   set view(text: string | null | undefined)
-  /** An address of the viewer's page that shows this scene with this view. */
+  /** A link to the viewer's page that shows this scene with this view. */
   readonly link: string
-  /** The scenes in the picture. */
   readonly scenes: ShownScene[]
-  /** A copy of the camera; null without a scene. A part of a camera may be set. Before a scene is loaded, setting the
-      camera sets the start view; then `eye` and `look` are required. Setting a field with the wrong count of numbers
-      throws an Error. */
+  /** A copy of the camera; null without a scene. Setting some fields keeps the other fields. Before a scene is
+      loaded, setting the camera sets the start view and needs `eye` and `look`. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
-  /** All settings. Setting an object changes the settings in it. Setting a string sets the attribute `settings`, the
-      address of a settings file. */
+  /** All settings. Setting an object changes the settings in the object. Setting a string sets the attribute
+      `settings`. */
   get settings(): Settings
   set settings(values: { [Name in keyof Settings]?: Settings[Name] | null } | string)
-  /** Opens a scene: an address, a file, or the files of one scene. It replaces the scene of `src` or of an earlier
-      `open`. False if it cannot be opened; the earlier scene then stays. */
+  /** Opens a scene: an address, a file, or the files of one scene. Returns false if the scene cannot be opened; the
+      earlier scene then stays. */
   open(source: string | File | File[]): Promise<boolean>
-  /** Adds a scene to the picture, as a new <fixsplat-scene> in this element. */
+  /** Adds a scene to the picture, as a new <fixsplat-scene> in this viewer. */
   add(source: string | File | File[], place?: Place): PlacedScene
   /** Removes the scenes opened by `src`, by `open` or by the user. Each <fixsplat-scene> of the page stays. */
   clear(): void
-  /** Replaces the scene by the scene of another address; the camera stays. False if no scene is loaded, or if the
-      viewer is busy (it may be tried again later). */
+  /** Replaces the scene by the scene of another address, and keeps the camera. Returns false if the viewer is busy. */
   replace(source: string): Promise<boolean>
   /** Shows a view of the attribute `cameras`. The index counts from 0 and wraps around. */
   showView(index: number): void
-  /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion. True
-      when the camera has arrived; false without a scene, or if the user, a program or another scene has moved the
-      camera before it arrived. */
+  /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion.
+      Returns true on arrival, false if the camera was moved otherwise. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
-  /** Finds the Gaussian at a point of the element, in CSS pixels; null if nothing is there. */
+  /** Finds the Gaussian at a point of the element, in CSS pixels; null if no Gaussian is there. */
   pick(x: number, y: number): Promise<Found | null>
-  /** A copy of the annotations. A new list takes effect a moment later; an error in it is an event `error`. */
+  /** A copy of the annotations. A new list takes effect a moment later. An error in the list causes an event
+      `error`. */
   get annotations(): Annotation[]
   set annotations(list: readonly Annotation[])
-  /** A copy of the tracks. A new list takes effect a moment later; an error in it is an event `error`. */
+  /** A copy of the camera tracks. A new list takes effect a moment later. An error in the list causes an event
+      `error`. */
   get tracks(): CameraTrack[]
   set tracks(list: readonly CameraTrack[])
-  /** Opens the caption of an annotation and flies to it. The index counts from 0. True when the camera has arrived.
-      Rejected if the annotation does not exist. */
+  /** Opens the caption of an annotation, by its index from 0, and flies to the annotation. Returns true on arrival. */
   goTo(index: number): Promise<boolean>
-  /** Plays a track, by its index from 0; the selected track by default. A paused track continues. Rejected if the track
-      does not exist. */
+  /** Plays a track, by its index from 0; the selected track by default. A paused track continues. */
   play(track?: number): Promise<void>
   pause(): void
-  /** Pauses the track and shows it at a time in seconds. */
+  /** Pauses the track, and shows the track at a time in seconds. */
   seek(seconds: number): void
   /** The time of the selected track, in seconds. */
   readonly time: number
   /** The duration of the selected track, in seconds. */
   readonly duration: number
   readonly paused: boolean
-  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`; the lossy codec then changes its
-      pixels. */
+  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`. The lossy codec then changes
+      the pixels. */
   film(options?: FilmOptions): Promise<Film>
-  /** Reads a settings file: an address, a File, or the content of a file as an object. Its camera, annotations and
-      tracks replace the present ones. Returns a line about each part of the file that was ignored. Rejected if it is
-      not a settings file. */
+  /** Reads a settings file: an address, a File, or the content of a file as an object. Returns a line of text for
+      each ignored part. The promise is rejected if the source is not a settings file. */
   readSettings(source: string | File | object): Promise<string[]>
   addEventListener<Name extends keyof ViewerEvents>(
     name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: How): void
@@ -322,13 +309,13 @@ export class Viewer extends HTMLElement {
   addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: How): void
 }
 
-/** The attributes for frameworks such as React. `true` and '' set an attribute without a value. */
+/** The attributes of <fixsplat-viewer> for frameworks such as React. `true` and '' set an attribute without a value. */
 export interface ViewerAttributes {
   /** The address of a scene. */
   src?: string
   /** The address of a cameras.json file with views. */
   cameras?: string
-  /** The start view, as `Viewer.view`. */
+  /** The start view, in the format of `Viewer.view`. */
   view?: string
   background?: string
   budget?: number | string
@@ -336,16 +323,16 @@ export interface ViewerAttributes {
   /** The address of a picture to show until the first picture of the scene. */
   poster?: string
   backend?: Backend | ''
-  /** The number of threads that draw, as `LoadOptions.threads`. */
+  /** The number of drawing threads, as `LoadOptions.threads`. */
   threads?: number | string
   turn?: '' | true
   /** Hides the whole interface. */
   noui?: '' | true
-  /** The parts of the interface to show; all by default. */
+  /** The parts of the interface to show; all parts by default. */
   ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
   /** The name of the scene in the corner; the name of its file by default. */
   label?: string
-  /** 'page': the wheel scrolls the page, unless the element has the focus or Ctrl is held. */
+  /** 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is held. */
   wheel?: 'page' | ''
   ar?: Settings['ar']
   /** The time in seconds that a removed scene stays in memory; 60 by default. */
@@ -356,11 +343,11 @@ export interface ViewerAttributes {
   annotation?: number | string
   /** The address of an equirectangular picture behind the scene. */
   skybox?: string
-  /** The language: 'de', 'en' or 'zh'; by default the first supported language of the browser. */
+  /** The language: 'de', 'en' or 'zh'. The default is the first supported language of the browser. */
   lang?: string
   'eye-height'?: number | string
-  /** The on-screen stick for flying and walking: '' shows it, 'none' hides it. By default it is shown on touchscreens,
-      unless `noui` or `ui` is set. */
+  /** The on-screen stick for flying and walking: '' shows the stick, 'none' hides the stick. The default shows the
+      stick on touchscreens, unless `noui` or `ui` is set. */
   joystick?: '' | 'none'
 }
 

@@ -1,9 +1,6 @@
-// The element <fixsplat-viewer src=... cameras=... view=...> shows scenes in a page: the scene of `src`, and a scene
-// for each <fixsplat-scene> in it. Scenes are loaded and drawn in a worker (engine.js, worker.js). `src` and `open`
-// load their scene in a new worker, which replaces the present one when the scene has arrived (#openAlone). Further
-// scenes are loaded in the present worker (#load); #gather brings the loaded scenes in line with the wanted ones. Pilot
-// moves the camera, Picture owns the canvas and the back end, Panels the visible texts and buttons. index.html is a
-// page with one such element.
+// The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> in it.
+// `src` and `open` load their scene in a new worker, which replaces the present worker when the scene has arrived
+// (#openAlone). Further scenes are loaded in the present worker (#load).
 import { addressIn } from '../fixsplat_assets.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
@@ -16,16 +13,17 @@ import { Item, PlacedScene, WATCHED } from './scenes.js'
 import { style } from './style.js'
 import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 
-const STILL_MS = 150 // after this time without motion, the picture is at rest
-const GLIDE_MS = 1000 // default duration of flyTo
-const KEPT_S = 60 // default seconds that a removed scene stays in memory
-const HINT_MS = 5000 // least time between two hints about the wheel
-const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6] // steps of the slider; one more: no limit
+const STILL_MS = 150 // milliseconds without motion after which the picture is at rest
+const GLIDE_MS = 1000 // default duration of flyTo in milliseconds
+const KEPT_S = 60
+const HINT_MS = 5000
+// budgets of the slider in Gaussians; one more step means no limit
+const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6]
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
-const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // headset browsers, which have WebXR on secure pages only
+const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers of headsets, which have WebXR on secure pages only
 
-const MOST_AWAY = 2 // viewers outside the document that keep their scenes; the oldest beyond this number free them
+const MOST_AWAY = 2 // number of viewers that keep their scenes after removal from the page
 const away = new Set()
 
 const template = document.createElement('template')
@@ -38,41 +36,41 @@ export class Viewer extends HTMLElement {
     'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar']
 
   #headset = null
-  #room = null // the class AR, if the device has AR
-  #engine = null // the worker of the visible scenes
-  #opening = null // the scene that loads in a new worker: { engine, item, views, view }
-  #adding = null // the item that loads in the present worker
-  #taken = Promise.resolve() // queue of #inTurn
-  #gathered = Promise.resolve() // queue of #gather
-  #items = [] // scenes that are loaded or wanted
-  #main = null // the item of src or open
-  #src = null // the last opened value of the attribute
-  #dropped = [] // elements of dropped files
+  #room = null
+  #engine = null
+  #opening = null
+  #adding = null
+  #taken = Promise.resolve()
+  #gathered = Promise.resolve()
+  #items = []
+  #main = null
+  #src = null
+  #dropped = []
   #leaving = 0
-  #isHere = false // in a document
-  #scene = null // facts of all visible scenes together: count, box, first view
+  #isHere = false
+  #scene = null
   #picture
   #pilot = new Pilot(this, (moving, byHand) => this.#moved(moving, byHand))
-  #good = null // the camera of the last picture
-  #asked = null // the start view for the next scene
-  #linked = null // the start view from the attribute, if the scene began with one
-  #busy = false // a picture is being drawn
+  #good = null
+  #asked = null
+  #linked = null
+  #busy = false
   #switching = false
-  #held = false // blocks trials and replace: the scenes are being copied or replaced
+  #held = false
   #changed = false
-  #missing = 0 // missing parts of the last picture
-  #stuck = false // missing parts will not arrive
+  #missing = 0
+  #stuck = false
   #movedAt = -Infinity
   #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
   #language = new Language()
-  #acts // commands of keyboard, mouse, touch and gamepad
-  #stick = null // a promise of the stick of joystick.js
-  #touches = matchMedia('(pointer: coarse)').matches // true on a touchscreen: the stick is useful
-  #tour = null // annotations, tracks and settings files; loaded with the first of them
-  #touring = null // the promise of #tour
-  #begins = null // fulfilled when the settings file has been read
-  #noSky = '' // the address of a skybox that failed to load
+  #acts
+  #stick = null
+  #touches = matchMedia('(pointer: coarse)').matches
+  #tour = null
+  #touring = null
+  #begins = null
+  #noSky = ''
   #ui
   #panels
 
@@ -97,7 +95,7 @@ export class Viewer extends HTMLElement {
   connectedCallback() {
     clearTimeout(this.#leaving)
     this.#leaving = 0
-    if (this.#isHere) return this.#readSrc() // moved within the document
+    if (this.#isHere) return this.#readSrc()
     this.#isHere = true
     away.delete(this)
     this.state = this.#scene ? 'loading' : 'empty'
@@ -120,10 +118,10 @@ export class Viewer extends HTMLElement {
     addEventListener('gamepadconnected', this.joined)
     try {
       if (navigator.getGamepads().some(Boolean)) this.joined()
-    } catch {} // gamepads are not supported or not allowed
+    } catch {}
   }
 
-  /** Waits for the end of the task: an element that is moved in the document keeps running. */
+  /** Waits, so that a viewer that is moved within the document keeps running. */
   disconnectedCallback() {
     this.#leaving = setTimeout(() => this.#leave())
   }
@@ -138,7 +136,7 @@ export class Viewer extends HTMLElement {
     this.#headset?.end()
     const isLoading = this.#opening
     this.#cancel()
-    if (isLoading) this.#src = null // loads again after the return
+    if (isLoading) this.#src = null
     for (const item of this.#items) this.#letGo(item)
     away.add(this)
     if (away.size > MOST_AWAY) [...away][0].#end()
@@ -191,7 +189,7 @@ export class Viewer extends HTMLElement {
     this.#setAttribute('view', text)
   }
 
-  /** React sets properties, also to null and undefined; these remove the attribute. */
+  /** Sets an attribute, or removes it for null and undefined, which React may pass. */
   #setAttribute(name, value) {
     if (value === null || value === undefined) this.removeAttribute(name)
     else this.setAttribute(name, value)
@@ -205,7 +203,6 @@ export class Viewer extends HTMLElement {
     else this.#asked = camera && checkedCamera(camera)
   }
 
-  /** Sets the camera without motion. Scenes that are added later do not change it. */
   #goTo(camera) {
     if (camera && this.#scene) this.#pilot.touched = true
     this.#pilot.show(camera)
@@ -229,7 +226,7 @@ export class Viewer extends HTMLElement {
     return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
   }
   set settings(values) {
-    if (typeof values === 'string') return this.setAttribute('settings', values) // React sets the property
+    if (typeof values === 'string') return this.setAttribute('settings', values)
     const names = Object.keys(this.#table)
     for (const name of Object.keys(values))
       if (!names.includes(name)) throw new Error(`${name}: expected one of ${names.join(', ')}`)
@@ -238,14 +235,12 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** The address of the scene of `src` or `open`; empty for files. */
   get #address() {
     const { source } = this.#main ?? {}
     return typeof source === 'string' ? source : ''
   }
 
-  /** A link to the viewer's page with this scene and view. It is a link to this page instead if `linksHere` is set, or
-      if a bundler left the viewer's page out. */
+  /** The link goes to this page if `linksHere` is set, or if a bundler left the viewer's page out. */
   get link() {
     const link = this.linksHere ? null : addressIn('viewer/index.html')
     if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`
@@ -262,7 +257,6 @@ export class Viewer extends HTMLElement {
 
   // ---- Annotations, camera tracks and settings files ----------------------------------------------------------------
 
-  /** Loads tour.js on first use. */
   #tourNow() {
     return (this.#touring ??= import('./tour.js').then(({ Tour }) => (this.#tour = new Tour(this.#tourHost()))))
   }
@@ -309,7 +303,6 @@ export class Viewer extends HTMLElement {
     this.#begins = this.readSettings(this.getAttribute('settings')).catch((error) => this.#fail(error))
   }
 
-  /** For a new scene: opens the annotation of the attribute, else begins as the settings file says. */
   #beginTour(view) {
     if (this.hasAttribute('annotation')) this.#goToAttribute()
     else if (!view) this.#tour?.begin()
@@ -370,7 +363,6 @@ export class Viewer extends HTMLElement {
     return (await this.#tourNow()).film(options)
   }
 
-  /** The link of the page with an annotation opened. */
   #linkTo(index) {
     const link = new URL(this.link)
     link.hash = `annotation=${index + 1}`
@@ -404,9 +396,8 @@ export class Viewer extends HTMLElement {
     this.#tour?.rename()
   }
 
-  // ---- Opening ------------------------------------------------------------------------------------------------------
+  // ---- Opening a scene ----------------------------------------------------------------------------------------------
 
-  /** Opens the scene of `src` if the attribute has changed; removes the last one if the attribute is empty. */
   #readSrc() {
     const src = this.getAttribute('src')
     if (src === this.#src) return
@@ -422,7 +413,6 @@ export class Viewer extends HTMLElement {
     this.#gather()
   }
 
-  /** The views of the attribute `cameras`; an empty list on failure. */
   async #fetchViews() {
     const url = this.getAttribute('cameras')
     return url ? fetchViews(url).catch((error) => this.#fail(error) ?? []) : []
@@ -433,7 +423,6 @@ export class Viewer extends HTMLElement {
     if (this.#scene && url === this.getAttribute('cameras')) this.#takeViews(views)
   }
 
-  /** Shows a poster until the first picture of the scene. */
   #showPoster(url) {
     if (this.#scene) return
     this.#ui.stage.querySelector('img')?.remove()
@@ -452,7 +441,6 @@ export class Viewer extends HTMLElement {
     return true
   }
 
-  /** The item of a source that was removed and is still in memory. */
   #keptOf(source) {
     const { source: address } = new Item(source)
     const isKept = (item) => item.source === address && !item.element && item !== this.#main
@@ -466,7 +454,6 @@ export class Viewer extends HTMLElement {
     return this.appendChild(element)
   }
 
-  /** Loads a scene in a new worker. When the scene, or a preview, has arrived, this worker replaces the present one. */
   async #openAlone(item, views, view) {
     const opening = (this.#opening = { item, views, view })
     this.#begin(item)
@@ -495,7 +482,6 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Does not show progress and sends no event. */
   async replace(url) {
     const [engine, item] = [this.#engine, this.#main]
     if (!this.#scene || !item || item.engine !== engine || this.#opening || this.#held) return false
@@ -515,7 +501,6 @@ export class Viewer extends HTMLElement {
     return this.#scene ? this.#shown.map((item) => item.told) : []
   }
 
-  /** The items of `src` or `open` and of all elements <fixsplat-scene>, in order, without the failed ones. */
   get #wantedItems() {
     const elements = [...this.querySelectorAll('fixsplat-scene')].filter((one) => one.source || one.getAttribute('src'))
     return [this.#main, ...elements.map((element) => this.#itemOf(element))].filter((item) => item && !item.failed)
@@ -532,7 +517,7 @@ export class Viewer extends HTMLElement {
     return own ?? item
   }
 
-  /** Loads, places and removes scenes until the visible items are the wanted ones. True if a scene is visible then. */
+  /** Loads, places and removes scenes until the visible scenes are the wanted scenes. */
   #gather() {
     const next = () => this.#gatherNow().catch((error) => this.#engine && this.#fail(error))
     return (this.#gathered = this.#gathered.then(next).then(() => !!this.#scene))
@@ -562,7 +547,6 @@ export class Viewer extends HTMLElement {
     if (missing) this.#gather()
   }
 
-  /** Loads an item in the present worker. */
   async #load(engine, item) {
     const { bytes } = item
     if (!bytes) this.#begin(item)
@@ -598,7 +582,7 @@ export class Viewer extends HTMLElement {
     } else this.#change()
   }
 
-  /** Keeps an unwanted scene for `keep` seconds, then frees it. Ends the worker after its last scene. */
+  /** Frees an unwanted scene after `keep` seconds, and the worker after its last scene. */
   #letGo(item) {
     const seconds = this.hasAttribute('keep') ? this.#numberOf('keep') : KEPT_S
     item.let(seconds, () => {
@@ -636,7 +620,6 @@ export class Viewer extends HTMLElement {
     return new Engine(hear, Number(this.getAttribute('threads')) || undefined)
   }
 
-  /** Cancels loading, and removes a preview of the scene. */
   #cancel() {
     const { engine } = this.#opening ?? {}
     this.#begun()
@@ -653,7 +636,6 @@ export class Viewer extends HTMLElement {
     engine?.end()
   }
 
-  /** Changes to another worker, or to none. `there`: the items that it holds; others are loaded again. */
   #leaveTo(engine, there = []) {
     this.#items = this.#items.filter((item) => item === this.#main || item.element || there.includes(item))
     for (const item of this.#items) item.engine = there.includes(item) ? engine : null
@@ -676,7 +658,8 @@ export class Viewer extends HTMLElement {
     else if (told.stage === 'noSky') this.#sayNoSky(told)
     else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
     else if (told.stage === 'preview') {
-      if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {}) // the whole scene will report it
+      // a failed preview is ignored; loading the whole scene reports the error
+      if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {})
     } else this.#hearOfProgress([this.#opening?.item, this.#adding].find((item) => item?.key === told.key), told)
   }
 
@@ -690,9 +673,9 @@ export class Viewer extends HTMLElement {
     this.dispatchEvent(new CustomEvent(event, { detail }))
   }
 
-  /** Shows an error in words for the user, and sends the event `error`. */
   async #fail(cause, { source } = {}) {
-    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) } // if words.js cannot be loaded
+    // replacement if words.js cannot be loaded
+    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) }
     const { wordsOf } = await import('./words.js').catch(() => bare)
     const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
     const error = Object.assign(new Error(message, { cause }), { kind, source })
@@ -707,7 +690,6 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  /** Parts of a streamed scene have arrived; with `words`, requests have failed. */
   #hearOfParts(opening, words) {
     if (opening && opening.engine !== this.#engine) return
     if (words) {
@@ -722,12 +704,10 @@ export class Viewer extends HTMLElement {
     return this.#inTurn(() => this.#takeNext(opening, scene, views))
   }
 
-  /** Runs changes of worker or back end one after the other. */
   #inTurn(change) {
     return (this.#taken = this.#taken.catch(() => {}).then(change))
   }
 
-  /** Draws again after a change of the back end. Ignores a failure if the scene was closed meanwhile. */
   #redraw(change) {
     const engine = this.#engine
     this.#inTurn(change).then(
@@ -736,7 +716,6 @@ export class Viewer extends HTMLElement {
     )
   }
 
-  /** Shows a scene or a preview of it. */
   async #takeNext(opening, facts, views) {
     const { engine, item, view } = opening
     if (opening !== this.#opening) return
@@ -755,10 +734,10 @@ export class Viewer extends HTMLElement {
     else this.#takeViews(views, view ?? this.#asked)
   }
 
-  /** Takes the bytes of the scenes of elements, so that the new worker need not download them. */
   async #packAll() {
     for (const item of this.#shown.filter(({ element }) => element))
-      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // fails for streamed scenes
+      // null for a streamed scene, which has no packed bytes
+      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null)
   }
 
   #takeWorker(engine, item) {
@@ -789,7 +768,6 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Opens the scenes among files, and a file of views or settings. */
   async #openFiles(files) {
     try {
       const { scenes, views } = (await import('./drop.js')).scenesIn(files)
@@ -805,10 +783,9 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Opens the first scene instead of the present one, and adds the others to it. */
   async #openScenes([first, ...more]) {
     if (!(await this.open(first))) return false
-    this.removeAttribute('label') // belonged to the former scene
+    this.removeAttribute('label') // the label belonged to the former scene
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#dropped = more.map((files) => this.add(files))
     if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)
@@ -841,7 +818,6 @@ export class Viewer extends HTMLElement {
     return { ...size, ...bounds, sky, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
   }
 
-  /** The number in an attribute; 0 if it is not a positive number. */
   #numberOf(name) {
     return Math.max(Number(this.getAttribute(name)), 0) || 0
   }
@@ -850,7 +826,6 @@ export class Viewer extends HTMLElement {
     return Math.round(this.#numberOf('budget')) || undefined
   }
 
-  /** The position of the slider for the present budget. */
   get #budgetPlace() {
     const place = BUDGETS.findIndex((budget) => budget >= this.#budget)
     return place < 0 ? BUDGETS.length : place
@@ -887,7 +862,6 @@ export class Viewer extends HTMLElement {
     return asked in backends ? asked : ''
   }
 
-  /** Opens the back end of the attribute `backend`. Without one, a trial chooses the fastest later (#rest). */
   async #switch(engine) {
     this.#switching = true
     const has = await this.#picture.open(engine, this.#wanted).finally(() => (this.#switching = false))
@@ -895,7 +869,6 @@ export class Viewer extends HTMLElement {
     return true
   }
 
-  /** Draws one picture at a time. Changes during drawing cause another picture. */
   async #draw() {
     if (this.#busy || this.#switching || !this.#scene || document.hidden) return
     if (!this.clientWidth || !this.clientHeight || this.#headset?.isOn) return
@@ -926,7 +899,6 @@ export class Viewer extends HTMLElement {
     this.#tour?.drawn()
   }
 
-  /** After a failed picture: halves the pixels if memory was short, or goes back to the last good camera. */
   #refused(error) {
     if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
@@ -946,7 +918,6 @@ export class Viewer extends HTMLElement {
     else this.#rest()
   }
 
-  /** Work while nothing moves: measures the distance ahead for flying, and tries the other back ends once. */
   async #rest() {
     this.state = 'still'
     const [engine, options] = [this.#engine, this.#frame()]
@@ -969,7 +940,6 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  /** Copies the scenes of a worker to another. */
   async #copy(engine, other, items) {
     const list = items.map(({ key, place }) => ({ key, place }))
     for (const { key, place } of list) await other.open(key, await engine.ask('packed', key), place)
@@ -988,7 +958,6 @@ export class Viewer extends HTMLElement {
     this.#panels.note(name ? 'View {0} of {1}: {2}' : 'View {0} of {1}', this.#pilot.index + 1, views.length, name)
   }
 
-  /** Picks at x, y, 0 to 1 across the picture. */
   #pick(x, y, options) {
     const at = [x * options.width, y * options.height].map(Math.floor)
     return this.#engine.ask('pick', ...at, this.#pilot.rendered(options), options)
@@ -1008,7 +977,7 @@ export class Viewer extends HTMLElement {
 
   // ---- Headset ------------------------------------------------------------------------------------------------------
 
-  /** Shows the buttons for VR and AR. In a headset, VR is shown on insecure pages too, to tell the reason. */
+  /** Browsers of headsets show the VR button on insecure pages too, to tell why VR fails. */
   async #findHeadset() {
     const { headset, room, arSize } = this.#ui
     const { xr } = navigator
@@ -1023,13 +992,11 @@ export class Viewer extends HTMLElement {
     room.onclick = () => this.#headset.enter(this.#room)
   }
 
-  /** The size of the scene in AR: 'table', 'true' or 'off'. */
   get #inRoom() {
     const asked = this.getAttribute('ar')
     return ['true', 'off'].includes(asked) ? asked : 'table'
   }
 
-  /** The headset starts at the camera of the page. The picture in the page does not change meanwhile. */
   async #newHeadset() {
     const { Headset } = await import('./xr.js')
     return new Headset({
@@ -1118,7 +1085,6 @@ export class Viewer extends HTMLElement {
     else if (this.#scene) this.#change()
   }
 
-  /** Starts walking at the camera. */
   async #walk() {
     const { Walker } = await import('./walk.js')
     const pilot = this.#pilot
@@ -1133,7 +1099,6 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
-  /** Shows the on-screen stick: as `joystick` says, by default on touchscreens without `noui` and `ui`. */
   async #showStick() {
     const auto = this.#touches && !this.matches('[noui], [ui]') ? '' : 'none'
     const is = this.#pilot.mode !== 'orbit' && (this.getAttribute('joystick') ?? auto) !== 'none'
@@ -1141,7 +1106,6 @@ export class Viewer extends HTMLElement {
     if (this.#stick) (await this.#stick).hidden = !is
   }
 
-  /** Captures the mouse: it looks around without a button, until Escape. */
   #capture() {
     if (!this.#pilot.walks) this.#setMode('fly')
     this.#ui.stage.requestPointerLock?.()?.catch(() => this.#panels.note('This browser keeps the mouse to itself'))
@@ -1176,7 +1140,6 @@ export class Viewer extends HTMLElement {
     does[key.length === 1 ? key.toLowerCase() : key]?.()
   }
 
-  /** The getter and the setter of each setting. Settings files use the same names. */
   #table = {
     background: [() => this.#colour, (value) => this.#setAttribute('background', value)],
     backend: [() => this.#wanted, (value) => this.#setAttribute('backend', value)],
@@ -1195,7 +1158,6 @@ export class Viewer extends HTMLElement {
     readout: [() => !this.#ui.readout.hidden, (value) => (this.#ui.readout.hidden = !value)],
   }
 
-  /** Applies a field of the settings panel. */
   #set({ name, type, value, checked }) {
     if (name === 'budget') return this.#setBudget(Number(value))
     if (name === 'eyeHeight') value = this.#pilot.walker.usual * 2 ** value
@@ -1245,7 +1207,6 @@ export class Viewer extends HTMLElement {
     this.#listenToDrops()
   }
 
-  /** With wheel="page" the wheel scrolls the page, unless the viewer has the focus or ctrl is held. */
   #takesWheel({ ctrlKey, timeStamp }) {
     if (this.getAttribute('wheel') !== 'page' || ctrlKey || this.matches(':focus-within')) return true
     if (timeStamp - this.#hintedAt > HINT_MS) this.#panels.note('Click the scene, or hold Ctrl, and the wheel zooms')
@@ -1262,7 +1223,7 @@ export class Viewer extends HTMLElement {
     this.addEventListener('dragleave', over(false))
     this.addEventListener('drop', (event) => {
       over(false)(event)
-      const { items, files } = event.dataTransfer // emptied after the event
+      const { items, files } = event.dataTransfer // the browser empties dataTransfer after the event
       this.#takeDrop([...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean), [...files])
     })
   }

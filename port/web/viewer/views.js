@@ -1,6 +1,6 @@
 // Reads views from cameras.json files, links and the page's address, and writes links. A camera is { eye, look, up,
-// fov, flat, shift }. `look` is the point that the camera turns about. `flat`: orthographic. `shift` is the offset of
-// the camera's axis from the middle of the picture, right and down, in heights of the picture.
+// fov, flat, shift }. `look` is the target. `flat` means orthographic. `shift` is the offset of the camera's axis from
+// the middle of the picture, right and down, in heights of the picture.
 import { download } from '../read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
@@ -20,7 +20,6 @@ export function addressOf(url) {
   }
 }
 
-/** The file name in an address. It may contain invalid escapes. */
 export function nameOf(url) {
   const name = url.split(/[?#]/)[0].split('/').pop()
   try {
@@ -30,7 +29,6 @@ export function nameOf(url) {
   }
 }
 
-/** The views of a cameras.json. */
 export function viewsOf(name, text) {
   let views
   try {
@@ -43,9 +41,8 @@ export function viewsOf(name, text) {
   return views
 }
 
-const MOST_TEXT = 64e6 // bytes
+const MOST_TEXT = 64e6
 
-/** The text at an address, or an Error with the words. */
 export async function textAt(url, words) {
   const file = await download(new URL(addressOf(url)), { most: MOST_TEXT }).catch((error) => {
     throw error.isSlow || error.isLarge ? error : new Error(`${nameOf(url)}: ${words}`)
@@ -55,12 +52,10 @@ export async function textAt(url, words) {
 
 export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))
 
-// Attributes of the element that may also be parameters of the page's address.
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar']
 
-/** Sets attributes by the page's address: by its parameters, and by each #fragment (view, annotation). */
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)
   for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
@@ -73,7 +68,6 @@ export function followAddress(viewer) {
   addEventListener('hashchange', follow)
 }
 
-/** A camera from the text of a link, or null. */
 export function cameraOf(text) {
   const n = (text ?? '').split(',').map(Number)
   if (!hasNumbers(n, 10) && !hasNumbers(n, 13)) return null
@@ -82,13 +76,11 @@ export function cameraOf(text) {
   return { ...place, fov, flat: !!flat, shift: shift.length ? shift : [0, 0] }
 }
 
-/** The ten or thirteen numbers of a link. */
 export function textOf({ eye, look, up, fov, flat, shift }) {
   const more = flat || shift.some(Boolean) ? [flat ? 1 : 0, ...shift] : []
   return [...eye, ...look, ...up, fov, ...more].join()
 }
 
-/** Checks a camera. Missing fields are taken from `other`, else from the defaults. */
 export function checkedCamera(given, other = {}) {
   const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
   for (const [name, value] of Object.entries(given)) {

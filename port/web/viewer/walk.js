@@ -1,37 +1,36 @@
-// Walking: the eye stays at its height above the ground, low steps are climbed, walls stop. Ground and walls are found
-// in a height map of the surroundings: a small orthographic picture of depths that the worker draws straight down from
-// the eye. It is drawn as every picture is, so it agrees with the visible picture. A new map is requested as the eye
-// moves.
+// Walking: the eye stays at its height above the ground, low steps are climbed, walls stop. A height map finds ground
+// and walls. The height map is a small orthographic picture of depths, straight down from the eye.
 import { add, cross, dot, unit } from './motion.js'
 
-const CELLS = 48 // cells along a side of a map
+const CELLS = 48
 const FOCAL = 4096 // the renderer rounds focal lengths to 1 / FOCAL pixels a unit
-// The lengths from CELL to PACE are in heights of the eye.
-const CELL = 1 / 16 // size of a cell
-const REACH = 1.25 // walking farther from the middle of a map waits for the next one
-const STALE = 0.4 // distance from the middle of a map that requests the next one
+// The lengths from CELL to PACE are multiples of the eye's height.
+const CELL = 1 / 16
+const REACH = 1.25 // walking farther from the middle of a height map waits for the next map
+const STALE = 0.4 // distance from the middle of a height map that requests the next map
 const FOOT = 0.12 // radius around a point for measuring the ground
-const BODY = 0.2 // least distance to walls
-const STEP = 0.25 // height of a step that is climbed
-const DROP = 2 // depth that is stepped down; deeper is a hole
-const STRIDE = 0.05 // longest single step
-const BACK = 0.4 // distance to a chosen point on arrival
-const PACE = 2.5 // distance a second at a speed of 1
-const LEAST = 3 // blocked cells that stop; fewer are stray Gaussians
-const EASE = 10 // rate a second of the exponential approach to the height
-const STALE_MS = 1000 // a map is renewed after this time
+const BODY = 0.2 // smallest distance of the eye to walls
+const STEP = 0.25 // largest height of a step that is climbed
+const DROP = 2 // largest depth that is stepped down; a deeper drop is a hole
+const STRIDE = 0.05 // longest single step of the walk
+const BACK = 0.4 // distance to a chosen point at which walking ends
+const PACE = 2.5 // distance walked in a second at a speed of 1
+const LEAST = 3 // blocked cells that stop the walk; fewer cells are stray Gaussians
+const EASE = 10 // rate a second of the eye's exponential approach to its height
+const STALE_MS = 1000 // milliseconds after which a height map is renewed
 const GLIDE_MS = 500
-const TRIES = 8 // places tried for the first position, from the camera to its target
-const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180) // ways along a wall
+const TRIES = 8
+// angles of ways along a wall, in radians
+const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180)
 
-/** The mean of the middle half of a list, robust against stray Gaussians. */
+/** Returns the mean of the middle half of a list, robust against stray Gaussians. */
 function middle(list) {
   const [from, to] = [list.length >> 2, list.length - (list.length >> 2)]
   const half = list.sort((a, b) => a - b).slice(from, to)
   return half.reduce((sum, x) => sum + x, 0) / half.length
 }
 
-/** A height map below a place, along `up`, for one height of the eye. Cells have the size `cell` in scene units. */
+/** A height map below a place, along `up`. A cell has the size `cell` in scene units. */
 class Ground {
   constructor(facts) {
     Object.assign(this, facts)
@@ -39,7 +38,7 @@ class Ground {
     this.level = dot(this.place, this.axes.up)
   }
 
-  /** The heights of the cells around a point; -Infinity if nothing is there. */
+  /** Returns the heights of the cells around a point; -Infinity for an empty cell. */
   heights(point, radius) {
     const from = add(point, this.place, -1)
     const [x, y] = [this.axes.right, this.axes.down].map((axis) => dot(from, axis) / this.cell + CELLS / 2 - 0.5)
@@ -52,7 +51,6 @@ class Ground {
     return found
   }
 
-  /** The horizontal distance of a point from the middle. */
   distance(point) {
     const from = add(point, this.place, -1)
     return Math.hypot(dot(from, this.axes.right), dot(from, this.axes.down))
@@ -64,24 +62,23 @@ export class Walker {
   #host
   #ground = null
   #asking = null
-  #feet = 0 // height of the ground under the feet
-  #floats = false // true: no ground was found yet
-  #eye = null // the eye as set by walking; if the camera has another, begin() must run again
+  #feet = 0
+  #floats = false
+  #eye = null // position of the eye as set by walking; another position requires begin()
   #usual = { scene: null, height: 1 }
-  #last = 0 // time of the last step of #ease; 0: not running
+  #last = 0
 
-  /** The host has scene(), height() (0: usual), draw(camera, size) (a promise of depths), and note(words). */
+  /** `host` has draw(camera, size), which returns a promise of depths, and height(), which is 0 for the estimated
+      height. */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host
   }
 
-  /** The height of the eye above the ground, in scene units. */
   get height() {
     return this.#host.height() || this.#usual.height
   }
 
-  /** The estimated height, used without eye-height. */
   get usual() {
     return this.#usual.height
   }
@@ -90,7 +87,7 @@ export class Walker {
     return unit(this.#pilot.up)
   }
 
-  /** The horizontal direction of view. If the camera looks straight up or down, its up vector gives the direction. */
+  /** If the camera looks straight up or down, its up vector gives the horizontal direction of view. */
   #level(camera) {
     const up = this.#up
     const ahead = add(camera.look, camera.eye, -1)
@@ -100,7 +97,7 @@ export class Walker {
     return unit(steep ? flat(camera.up.map((x) => -Math.sign(dot(ahead, up)) * x)) : level)
   }
 
-  /** Goes to the ground: in front of a point, or below the camera, or the first ground on the way to its target. */
+  /** Moves the eye to the ground: in front of a point, below the camera, or on the way to its target. */
   async begin(point = null) {
     const own = (this.#asking = {})
     const { camera } = this.#pilot
@@ -123,7 +120,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** Estimates the height of the eye: from the start view if a photograph gave it, else an eighth of the scene. */
+  /** Estimates the eye's height from the start view, else as an eighth of the scene's height. */
   async #findUsual() {
     const scene = this.#host.scene()
     if (this.#usual.scene === scene) return
@@ -153,13 +150,11 @@ export class Walker {
     return depths && new Ground({ place: eye, axes, cell: 1 / fx, height, depths })
   }
 
-  /** The height of the ground at a point, between two heights; null without ground. */
   #groundAt(ground, point, height, low = -Infinity, high = Infinity) {
     const found = ground.heights(point, FOOT * height).filter((y) => y > low && y <= high)
     return found.length ? middle(found) : null
   }
 
-  /** A position for the eye above ground; null if none was found. */
   async #spot(camera) {
     const up = this.#up
     const way = add(camera.look, camera.eye, -1)
@@ -173,12 +168,10 @@ export class Walker {
     return null
   }
 
-  /** A position for the eye in front of a point, at eye height above it. */
   #before(point, camera) {
     return add(add(point, this.#level(camera), -BACK * this.height), this.#up, this.height)
   }
 
-  /** A camera at a position with the old target, which is moved if it is too near or too steep. */
   #upright(camera, eye) {
     const up = this.#up
     const ahead = add(camera.look, eye, -1)
@@ -189,9 +182,9 @@ export class Walker {
     return { ...camera, eye, look, up, flat: false, shift: [0, 0], fov: camera.flat ? this.#pilot.fov : camera.fov }
   }
 
-  // ---- Steps --------------------------------------------------------------------------------------------------------
+  // ---- Walking ------------------------------------------------------------------------------------------------------
 
-  /** Walks to the right and ahead, for seconds at full speed. */
+  /** Walks to the right and ahead. Both arguments are seconds at full speed. */
   go(right, forward) {
     const { camera } = this.#pilot
     if (!this.#host.scene() || !(right || forward)) return
@@ -226,13 +219,11 @@ export class Walker {
     return place
   }
 
-  /** The number of cells around a position that are too high for a step. */
   #stops(place) {
     const limit = this.#feet + STEP * this.height
     return this.#ground.heights(place, BODY * this.height).filter((y) => y > limit).length
   }
 
-  /** Updates the height of the feet; over a hole it stays. */
   #stand(place) {
     const { height } = this
     const low = this.#floats ? -Infinity : this.#feet - DROP * height
@@ -248,7 +239,6 @@ export class Walker {
     this.#pilot.act({ ...camera, eye, look: add(camera.look, add(eye, camera.eye, -1)) })
   }
 
-  /** Requests a new map if the present one is too far away or too old. */
   async #look(place) {
     const { height } = this
     const level = this.#feet + height
@@ -264,12 +254,10 @@ export class Walker {
     this.#ease()
   }
 
-  /** Called after the height of the eye has changed. */
   stand() {
     if (this.#pilot.camera?.eye === this.#eye) this.#ease()
   }
 
-  /** Moves the eye smoothly to its height, unless the camera glides elsewhere. */
   #ease() {
     if (this.#last) return
     const step = (now) => {

@@ -3,8 +3,8 @@
 const FORMATS = '@FORMATS@'
 const size = (bytes) => (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} KB` : `${(bytes / 1e6).toFixed(1)} MB`)
 
-// Rows: kind, pattern of the message, and a function that writes the text with `say`, which translates. Without a
-// function, the message is the text. The first matching row is used.
+// Each row has a kind, a pattern of the message, and a function that writes the text with the translating function
+// `say`. Without a function, the message is the text. The first matching row is used.
 const TABLE = [
   ['browser', /^no WebAssembly$/, (say) =>
     say('This browser has no WebAssembly, or it is switched off: a newer one shows the scene')],
@@ -27,7 +27,6 @@ const TABLE = [
     say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
 ]
 
-/** The kind and the text of an error: { kind, words }. */
 export function wordsOf({ message }, say) {
   for (const [kind, pattern, write] of TABLE) {
     const found = message.match(pattern)

@@ -1,25 +1,25 @@
-// The worker of a viewer. It loads and draws the scenes, so that the page stays responsive. The page (engine.js) sends
-// requests { id, word, args }; `words` below has the function of each. Every request gets an answer { id, result } or
-// { id, error }. Messages with a `stage` are sent without a request.
+// The worker of a viewer, which loads and draws the scenes. The page (engine.js) sends requests { id, word, args }; the
+// table `words` has the function of each word. Every request gets an answer { id, result } or { id, error }. Messages
+// with a `stage` need no request.
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from '../fixsplat.js'
 
-const SEEN = 40000 // least number of Gaussians in a preview,
-const SEEN_SHARE = 1 / 3 // or least share of the download
-const PREVIEW_MS = 1000 // longest wait until the page has drawn a preview
-const AHEAD_MS = 600 // extrapolation of the motion of the camera, for prefetching
-const STOPPED_MS = 300 // a camera counts as stopped after this time between two pictures
+const SEEN = 40000 // smallest number of Gaussians in an early preview
+const SEEN_SHARE = 1 / 3 // downloaded share that allows a preview of fewer Gaussians
+const PREVIEW_MS = 1000 // longest wait in milliseconds for the page to draw a preview
+const AHEAD_MS = 600 // milliseconds of extrapolation of the camera's motion, for prefetching
+const STOPPED_MS = 300 // milliseconds between two pictures after which the camera counts as stopped
 const NO_DEPTH = 0xffffffff
-const UNIT = 65536 // depth of one scene unit
+const UNIT = 65536 // depth value of one scene unit
 const screens = {}
-const scenes = new Map() // by the keys of the page
-let placed = [] // the scenes to draw: { key, place }
+const scenes = new Map()
+let placed = []
 let how
 let drawn = () => {}
 
 const isThere = ({ key }) => scenes.has(key)
 const objects = () => placed.filter(isThere).map(({ key, place }) => ({ scene: scenes.get(key), ...place }))
 
-/** Places a point in the world. Rotation by a unit quaternion (w, q): v + 2 w (q x v) + 2 q x (q x v). */
+/** Places a point in the world. A unit quaternion (w, q) rotates v to v + 2 w (q x v) + 2 q x (q x v). */
 function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 }) {
   const [w, ...q] = rotation.map((x) => x / Math.hypot(...rotation))
   const cross = (a, b) => [1, 2, 0].map((j, i) => a[j] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[j])
@@ -31,16 +31,14 @@ function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 
 const corners = (low, high) =>
   [0, 1, 2, 3, 4, 5, 6, 7].map((i) => low.map((x, axis) => (i & (1 << axis) ? high : low)[axis]))
 
-/** The box of all objects. */
 function boxOf(list) {
   const points = list.flatMap(({ scene, ...place }) => corners(scene.low, scene.high).map((v) => moved(v, place)))
   const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...points.map((v) => v[axis]))))
   return { low, high }
 }
 
-let seen = {} // the cached first view, and its scenes
+let seen = {}
 
-/** The first view of all scenes. Chosen again if the list of scenes changes, not if a scene is moved. */
 function firstOf(list) {
   const of = placed.filter(isThere).map(({ key }) => key).join()
   if (seen.of !== of || seen.last !== list.at(-1).scene) seen = { of, last: list.at(-1).scene, first: firstView(list) }
@@ -48,7 +46,6 @@ function firstOf(list) {
   return { first: seen.first, start: Object.keys(place).length ? null : scene.start }
 }
 
-/** The facts of all visible scenes together; null without a scene. */
 function whole() {
   const list = objects()
   if (!list.length) return null
@@ -65,7 +62,7 @@ function put(key, scene) {
   scenes.set(key, scene)
 }
 
-/** Shows a preview; loading waits until it was drawn. A preview of few Gaussians is only fog, so it is skipped. */
+/** Loading waits until the page has drawn the preview. A preview of few Gaussians is skipped. */
 function preview(key, part, share) {
   if (part.count < SEEN && share < SEEN_SHARE) return part.free()
   put(key, part)
@@ -76,13 +73,12 @@ function preview(key, part, share) {
   })
 }
 
-/** Calls a function after the browser has shown the canvas; the worker must be idle for that. */
 function onScreen(call) {
   if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
   else call()
 }
 
-/** Draws on a screen; without a screen returns the pixels. Null if the screen has failed. */
+/** Draws on a Screen, or returns the pixels without a Screen. Returns null if the Screen has failed. */
 async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
@@ -102,7 +98,6 @@ async function draw(id, camera, options) {
   }
 }
 
-/** The options of a frame with the skybox as backdrop. */
 async function withSky({ sky, ...options }, camera) {
   if (!sky) return options
   try {
@@ -114,9 +109,8 @@ async function withSky({ sky, ...options }, camera) {
   }
 }
 
-let last // position and time of the last picture
+let last
 
-/** Prefetches parts for the camera AHEAD_MS from now, if it continues its motion. */
 function lookAhead(camera, options) {
   const list = objects()
   if (!list.some(({ scene }) => scene.paged && !scene.failure)) return
@@ -129,12 +123,11 @@ function lookAhead(camera, options) {
   const position = camera.position.map((x, i) => x + far * (x - before.position[i]))
   try {
     foresee(list, { ...camera, position }, options)
-  } catch {} // the position is not valid for a camera
+  } catch {}
 }
 
-let eyes // the canvas of pictures for a headset: { canvas, screen }
+let eyes
 
-/** Draws the pictures of several cameras side by side on the GPU. Null if the canvas is too small. */
 async function bitmapOf(cameras, options, backend) {
   const { width, height } = options
   if (eyes?.screen.backend !== backend) {
@@ -154,7 +147,6 @@ async function bitmapOf(cameras, options, backend) {
   return canvas.transferToImageBitmap()
 }
 
-/** Depths of a picture, by the loaded parts. */
 const depthOf = (camera, options) =>
   render(objects(), camera, { ...options, fetch: false, targets: { depth: true } }).depth
 const unitsOf = (code) => (code === NO_DEPTH ? Infinity : code / UNIT)
@@ -177,7 +169,6 @@ const words = {
     return factsOf(scene)
   },
 
-  /** Sets the scenes to draw. The others stay in memory. */
   place(list) {
     placed = list
     return whole()
@@ -202,7 +193,6 @@ const words = {
     delete screens[id]
   },
 
-  /** Draws on a screen; for an unknown id, the answer has the pixels. */
   async draw(id, camera, options) {
     const start = performance.now()
     const facts = await draw(id, camera, await withSky(options, camera))
@@ -211,7 +201,6 @@ const words = {
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
-  /** Draws one or two eyes, each byte for byte as a mono picture: { pictures } of pixels, or a GPU's { bitmap }. */
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
@@ -231,10 +220,9 @@ const words = {
     return png(pixels, options.width, options.height)
   },
 
-  /** The depth at each pixel in scene units; Infinity if nothing is there. */
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
 
-  /** Depths at some pixels: the farthest of 3 x 3 pixels, since a marker is on the surface that it marks. */
+  /** The farthest depth of 3 x 3 pixels counts, since the marker of an annotation lies on a surface. */
   depths(pixels, camera, options) {
     const { width, height } = options
     const depth = depthOf(camera, options)

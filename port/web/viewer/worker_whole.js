@@ -1,5 +1,4 @@
-// The worker for bundlers, with all modules that are otherwise loaded on demand. Some bundlers put a worker into one
-// file, and all drop unused code, so the modules are imported and used here.
+// The worker for bundlers, which drop unused code: imports and uses all modules that are loaded on demand elsewhere.
 import { openPaged } from '../paged.js'
 import { Functions } from '../webgl.js'
 import { Computed } from '../webgpu.js'

@@ -1,25 +1,26 @@
 // Shows the scene in a headset or a phone by WebXR. The worker draws a picture for each eye at the latest pose of the
-// head; one picture if the device has one view. Drawing takes longer than a frame of the device, so each frame shows
-// the latest complete pictures, reprojected to the present pose (eyes.js). VR puts the scene around the user; ar.js
-// puts it into the room.
+// head. Each frame shows the latest complete pictures, reprojected to the present pose (eyes.js), since drawing takes
+// longer than a frame.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
-const REACH = 2 // metres: distance of the point that the camera turns about
-const NEAR = 0.1 // metres
-const AIM_MS = 50 // aimed time for a pair of pictures
+const REACH = 2 // metres: distance from the head to the camera's target
+const NEAR = 0.1
+const AIM_MS = 50 // milliseconds to aim at for a pair of pictures
 const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
-const [PUSHED, IDLE] = [0.7, 0.3] // deflection of a thumbstick that starts a turn, and that allows the next one
+// deflection of a thumbstick that starts a turn, and deflection that allows the next turn
+const [PUSHED, IDLE] = [0.7, 0.3]
 const DEAD = 0.15
 
-/** The placement of the room in the scene: its axes (right, up, back), its origin, and scene units a metre. */
+/** The placement of the room in the scene: axes (right, up, back), origin, scene units a metre. */
 export class Place {
   constructor(axes, units, origin = [0, 0, 0]) {
     Object.assign(this, { axes, units, origin })
   }
 
-  /** A level placement: a direction of the room (x, z) becomes the direction of view of the camera. */
+  /** Returns a level placement. The horizontal direction (hx, hz) of the room becomes the camera's direction of
+      view. */
   static towards([hx, hz], { camera, up }, units) {
     const y = unit(up)
     const level = (a) => add(a, y, -dot(a, y))
@@ -31,7 +32,6 @@ export class Place {
     return new Place([mixed(hx, -hz), y, mixed(hz, hx)], units)
   }
 
-  /** A placement with the head at the eye of the camera, in the same direction of view. */
   static of(view, { matrix, position }) {
     const place = Place.towards(unit([-matrix[8], -matrix[10]]), view, distance(view.camera) / REACH)
     return place.held(numbers(position), view.camera.eye)
@@ -41,18 +41,15 @@ export class Place {
     return [0, 1, 2].map((i) => x * this.axes[0][i] + y * this.axes[1][i] + z * this.axes[2][i])
   }
 
-  /** A point of the room in the scene. */
   at(point) {
     return add(this.origin, this.turned(point), this.units)
   }
 
-  /** A point of the scene in the room. */
   from(there) {
     const to = add(there, this.origin, -1)
     return this.axes.map((axis) => dot(axis, to) / this.units)
   }
 
-  /** Moves the placement so that a point of the room is at a point of the scene. */
   held(point, there) {
     const moved = new Place(this.axes, this.units)
     moved.origin = add(there, moved.turned(point), -this.units)
@@ -63,13 +60,12 @@ export class Place {
     return new Place(this.axes, this.units, add(this.origin, by, times))
   }
 
-  /** Turns about the vertical by an angle to the right, and scales the metre by a factor. */
+  /** Turns the placement to the right about the vertical, and scales the metre by a factor. */
   changed(angle, times) {
     const axes = this.axes.map((axis) => rotate(axis, this.axes[1], -angle))
     return new Place(axes, this.units * times, this.origin)
   }
 
-  /** The same about a point of the room. */
   about(point, angle, times) {
     return this.changed(angle, times).held(point, this.at(point))
   }
@@ -82,7 +78,7 @@ const pushed = (x = 0) => (Math.abs(x) < DEAD ? 0 : x)
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
-/** The Guide of VR: starts at the camera of the page, and moves by thumbsticks. */
+/** The Guide of the VR mode starts at the page's camera and moves by thumbsticks. */
 class Walker {
   #host
   #turning = false
@@ -91,7 +87,7 @@ class Walker {
     this.#host = host
   }
 
-  /** The left stick moves in the direction of view; the right one turns, and moves up and down. */
+  /** The left stick moves in the direction of view. The right stick turns, and moves up and down. */
   step(place, { pose, session, seconds }) {
     const { matrix, position } = pose.transform
     place ??= Place.of(this.#host.view(), pose.transform)
@@ -111,10 +107,8 @@ class Walker {
   }
 }
 
-/** A mode: the type of the WebXR session, the name and the words for errors, the reference spaces to try in order,
- * `clear` for a transparent background, and the class Guide, which places the room in the scene. A Guide has
- * step(place, now): it returns the Place of a frame, or null if none is chosen yet. It may have `options` of the
- * session, begin(session, space), end(), and show(gl, view, viewport) for frames without a Place. */
+/** A mode has the type of the WebXR session, texts, the reference spaces to try in order, and the class Guide. A
+    Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if none is chosen yet. */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
@@ -135,13 +129,11 @@ export class Headset {
   #gl
   #scale
   #place = null
-  #asked = null // the current request: { engine }
+  #asked = null
   #entering = false
   #grips = []
   #last = 0
 
-  /** The host has engine(), backend(), scene(), options(), view() with camera and up, the members that a Guide needs,
-   * and the callbacks changed(isOn), drawn(detail), say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -211,7 +203,6 @@ export class Headset {
     session.requestAnimationFrame(step)
   }
 
-  /** Takes the first reference space of the mode that the device supports. Returns its name. */
   async #takeSpace(session) {
     const { spaces } = this.#mode
     for (const name of spaces) {
@@ -232,8 +223,6 @@ export class Headset {
     drop(gl)
     this.#guide.end?.()
   }
-
-  // ---- Frames -------------------------------------------------------------------------------------------------------
 
   #frame(now, frame) {
     const pose = frame.getViewerPose(this.#space)
@@ -265,14 +254,12 @@ export class Headset {
     })
   }
 
-  /** The approximate distance of the scene. */
   #far({ rotation, position }) {
     const { low, high } = this.#host.scene()
     const middle = low.map((x, i) => (x + high[i]) / 2 - position[i])
     return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
   }
 
-  /** Requests one pair of pictures at a time. The time until the answer decides the size of the next pair. */
   async #ask(engine, views) {
     const asked = (this.#asked = { engine })
     const scale = this.#scale.value
@@ -294,9 +281,6 @@ export class Headset {
     this.#host.drawn({ cameras, width, height, scale, milliseconds })
   }
 
-  // ---- Controllers --------------------------------------------------------------------------------------------------
-
-  /** A gripping controller moves the scene; two also turn and scale it. */
   #pull(frame) {
     const gripping = [...this.#session.inputSources].filter((s) => s.gripSpace && s.gamepad?.buttons[1]?.pressed)
     const now = gripping.map((source) => ({ source, pose: frame.getPose(source.gripSpace, this.#space) }))

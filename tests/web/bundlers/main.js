@@ -1,5 +1,4 @@
-// A program that uses the package, for each project of bundlers.mjs, which fills in the entries' names. Stores its
-// findings in `globalThis.result`.
+// A program that uses the package, for the projects of bundlers.mjs. Stores the results in `globalThis.result`.
 import { load, Screen, setAssets } from '@LOAD@'
 import '@VIEWER@'
 
@@ -18,7 +17,6 @@ function hashOf(bytes) {
   return h.toString(16).padStart(16, '0')
 }
 
-/** Draws with every WebAssembly module, and with WebGL 2, which is fetched on demand. */
 async function run() {
   const many = globalThis.crossOriginIsolated ? 2 : 1
   const threaded = await draw(await load('/scene.ply', { threads: 2 }), many)

@@ -1,4 +1,4 @@
-// Names that code in the documentation assumes.
+// Declares names that the code in the documentation assumes.
 declare const canvas: HTMLCanvasElement
 declare const camera: import('fixsplat').Camera
 declare const scene: import('fixsplat').Scene
@@ -6,5 +6,4 @@ declare module 'webgpu' {
   export function create(options: string[]): GPU
   export const globals: object
 }
-/** Missing in TypeScript; npm's @webgpu/types has it. */
 declare const GPUBufferUsage: Record<'COPY_DST' | 'STORAGE', number>

@@ -1,4 +1,4 @@
-// Servers for bundlers.mjs: of a folder, and as a proxy before a server program.
+// Servers for bundlers.mjs: a server of a folder, and a proxy before a server program.
 import { spawn } from 'node:child_process'
 import { existsSync, readFileSync, statSync } from 'node:fs'
 import { createServer, request as ask } from 'node:http'
@@ -27,7 +27,6 @@ function closed(server) {
   return new Promise((done) => server.close(done))
 }
 
-/** Serves a folder, and other folders by address prefix. */
 export async function serveFiles(folder, others, headers = ISOLATED) {
   const fileOf = (path) => {
     const [start] = Object.keys(others).filter((one) => path.startsWith(one))
@@ -57,7 +56,6 @@ const answers = (port) =>
     asked.on('error', () => done(false)).end()
   })
 
-/** A proxy before a port that isolates pages and adds files. */
 async function serveBefore(port, files) {
   const host = `${HOST}:${port}`
   const server = createServer((request, response) => {
@@ -82,7 +80,6 @@ async function serveBefore(port, files) {
   return { address: `http://${HOST}:${await listening(server)}/`, end: () => closed(server) }
 }
 
-/** Starts a program with `PORT` in its command line, and a proxy before it. */
 export async function serveProgram(folder, words, env, files) {
   const port = await freePort()
   const child = spawn(process.execPath, words.map((word) => word.replace('PORT', port)),
