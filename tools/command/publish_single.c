@@ -1,5 +1,5 @@
-/* Writes a page as one HTML file: the viewer's scripts and WebAssembly and the scene, gzipped and in base64, and a
-   picture to show first. */
+/* Writes a page as one HTML file with a poster picture. The viewer's scripts, WebAssembly and the scene are inside
+   as gzip in base64. */
 #include "publish_single.h"
 
 #include <errno.h>
@@ -16,11 +16,9 @@
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Browsers limit a text to less than 2^29 characters. SCENE_MOST bytes give 512,000,000 in base64 if gzip does not
-   shrink them. */
+/* Browsers limit a text to less than 2^29 characters. SCENE_MOST bytes give at most 512,000,000 characters of
+   base64. */
 enum { SCENE_MOST = 384 * 1000 * 1000, CARRIED_MOST = 256, CARRIED_NAME = 128 };
-
-/* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */
 
 static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
 {
@@ -56,9 +54,7 @@ static int write_packed(FILE *file, const void *bytes, size_t size)
     return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-/* ---- Files of the page ------------------------------------------------------------------------------------------- */
-
-/* True for scripts, WebAssembly and styles of the package, except those for threads and servers. */
+/* Tests for a script, WebAssembly or style that the page needs. Threads and servers are left out. */
 static int is_carried(const char *name)
 {
     static const char *const endings[] = {".js", ".wasm", ".css"};
@@ -136,7 +132,6 @@ static int carry_folder(carrier *c, const char *inside)
     return status;
 }
 
-/* Copies a file of the package into an element of the page. */
 static int print_file(FILE *file, const char *package, const char *name, const char *before)
 {
     char path[TASK_PATH];
@@ -161,8 +156,6 @@ static int print_carried(FILE *file, const char *package)
     fputs("}</script>\n", file);
     return status ? status : print_file(file, package, "LICENSE", "<script type=\"text/plain\" id=\"licence\">\n");
 }
-
-/* ---- The page ---------------------------------------------------------------------------------------------------- */
 
 static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
 {
