@@ -1,4 +1,4 @@
-/* Files and folders that a command has made, to be removed if it fails. */
+/* The files and folders that a command has made, so that they can be removed if the command fails. */
 #ifndef MADE_LIST_H
 #define MADE_LIST_H
 
@@ -10,14 +10,14 @@ typedef struct made_list {
     size_t count, room;
 } made_list;
 
-/* Call before a file or a folder is made. Records its path unless it exists; without memory the file will not be
-   removed. */
+/* Records a path that does not exist yet. Call this function before the file or folder is made. Without memory the
+   path is not recorded. */
 void made_list_add(made_list *list, const char *path);
 
-/* As made_list_add, for a folder and its parent folders. */
+/* Records a folder and its parents like made_list_add. */
 void made_list_add_folders(made_list *list, const char *path);
 
-/* Removes the recorded files and folders, the last first. A folder with other files stays. */
+/* Removes the recorded files and folders in reverse order. A folder with other files stays. */
 void made_list_remove(const made_list *list);
 
 void made_list_free(made_list *list);

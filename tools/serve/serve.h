@@ -1,4 +1,4 @@
-/* Shared by the parts of fixsplat-web. */
+/* Helpers of fixsplat-web, the web server program. */
 #ifndef SERVE_H
 #define SERVE_H
 
@@ -7,18 +7,17 @@
 
 #include <fixsplat/message.h>
 
-/* Closes a temporary file and returns a descriptor (src/base/system.h) of its content. Returns -1 and sets errno if
-   the file is null, or writing it failed. */
+/* Closes a temporary file and returns a descriptor of its content. Returns -1 and sets errno if `file` is null or a
+   write failed. */
 int keep_written(FILE *file);
 
-/* Writes bytes to a temporary file and returns its descriptor, as keep_written does. */
+/* Writes bytes to a temporary file and returns a descriptor; -1 and errno on failure. */
 int keep(const void *data, size_t bytes);
 
-/* Formats a string, which the caller frees. Returns null if memory runs out. */
+/* Formats a string, which the caller frees. Null: out of memory. */
 char *text_of(const char *format, ...) FXS_PRINTF(1, 2);
 
-/* Prints the QR code of an address, readable on dark and light terminals. Returns 0, or -1 in a build without
-   libqrencode. */
+/* Prints the QR code of an address on the terminal. Returns -1 in a build without libqrencode, else 0. */
 int print_qr_code(const char *address);
 
 /* Runs `fixsplat fit --preview`. Returns its exit status. */

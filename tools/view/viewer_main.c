@@ -1,4 +1,4 @@
-/* fixsplat-view: the program behind `fixsplat view`, with the same arguments. */
+/* fixsplat-view: the program with the window of `fixsplat view`. */
 #include <fixsplat/output.h>
 #include "src/base/system.h"
 #include "viewer.h"
@@ -15,7 +15,7 @@ int main(int argc, char **argv)
         status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
     if (status)
         return status;
-    fxs_output_remove_at_signals();   /* except the signals that the window handles as a request to close */
+    fxs_output_remove_at_signals();   /* the window handles other signals as a close request */
     while (!v.quit)
         viewer_step(&v, -1);
     viewer_close(&v);
