@@ -9,9 +9,7 @@
 #include "src/base/system.h"
 #include "fit_result.h"
 
-/* ---- Printing ---------------------------------------------------------------------------------------------------- */
-
-/* Thresholds: mean PSNR of the held-out photographs, dB. */
+/* Thresholds of the mean PSNR of held-out photographs, dB. */
 static const struct {
     double least;
     const char *words;
@@ -22,10 +20,10 @@ static const struct {
     {-INFINITY, "Poor: from new places it does not look like the photographs"}
 };
 
-/* Differences in dB beyond which a sentence names the cause. */
+/* Differences in dB above which a sentence names the cause. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
-#define LEAST_OF_EXPOSED 22        /* dB after the affine map; below, the scene is too poor to blame exposure */
+#define LEAST_OF_EXPOSED 22        /* PSNR after the affine map, dB; below, exposure is not the cause */
 
 static const char *words_for(double psnr)
 {
@@ -36,7 +34,7 @@ static const char *words_for(double psnr)
 }
 
 /* Prints how good the scene is and, if a cause is known, what would help. `fitted`: mean PSNR of fitted photographs,
-   dB, if `measured` is of held-out ones; else 0. */
+   dB; 0: no photograph was held out. */
 static void print_sentences(const quality *measured, double fitted, int has_exposures)
 {
     char psnr[32], other[32];
@@ -113,7 +111,7 @@ static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_pho
     return 0;
 }
 
-/* Milliseconds a step, averaged over the reported steps. */
+/* Prints milliseconds per step, averaged over the reported steps. */
 static void print_json_stages(const fit_progress *p)
 {
     static const char *const names[FIT_STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
@@ -167,10 +165,8 @@ void fit_print_measured(const fit_command *c, const fxs_photos *photos, const wo
     quality_print_text(q);
 }
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
-/* Crops to the subject. `whole` gets the uncropped scene packed, for measuring. If the cameras face no common point,
-   the scene is unchanged. */
+/* Crops the scene to its subject, if the cameras face a common point. `whole` gets the uncropped scene, packed for
+   measuring. */
 static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
 {
     fxs_fit_subject s;
@@ -193,7 +189,7 @@ static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
     return 0;
 }
 
-/* If writing fails, the fit is saved. */
+/* Writes the scene. If that fails, saves the fit. */
 static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                        fxs_packed_scene *whole, fit_result *result)
 {

@@ -1,4 +1,4 @@
-/* Progress of a fit: means of loss and pace, the line on stderr, and the log. */
+/* Progress of a fit: running means of loss and pace, the line on stderr, and the log. */
 #include "fit_progress.h"
 
 #include <errno.h>
@@ -8,8 +8,6 @@
 #include <fixsplat/clock.h>
 #include "src/base/system.h"
 #include "tools/command/command.h"
-
-/* ---- Progress ---------------------------------------------------------------------------------------------------- */
 
 static void say_duration(char text[32], double seconds)
 {
@@ -22,8 +20,8 @@ static void say_duration(char text[32], double seconds)
         snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
 }
 
-/* On a terminal a line in place of less than 80 columns; otherwise a line after the first second, then every ten
-   seconds, and at the last step. */
+/* Shows progress. A terminal gets a line in place, of less than 80 columns. Other outputs get a line every ten
+   seconds. */
 static void show(fit_progress *p, uint32_t step, size_t gaussians, uint64_t now)
 {
     char text[160], left[32];
@@ -66,8 +64,6 @@ double fit_progress_seconds(const fit_progress *p)
 {
     return (double)(p->last - p->start) * 1e-9;
 }
-
-/* ---- The log ----------------------------------------------------------------------------------------------------- */
 
 static void give_up(fit_log *log)
 {

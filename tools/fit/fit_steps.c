@@ -1,5 +1,5 @@
-/* The steps of `fixsplat fit`, with saves, measurements, log and progress between them; a signal saves the fit and
-   ends the program. */
+/* Runs the steps of `fixsplat fit`, with saves, measurements, log and progress between them. A signal saves the fit
+   and ends the program. */
 #include "cmd_fit.h"
 
 #include <inttypes.h>
@@ -9,8 +9,6 @@
 #include <fixsplat/clock.h>
 #include "src/base/system.h"
 #include "fit_result.h"
-
-/* ---- Saves ------------------------------------------------------------------------------------------------------- */
 
 static int save(const fit_command *c, fxs_fit *fit)
 {
@@ -42,22 +40,20 @@ int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why)
     return 0;
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
-
 static int is_measured(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
 }
 
-/* A report makes a device wait, so it is requested only five times a second, for the log, for measurements and at
-   the last step. */
+/* Tests whether a step needs a report. A report makes a device wait, so reports are limited to five a second, the
+   log, measurements and the last step. */
 static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
            fit_log_wants(c->log, step) || is_measured(c, p, step);
 }
 
-/* A fit with a failed step is not saved; the last save remains. */
+/* After a failed step the fit is not saved. The last save remains. */
 static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made, const fxs_message *why)
 {
     char needed[64];
@@ -67,7 +63,7 @@ static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made,
     return EXIT_FAILED;
 }
 
-/* Packs and measures the current scene as at the end. A failure does not stop the fit. */
+/* Packs and measures the current scene. A failure does not stop the fit. */
 static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fit_progress *p)
 {
     fxs_photos posed = *photos;
@@ -94,7 +90,7 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     fxs_packed_scene_free(&packed);
 }
 
-/* Runs steps until the last one or a signal. If a save fails, the previous one remains and the fit goes on. */
+/* Runs steps until the end or a signal. After a failed save, the previous save remains and the fit continues. */
 static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
 {
     fxs_fit_report report;

@@ -1,5 +1,5 @@
-/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG in batches on all threads,
-   finds masks, and groups photographs by size and lens. */
+/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG on all threads, finds
+   masks, and groups photographs by size and lens. */
 #define _XOPEN_SOURCE 700          /* strdup */
 
 #include "photo_folder.h"
@@ -15,8 +15,6 @@
 enum { BATCH = 16 };
 
 static const char skips[] = "--skip-bad leaves such photographs out";
-
-/* ---- Listing ----------------------------------------------------------------------------------------------------- */
 
 static int compare_names(const void *a, const void *b)
 {
@@ -66,10 +64,8 @@ int photographs_list(photographs *p, const char *path)
     return l.fits;
 }
 
-/* ---- Files for COLMAP -------------------------------------------------------------------------------------------- */
-
 typedef struct conversion {
-    const char *folder, *to, *const *names;        /* source and target folder, and names of a batch */
+    const char *folder, *to, *const *names;        /* source folder, target folder, file names of a batch */
     fxs_message messages[BATCH];
     int errors[BATCH];
 } conversion;
@@ -125,7 +121,7 @@ static int make_mixed(task *t, const photographs *p, const char *from, const cha
     char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
     const char **names = malloc(p->count * sizeof *names);
-    fxs_file_unlink(to);       /* `to` may link to someone else's folder, which must not be written to */
+    fxs_file_unlink(to);       /* `to` may be a link to a folder of the user */
     int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < p->count && !status; i++) {
         if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
@@ -158,8 +154,6 @@ int photo_folder_make(task *t, const photographs *p, const char *from, const cha
     return status;
 }
 
-/* ---- Sizes, lenses and masks ------------------------------------------------------------------------------------- */
-
 typedef struct seen {
     int width, height;
     fxs_exif exif;
@@ -186,7 +180,7 @@ int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PAT
     return fxs_photograph_kind_of(original) == FXS_PHOTOGRAPH_HEIF && fxs_photo_mask_in(masks, original, path);
 }
 
-/* If the photograph has a mask, checks that the mask fits it. */
+/* Checks that a photograph's mask, if any, fits the photograph. */
 static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
 {
     fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};
@@ -197,7 +191,7 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
     return error;
 }
 
-/* COLMAP reads a list of names, one a line, and strips blanks at their ends. */
+/* Checks a file name for COLMAP, which reads a list of names, one a line, and strips blanks at their ends. */
 static int check_name(const char *name, const char *path, fxs_message *why)
 {
     return strchr(" \t\v\f\r", *name) || strchr(name, '\n')

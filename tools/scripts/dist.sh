@@ -1,8 +1,7 @@
 #!/bin/sh
-# tools/scripts/dist.sh OUT BUILD: builds the release of the last commit in the folder OUT: sources, a tarball and a wheel for
-# each processor, a zip and a wheel for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The
-# same commit, tools and libraries give the same bytes, independent of BUILD. Environment: NVCC PYTHON WEB_SOURCES. OUT
-# appears only once everything is built.
+# tools/scripts/dist.sh OUT BUILD: builds a release of the last commit in the folder OUT: sources, a tarball and a wheel
+# per processor, a zip and a wheel for Windows, Debian packages, the npm package, SHA256SUMS. The build is reproducible.
+# Environment: NVCC PYTHON WEB_SOURCES. OUT appears when everything is built.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
@@ -39,11 +38,11 @@ npm_package() {
     cp "build/web/$name.tgz" "$out/$name-npm.tgz"
 }
 
-# needs FILE: the shared libraries that it is linked with, except glibc's.
+# needs FILE: prints the shared libraries that FILE is linked with, except glibc's.
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
 
-# complete ARCHIVE LIBRARIES...: adds the objects of the libraries to the archive, except the C++ library, the libraries
-# of the window and the server only, and libraries contained in others.
+# complete ARCHIVE LIBRARIES...: adds the libraries' objects to a static library. Skips the C++ library, libraries of
+# the window and the server, and libraries contained in others.
 complete() {
     archive=$1
     {
@@ -75,7 +74,7 @@ documents() {
     documents=$folder/share/doc/fixsplat
     mkdir -p "$documents/licences"
     cp -r LICENSE NEWS.md README.md CONTRIBUTING.md SECURITY.md docs "$documents"
-    # Points links to headers and to the page at their places here; links to sources become plain text.
+    # Adapts links to headers and to the page. Links to sources become plain text.
     find "$documents" -name '*.md' -exec sed -i -E \
         -e 's#\]\(((\.\./)*)src/include/#](\1../../../include/#g' \
         -e 's#\]\(((\.\./)*)port/web/#](\1../../fixsplat/web/#g' \
@@ -93,7 +92,7 @@ linux() {
     folder=$build/tarball/$name-linux-$arch
     rm -rf "$folder"
     nvcc=$NVCC headers="-isystem $libraries/include" linked="-L$libraries/lib"
-    # The window links Debian's shared libraries. For another processor they come without their own dependencies.
+    # The window's program links Debian's shared libraries.
     [ $arch = "$here" ] || {
         nvcc=none window=$libraries/window/usr
         sh tools/scripts/arm_libraries.sh "$libraries/window" libsdl2-dev libsdl2-2.0-0 libsdl2-ttf-dev libsdl2-ttf-2.0-0
@@ -124,7 +123,7 @@ linux() {
     wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # glibc of Debian 12 or later
 }
 
-# wheel LIBRARY PLATFORM: builds a wheel with a release's library, and the licences in $documents.
+# wheel LIBRARY PLATFORM: builds a Python wheel with a release's library and the licences in $documents.
 wheel() {
     rm -rf "$build/wheel"
     mkdir "$build/wheel"
@@ -136,7 +135,7 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# The shared libraries of mingw-w64 that FILE needs, except Windows's own.
+# needs_on_windows FILE: prints the shared libraries of mingw-w64 that FILE needs.
 needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
 
 windows() {
@@ -167,7 +166,8 @@ windows() {
     wheel "$folder/bin/libfixsplat-${version%%.*}.dll" win_amd64
 }
 
-# Links Debian's shared libraries, so no CUDA runtime. Version 1.0.0-rc1 becomes 1.0.0~rc1, which sorts before 1.0.0.
+# Builds Debian packages, linked with Debian's shared libraries. Version 1.0.0-rc1 becomes 1.0.0~rc1, which sorts before
+# 1.0.0.
 debian() {
     rm -rf "$build/deb"
     mkdir "$build/deb"

@@ -1,13 +1,13 @@
 // Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/pixel.h.
-// node tools/scripts/stages.mjs FILE writes the module stages.js of the npm package: the parts' texts without comments, and the
-// names of each stage's parts.
+// node tools/scripts/stages.mjs FILE: writes the module stages.js of the npm package, with the shaders' parts and the
+// parts of each stage.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 export const room = "kernels/compute/";
 export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
 
-// pixel.h uses so small a subset of C that these replacements turn it into WGSL.
+// Converts pixel.h from C to WGSL. These replacements suffice for its small subset of C.
 function pixelHeader()
 {
     return readFileSync("src/include/fixsplat/pixel.h", "utf8")
