@@ -8,10 +8,10 @@ SCENES ?= ../shared/scenes
 PYTHON ?= python3
 B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
-# Libraries of the same major version are interchangeable.
+# Libraries of the same major version are compatible.
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
-# Public headers <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
+# Public headers <fixsplat/...>. CORE_HEADERS belong to libfixsplat-core.a.
 CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h kernels.h)
 HEADERS := $(wildcard src/include/fixsplat/*.h)
 
@@ -36,9 +36,9 @@ DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ 
                  zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
-# Folder for library sources of `make setup web` (tools/scripts/web_sources.sh), shared by all clones; WEB_SOURCES= disables it.
+# Folder for library sources of `make setup web`, shared by all clones. WEB_SOURCES= disables them.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Folder for the Windows libraries of `make setup windows` (tools/scripts/libraries.sh), shared by all clones.
+# Folder for the Windows libraries of `make setup windows`, shared by all clones.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check
@@ -52,7 +52,6 @@ endif
 all: ## the command and the libraries (the default)
 
 ifneq ($(filter setup,$(GOALS)),)
-# ---- Setup ---------------------------------------------------------------------------------------------------------
 
 setup: ## install the Debian packages that are missing (and what goals behind it need: setup test, web, windows)
 	@sh tools/scripts/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
@@ -72,8 +71,6 @@ rest: setup
 	@$(if $(REST),$(MAKE) --no-print-directory $(REST),:)
 .PHONY: setup rest $(REST)
 else
-
-# ---- Everything else ------------------------------------------------------------------------------------------------
 
 include $(addprefix make/,build.mk firmware.mk web.mk windows.mk install.mk dist.mk test.mk measure.mk)
 

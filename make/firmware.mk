@@ -1,6 +1,6 @@
-# Programs for boards (docs/boards.md).
+# Programs for microcontroller boards (docs/boards.md).
 
-# For each board: compiler options, memory map, and its own sources in port/. BOARD_HZ: clock, Hz.
+# Compiler options, memory map and sources of each board. BOARD_HZ: clock, Hz.
 memory = $(foreach pair,$(1),-Wl,--defsym=$(pair))
 in_flash := -T port/board/cortexm/firmware.ld
 cpu_of_mps2-an385 := -mthumb -mcpu=cortex-m3 -DBOARD_HZ=25000000
@@ -33,8 +33,8 @@ $(B)/firmware/knot.fxs: $(B)/fixsplat
 	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
 	$(B)/fixsplat convert $(@:.fxs=.ply) $@
 
-# -O3 for code that runs once per Gaussian: 10 to 20 % fewer instructions for 4 KB more flash. With its scheduler, GCC
-# 12 spills vector registers; with a frame pointer (r7), it addresses memory faster.
+# Code that runs once per Gaussian is compiled with -O3. With its scheduler, GCC 12 spills vector registers. With a
+# frame pointer (r7), GCC addresses memory faster.
 arm_flags_of = $(if $(filter -O2,$(ARM_CFLAGS)),$(if $(filter src/core/project.c src/core/shade.c %project_mve.c,$(1)),-O3)) \
                $(if $(findstring _mve,$(1)),-fno-schedule-insns -fno-omit-frame-pointer)
 objects_of = $(addprefix $(B)/firmware/$(1)/,$(addsuffix .o,$(basename $(2))))

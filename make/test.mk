@@ -1,17 +1,17 @@
 # Tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-# Windows programs exclude tests that fork, limit resources or memory, create links or FIFOs, or use a shell.
+# Tests that Windows programs exclude: they fork, limit resources, create links or FIFOs, or use a shell.
 NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
 TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
 
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# Processor seconds of each test when it was measured last, the longest first; `make seconds` writes them. Long tests
-# start first, and `make check` omits those of 10 seconds or more and the other scripts.
+# Processor seconds of each test, written by `make seconds`, in descending order. Long tests start first. `make check`
+# omits tests of 10 seconds or more and other scripts.
 LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
-# These need a window or measure time, so they run one at a time, at the end.
+# Tests that need a window or measure time run one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
 
@@ -30,7 +30,7 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
                    $(B)/commands/link
 	$(call link)
 
-# The test replaces a function of SDL, which is linked statically on Windows.
+# A test replaces a function of SDL, which is linked statically on Windows.
 FOR_WINDOW_win32 := -Wl,--allow-multiple-definition
 $(B)/tests/test_window$(EXE): $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
                         port/window/words.c $(WINDOW) \
@@ -53,13 +53,13 @@ test-all: ## the same, with every compiler, processor, board and sanitizer at ha
 
 test-programs: $(patsubst %,$(B)/tests/%$(EXE),$(TESTS_HERE)) ## build the test programs
 
-# These need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
+# Tests that need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
 $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
 $(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
 $(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-# Needs no GPU: compiles the kernels as C++, with tests/gpu/emulated instead of CUDA.
+# Tests the CUDA kernels without a GPU, compiled as C++ with an emulation in tests/gpu/emulated.
 EMULATED := tests/gpu/emulated
 $(B)/tests/gpu/emulated_cuda: $(B)/tests/gpu/test_cuda.o $(B)/tests/gpu/emulated_peek.o $(B)/tests/gpu/emulated_runtime.o \
                               $(B)/libfixsplat.a $(B)/commands/link
