@@ -4,7 +4,7 @@
 
 #include "command.h"
 
-/* Rules for a fact that differs between two benchmarks: ignored, marked beside the ratios, or an error. */
+/* How a difference between two benchmarks is treated: ignored, shown beside the ratios, or an error. */
 enum { FACT_ASIDE, FACT_MARKED, FACT_SAME };
 
 /* A member of the JSON object: `number`, or `text` unless null. */
@@ -17,8 +17,8 @@ typedef struct bench_fact {
 #define MARKS_MOST 512
 
 typedef struct bench_earlier {
-    double stages[FXS_STAGES], frame;       /* medians, ms */
-    char marks[MARKS_MOST];                 /* differing facts as text */
+    double stages[FXS_STAGES], frame;       /* median times, milliseconds */
+    char marks[MARKS_MOST];                 /* text about the differing facts */
 } bench_earlier;
 
 /* Returns 0. On failure prints the reason and returns the exit status. */

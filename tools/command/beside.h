@@ -3,14 +3,13 @@
 #define BESIDE_H
 
 typedef struct beside_program {
-    const char *ending;                     /* name after "fixsplat"; empty: not built */
+    const char *ending;                     /* program's name after "fixsplat"; empty: not built */
     const char *library;
 } beside_program;
 
 extern const beside_program window_program, server_program;
 
-/* Replaces this process by the program, with the same arguments. On failure prints why `shown` cannot be shown and
-   returns EXIT_FAILED. */
+/* Replaces this process by the program, with the same arguments. On failure prints that `shown` cannot be shown. */
 int run_beside(const beside_program *program, const char *shown, char **argv);
 
 #endif

@@ -16,12 +16,11 @@ typedef struct bench_options {
     int draws;
 } bench_options;
 
-/* Columns of the table of times. */
 enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
 
-/* A ring of a foveated picture, for both eyes. */
+/* Statistics of a ring of a foveated picture, over both eyes. */
 typedef struct ring_picture {
-    uint64_t shaded, shown;                 /* pixels */
+    uint64_t shaded, shown;                 /* numbers of pixels */
     double psnr;
 } ring_picture;
 
@@ -134,7 +133,7 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
     return status;
 }
 
-/* Tests for a coordinate inside of a window and outside of its blending bands. */
+/* True for a coordinate inside of a window and outside of its blending bands. */
 static int is_inside(int at, int first, int length, int whole, int band)
 {
     return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
@@ -176,7 +175,6 @@ static void compare_rings(ring_picture rings[FXS_RINGS], const renderer *r, cons
     }
 }
 
-/* Compares a foveated picture with the whole picture, ring by ring. */
 static int measure_rings(ring_picture rings[FXS_RINGS], renderer *r, const bench_options *o, const world *w,
                          const fxs_file_view *view)
 {

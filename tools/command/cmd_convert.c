@@ -24,11 +24,11 @@
 enum { SHAPES_MOST = 256 };
 
 typedef struct convert_options {
-    const char *in, *out;                   /* the only scene file, or a list of scenes */
+    const char *in, *out;
     world_options world;
     fxs_world placed;
     fxs_placement whole;
-    double degrees[3], up[3];               /* up all 0: unchanged */
+    double degrees[3], up[3];               /* rotation angles; new up direction, all 0: unchanged */
     double level[9];                        /* three points of the ground */
     int has_level;
     fxs_scene_filter filter;
@@ -38,11 +38,11 @@ typedef struct convert_options {
     int spz_fine;
     int has_start;
     fxs_file_view start;
-    int start_is_level;                     /* 1: turn the start view upright */
+    int start_is_level;                     /* 1: turns the start view upright */
     int refine_steps;
     int has_refine;
     const char *cameras;
-    uint32_t block, blocks;                 /* blocks 0: all */
+    uint32_t block, blocks;                 /* number of a block, and number of blocks; 0: no blocks */
 } convert_options;
 
 static int take_up(const option_row *row, void *field, const char *value)
@@ -110,7 +110,7 @@ static int take_cylinder(const option_row *row, void *field, const char *value)
     return add_shape(field, row, value, s, is_cylinder);
 }
 
-/* N or N% */
+/* Parses a number of Gaussians, or a percentage. */
 static int take_decimate(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -170,7 +170,7 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Parses eye, look and field of view (6 or 7 numbers), or CAMERA_FILE:VIEW. */
+/* Parses a start view: eye, look and field of view, or CAMERA_FILE:VIEW. */
 static int take_start(const option_row *row, void *field, const char *value)
 {
     static const double up[3] = {0, -1, 0};
@@ -320,10 +320,10 @@ static int read_options(convert_options *o, int argc, char **argv)
     return 0;
 }
 
-/* Quality of each profile. */
+/* Quality that each profile promises. */
 static const struct promise {
-    double worst;                           /* PSNR to the floats, dB, that most scenes reach in all views */
-    int views;                              /* compared views, at middle, close and far distance */
+    double worst;                           /* PSNR in dB that most scenes reach in all views */
+    int views;                              /* number of compared views */
     const char *better;
 } promises[] = {
     [FXS_PROFILE_DEFAULT] = {52, 3, "no profile loses less"},
@@ -382,7 +382,6 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
     return error ? fail(EXIT_FAILED, "--refine: %s", message.text) : 0;
 }
 
-/* Refines a newly packed scene in place. */
 static int refine(const convert_options *o, const fxs_opened *packed, const load_options *load)
 {
     fxs_file_view *views = 0;
@@ -479,7 +478,7 @@ static int set_start(void *argument, void *header, fxs_message *message)
     return o->has_start ? keep_start(o, header, message) : 0;
 }
 
-/* Refuses options that apply only when a part is made. */
+/* Refuses options that do not apply to merging parts of an .fxs. */
 static int check_options_of_parts(const convert_options *o)
 {
     for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
@@ -522,7 +521,6 @@ static int has_part(const convert_options *o)
 
 enum { BATCH = 256 };
 
-/* Reads the file once for the bounds of its centres, then rewinds. */
 static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
@@ -566,7 +564,6 @@ static void note_clamped(const char *out, uint32_t count, const char *what)
         note("%s: clamped %s, of %" PRIu32 " Gaussians", out, what, count);
 }
 
-/* Notes properties that the output format cannot store. */
 static void note_losses(const char *out, const double origin[3], const fxs_scene_write_report *report)
 {
     const fxs_spz_clamped *clamped = &report->clamped;

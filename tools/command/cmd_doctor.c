@@ -35,10 +35,9 @@ static const struct {
     {"expat", IS_BUILT(FXS_WITH_EXPAT), "reads cameras of Metashape, .xml"},
 };
 
-/* Programs and libraries that are looked up at run time. */
 static const struct {
-    const char *name, *library, *package;      /* library null: a program; package: Debian's name */
-    int is_built;                              /* 1: this build looks for the library */
+    const char *name, *library, *package;      /* library is null for a program; Debian package */
+    int is_built;                              /* 1: this build uses the library */
     const char *gives;
 } helpers[] = {
     {"ffmpeg", 0, "ffmpeg", 1, "fit takes films"},

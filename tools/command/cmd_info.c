@@ -14,23 +14,23 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* dB; views above need no nudged original */
+#define NUDGE_BELOW 65.0    /* PSNR in dB; views above need no nudged original */
 
 typedef struct info_options {
     frame_options frame;
     const char *original;
     enum fxs_cutoff original_cutoff;
-    int views;                              /* 0: default */
-    int board_width, board_height;          /* pixels; 0: no board */
+    int views;                              /* number of compared views; 0: default */
+    int board_width, board_height;          /* display size in pixels; 0: no board */
     int json, stats, backends;
 } info_options;
 
-/* A scene on a microcontroller board with a display. */
+/* Memory of a scene on a microcontroller board with a display. */
 typedef struct board {
     int width, height;
-    size_t strip;                           /* bytes of 16 rows of RGB565 */
-    fxs_frame_memory memory;                /* for a frame with one thread */
-    size_t rows, rows_most;                 /* bytes for unsliced rows of tiles: least, most */
+    size_t strip;                           /* bytes of 16 rows of RGB565 pixels */
+    fxs_frame_memory memory;                /* memory of a frame with one thread */
+    size_t rows, rows_most;                 /* bytes for unsliced rows of tiles: least and most */
 } board;
 
 typedef struct findings {
@@ -44,7 +44,7 @@ typedef struct findings {
     int has_stats;
     scene_stats stats;
     board board;
-    scene_levels *levels;                   /* for each file */
+    scene_levels *levels;                   /* levels of detail of each file */
 } findings;
 
 static int is_one(const world *w)
@@ -79,7 +79,7 @@ static int is_direction(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* In degrees. */
+/* Returns the vertical field of view in degrees. */
 static double fov_of(const fxs_start *s)
 {
     return atan(s->tangent) * (360 / 3.14159265358979324);
@@ -347,7 +347,7 @@ static void print_backends(void)
 
 static void print_can_json(unsigned can)
 {
-    static const char *const names[] = {"trace", "compose", "devices", "part"};   /* FXS_CAN_* flags */
+    static const char *const names[] = {"trace", "compose", "devices", "part"};
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++)
         printf("%s\"%s\": %s", i ? ", " : "\"can\": {", names[i], can >> i & 1 ? "true" : "false");
     printf("}");
@@ -485,7 +485,7 @@ static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
     return FXS_ERR_UNSUPPORTED;
 }
 
-/* Plans a frame of each of 16 turns. */
+/* Plans the memory of 16 frames around a scene. */
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;
@@ -573,7 +573,7 @@ static int find(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
-    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* for memory sizes only */
+    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* used for memory sizes only */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_init(&context, &config);

@@ -23,9 +23,9 @@ typedef struct publish_options {
     const char *title, *site, *settings;
     char *const *words;
     int single;
-    char mark[TASK_PATH];          /* file that marks the folder as unfinished */
+    char mark[TASK_PATH];          /* path of the file that marks the folder as unfinished */
     scene_list list;
-    size_t bytes;                  /* written until now */
+    size_t bytes;                  /* size of all written files */
     made_list made;                /* new files and folders, removed on failure */
 } publish_options;
 

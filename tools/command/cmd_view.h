@@ -1,4 +1,4 @@
-/* The options of `fixsplat view`. */
+/* Options of `fixsplat view`. */
 #ifndef CMD_VIEW_H
 #define CMD_VIEW_H
 
@@ -7,8 +7,8 @@
 typedef struct view_options {
     frame_options frame;
     const char *screenshot;
-    double rate;                            /* frames per second (--fps); 0: not given */
-    int web;                                /* 1: show the scene in a browser, with the fields below */
+    double rate;                            /* wanted frames per second; 0: not given */
+    int web;                                /* 1: shows the scene in a browser */
     const char *bind, *host, *certificate, *key;
     uint64_t port;
     int no_open, qr;
@@ -17,7 +17,7 @@ typedef struct view_options {
 /* Parses the command line. Returns 0, or prints the error and returns EXIT_USAGE. */
 int view_options_take(view_options *options, int argc, char **argv);
 
-/* Help on the keys of the window. */
+/* Help text about the keys of the window. */
 extern const char viewer_keys[];
 
 #endif

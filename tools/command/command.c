@@ -172,7 +172,7 @@ int ends_with(const char *name, const char *ending)
     return fxs_ends_in(name, ending);
 }
 
-static int percent_shown = -1;   /* -1: no bar */
+static int percent_shown = -1;   /* last printed percentage; -1: no bar */
 
 int progress_bar(void *label, double done)
 {

@@ -13,7 +13,7 @@
 
 const command *const *all_commands;
 static const command *parsed;
-static char **words;                        /* ended by null */
+static char **words;                        /* words of the command line, ended by null */
 
 /* Parses --help, --help=all and --help all. getopt_long leaves the separate word to the caller. */
 static int take_help(const option_row *row, void *field, const char *value)
@@ -245,7 +245,7 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
-/* Converts paths from the system's form. */
+/* Converts paths from the operating system's form. */
 static void take_path(const option_row *r, char *value)
 {
     if (value && strcmp(r->value, "TEXT"))

@@ -211,7 +211,7 @@ static int is_stopped(const fxs_options *options)
     return options->stop && options->stop(options->stop_argument);
 }
 
-/* Loads all chunks that the last frame missed, *came in number. */
+/* Loads all missing chunks of the last frame. *came is the number of loaded chunks. */
 static int read_wanted(const world *w, const fxs_options *options, uint32_t *came, fxs_message *why)
 {
     char label[] = "reading";

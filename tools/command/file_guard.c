@@ -11,11 +11,11 @@
 #include "src/base/system.h"
 #include "command.h"
 
-/* A regular file, existing or not. */
+/* Identity of a regular file, existing or not. */
 typedef struct file {
-    uint64_t device, inode;                 /* of the file, or of the folder of a missing file */
+    uint64_t device, inode;                 /* ids of the file, or of the folder of a missing file */
     char *place;                            /* name of a missing file; else null */
-    char *name;                             /* output as given */
+    char *name;                             /* path of the output as given */
     int is_given;                           /* 1: named on the command line; 0: opened by the library */
 } file;
 
@@ -27,7 +27,7 @@ typedef struct file_list {
 static struct {
     pthread_mutex_t lock;                   /* several threads open files */
     file_list read, written;
-    int incomplete;                         /* 1: memory ran out */
+    int incomplete;                         /* 1: memory ran out, and the lists lack a file */
     enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 

@@ -1,28 +1,26 @@
-/* Keeps an output of a command from replacing an input or another output. Commands register their files before the
-   work begins. Other files are checked when the library opens them. */
+/* Keeps a command's output from replacing an input or another output. Commands register their files before the work
+   begins. Other files are checked when the library opens them. */
 #ifndef FILE_GUARD_H
 #define FILE_GUARD_H
 
-/* Call first in main. Starts the record of opened files and the check of outputs. */
+/* Call first in main. */
 void files_begin(void);
 
-/* Register an input or output of the command. "-" is standard input or output; null is ignored. The file need not
-   exist. */
+/* Register an input or output of the command. "-" is standard input or output; null is ignored. */
 void files_read(const char *name);
 void files_write(const char *name);
 
-/* Tests whether the names of an input and an output denote the same file. */
+/* True if the names of an input and an output denote the same file. */
 int files_same(const char *one, const char *other);
 
-/* Policy for an output that is also an input: refuse (default), refuse with a hint to --force, or replace. Files of
-   a scene with several files are never replaced. */
+/* Policy for an output that is also an input: refuse (default), refuse with a hint to --force, or replace. */
 enum files_force { FILES_REFUSE, FILES_REFUSE_UNFORCED, FILES_FORCED };
 void files_force(enum files_force force);
 
-/* Returns 0, or prints the refused output and returns the exit status. */
+/* Checks the registered outputs. Returns 0, or prints the error and returns the exit status. */
 int files_check(void);
 
-/* Forgets the registered outputs, which now may be read. */
+/* Forgets the registered outputs, so that the command can read them. */
 void files_done(void);
 
 #endif

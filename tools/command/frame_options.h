@@ -1,4 +1,4 @@
-/* Options shared by the commands render, view and bench: cameras, scenes and rendering. */
+/* Options of cameras, scenes and rendering that several commands share. */
 #ifndef FRAME_OPTIONS_H
 #define FRAME_OPTIONS_H
 
@@ -11,29 +11,29 @@
 
 typedef struct foveate_options {
     int on;
-    int given;                              /* count of `numbers`: 0 (defaults), 2, 4 or 5 */
+    int given;                              /* how many `numbers` are given: 0 (defaults), 2, 4 or 5 */
     double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
 } foveate_options;
 
 typedef struct frame_options {
-    const char *cameras, *view;             /* camera file; number, name or list of views, or "all" */
-    int orbit, frames;                      /* frames of a turn; frames of a path through views; 0: none */
+    const char *cameras, *view;             /* path of a camera file; names of its views */
+    int orbit, frames;                      /* frames of an orbit; frames of a path through the views */
     point_option eye, look, up;
-    int auto_up;                            /* 1: find `up` in the scene */
-    int framed;                             /* 1: frame the whole scene */
-    double fov;                             /* field of view, degrees; 0: default */
-    double ortho;                           /* height of an orthographic view, scene units; 0: perspective */
-    double near;                            /* near plane, scene units; 0: default */
-    int lens;                               /* 1: use the lenses of a camera file */
-    int panorama;                           /* 1: a panorama */
-    int width, height;                      /* pixels; 0: default */
+    int auto_up;                            /* 1: finds the up direction in the scene */
+    int framed;                             /* 1: frames the whole scene */
+    double fov;                             /* field of view in degrees; 0: default */
+    double ortho;                           /* height of an orthographic view in scene units; 0: perspective */
+    double near;                            /* near plane in scene units; 0: default */
+    int lens;                               /* 1: applies the lenses of a camera file */
+    int panorama;                           /* 1: renders a panorama */
+    int width, height;                      /* size of the picture in pixels; 0: default */
     int has_tangents;
-    double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
-    double stereo;                          /* distance of the eyes, scene units; 0: mono */
+    double tangents[4];                     /* field of view as tangents: left, right, up, down */
+    double stereo;                          /* distance of the eyes in scene units; 0: mono */
     foveate_options foveate;
     fxs_options render;
     const char *cpu, *backend;
-    int devices[DEVICES_MOST];              /* device_count of them; 0: all */
+    int devices[DEVICES_MOST];
     int device_count;
     uint32_t threads;
     size_t max_memory;                      /* bytes for rendering a frame; 0: no limit */
@@ -41,10 +41,9 @@ typedef struct frame_options {
     world_options world;
 } frame_options;
 
-/* Option rows by topic. FRAME_TABLES lists all of them, for options with frame_options as member `frame`. */
+/* Option rows by topic. FRAME_TABLES lists all of them, for options with a member `frame`. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
-/* Row of --pool, for commands that load a scene's chunks on demand. */
 extern const option_row pool_rows[];
 #define POOL_TABLE(options) {pool_rows, offsetof(options, frame.load)}
 #define FRAME_TABLES(options) \
@@ -52,10 +51,9 @@ extern const option_row pool_rows[];
     {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \
     {load_rows, offsetof(options, frame.load)}
 
-/* Parsers of --size, --device and --threads, for other commands that contain frame_options. */
+/* Parsers of --size, --device and --threads. */
 take_option take_frame_size, take_devices, take_threads;
 
-/* Names of enum fxs_cutoff, ended by null. */
 extern const char *const cutoff_names[];
 
 void frame_options_default(frame_options *options);
@@ -67,7 +65,7 @@ int frame_options_check(const frame_options *options);
    EXIT_USAGE. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
-/* Lists the devices that the options ask for, a single one if the back end supports no more. Returns their number. */
+/* Lists the devices that the options ask for. Returns the number of devices. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
 #endif

@@ -18,7 +18,7 @@
 
 #define LARGE ((size_t)64 << 20)    /* smallest .fxs to be paged, bytes */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* pictures and spare chunks of an automatic pool */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* pictures and spare chunks that an automatic pool holds */
 
 static int is_standard_input(const char *path)
 {
@@ -93,7 +93,6 @@ static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_
     return error;
 }
 
-/* Options for changing a file before packing. */
 typedef struct preparation {
     const char *path;
     const load_options *options;
@@ -149,7 +148,7 @@ int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, 
 
 /* Content of standard input, read once for all scenes named "-". */
 static struct {
-    uint8_t *bytes;                         /* aligned to 64 bytes */
+    uint8_t *bytes;
     size_t size, room;
 } standard_input;
 
@@ -277,7 +276,6 @@ static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options
     return error;
 }
 
-/* Opens `file`, or the path if `file` is null. Notes Gaussians that packing left out. */
 static int open_to_render(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file,
                           const fxs_scene_file_info *info)
 {

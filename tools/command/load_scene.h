@@ -12,42 +12,40 @@ typedef struct loaded_scene {
     uint64_t load_nanoseconds;
 } loaded_scene;
 
-/* Returns 1 for an .fxs file, which needs no conversion. */
+/* True for an .fxs file, which needs no conversion. */
 int is_packed(const loaded_scene *loaded);
 
-/* Options of loading. All fields 0: the defaults. */
 typedef struct load_options {
-    int lod;                                /* level of detail of the file; 0: finest */
-    const char *lods;                       /* levels for the files, L,M,...; null: `lod` for all */
-    int is_one_of_several;                  /* 1: `lod` is ignored for a file with a single level */
-    enum fxs_axes axes;                     /* axes of an .spz file */
-    uint32_t threads;                       /* of the import; 0: one per processor */
-    enum fxs_profile profile;               /* for packing */
-    int tree;                               /* 1: packs with levels of detail */
-    int pages;                              /* 1: an .fxs may be paged from a pool or a server */
-    size_t pool;                            /* memory of a paged scene, bytes; 0: not given */
-    uint32_t budget;                        /* Gaussians per picture; 0: no paging by size */
-    void (*arrived)(void *argument);        /* called when chunks have been loaded; may be null */
+    int lod;                                /* level of detail to read; 0: finest */
+    const char *lods;                       /* level of detail to read of each file; null: `lod` for all */
+    int is_one_of_several;                  /* 1: a file with a single level ignores `lod` */
+    enum fxs_axes axes;                     /* coordinate axes of an .spz file */
+    uint32_t threads;                       /* threads of the import; 0: one per processor */
+    enum fxs_profile profile;
+    int tree;                               /* 1: packs with a tree of levels of detail */
+    int pages;                              /* 1: an .fxs may be paged, with parts in memory */
+    size_t pool;                            /* memory of a paged scene in bytes; 0: not given */
+    uint32_t budget;                        /* Gaussians per picture; 0: no limit */
+    void (*arrived)(void *argument);        /* callback when parts of a paged scene have been loaded */
     void *arrived_argument;
-    const fxs_scene_filter *filter;         /* leaves out Gaussians, except of an .fxs; may be null */
+    const fxs_scene_filter *filter;         /* filter of the Gaussians, except of an .fxs; may be null */
     uint64_t decimate_count;                /* merges Gaussians down to a number; 0: no merging */
-    double decimate_share;                  /* merges Gaussians down to a share, 0 to 1; 0: no merging */
-    uint64_t max_gaussians;                 /* limit of Gaussians for an imported file */
-    size_t import_memory;                   /* limit of memory for an import, bytes */
-    int again;                              /* 1: repeats no notes on left-out Gaussians */
-    fxs_progress_fn *progress;              /* null: a bar on stderr */
+    double decimate_share;                  /* merges Gaussians down to a share of 0 to 1; 0: no merging */
+    uint64_t max_gaussians;                 /* largest number of Gaussians in an imported file */
+    size_t import_memory;                   /* largest memory of an import in bytes */
+    int again;                              /* 1: does not repeat notes on left-out Gaussians */
+    fxs_progress_fn *progress;              /* null: shows a bar on stderr */
     void *progress_argument;
 } load_options;
 
-/* Returns the progress function of the options, or else of a bar after `label`. */
+/* Returns the progress callback of the options, or else a progress bar after `label`. */
 fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
 
 /* Copies the options for file i of `count`, with its level of detail. Returns 0, or prints the error and returns
    EXIT_USAGE. */
 int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);
 
-/* Opens a scene for rendering, and notes on stderr which Gaussians are left out. Returns 0, or prints the reason and
-   returns EXIT_FAILED; then nothing is to be freed. */
+/* Opens a scene for rendering. Returns 0, or prints the reason and returns EXIT_FAILED; then nothing is to be freed. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
 /* Loads a scene from a file of open_scene or open_merged, and closes the file. Returns like load_scene. */
@@ -68,10 +66,9 @@ int open_scene(const char *path, const load_options *options, fxs_scene_file **f
 int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
 
-/* Names of enum fxs_profile, ended by null. */
 extern const char *const profile_names[];
 
-/* Checks that an .fxs is unchanged since loading. Returns 0, or prints the error and returns EXIT_FAILED. */
+/* Checks that an .fxs file is unchanged since loading. Returns 0, or prints the error and returns EXIT_FAILED. */
 int check_scene(const loaded_scene *loaded);
 
 void free_scene(loaded_scene *loaded);

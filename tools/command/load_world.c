@@ -70,7 +70,6 @@ static int parse_placement(const char *text, fxs_placement *p)
     return 1;
 }
 
-/* Adds scene `number`, placed by the options or unplaced. */
 static int add_scene(fxs_world *placed, const world_options *o, int number)
 {
     fxs_message message;
@@ -257,7 +256,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     return filter_scene(name, load, *file, info);
 }
 
-/* Tests for one visible, unplaced and uncropped file. */
+/* True for a world of one visible, unplaced and uncropped file. */
 static int is_plain(const fxs_world *placed)
 {
     return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&

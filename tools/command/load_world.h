@@ -7,7 +7,6 @@
 
 #define PLACES_MOST 1024
 
-/* Scenes of a command line. All fields 0: none. */
 typedef struct world_options {
     const char *file;
     char *const *scenes;
@@ -24,13 +23,13 @@ int take_scenes(world_options *options, const char *name, int count, char *const
 int place_scenes(fxs_world *placed, const world_options *options);
 
 typedef struct world {
-    fxs_world placed;                       /* files and placements */
-    loaded_scene *scenes;                   /* a scene for each file */
+    fxs_world placed;                       /* scene files and their placements */
+    loaded_scene *scenes;
     fxs_object *objects;
     fxs_crop *crops;                        /* FXS_MAX_CROPS crops for each object */
-    uint32_t count, gaussians;              /* objects; Gaussians of all objects */
-    double low[3], high[3];                 /* bounds of all centres in visible objects */
-    double inner_low[3], inner_high[3];     /* bounds without outliers */
+    uint32_t count, gaussians;              /* number of objects; Gaussians of all objects */
+    double low[3], high[3];                 /* bounds of the Gaussians' centres in visible objects */
+    double inner_low[3], inner_high[3];     /* bounds of the centres without outliers */
     uint64_t load_nanoseconds;
 } world;
 
@@ -51,20 +50,18 @@ int world_open_merged(world *w, const fxs_world *placed, const char *name, const
 /* Makes a world of a packed scene. The scene stays the caller's, and must not move before world_close. */
 int world_open_packed(world *w, const char *name, fxs_packed_scene *packed);
 
-/* Returns the up direction of the first visible object with one in its file. Returns 0 and keeps `up` if no object
-   has one. */
+/* Finds the up direction of the first visible object with one in its file. Returns 0 if no object has an up
+   direction. */
 int world_up(const world *w, double up[3]);
 
 /* Computes an object's bounding box in the world. Returns 0 if the object's crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 
-/* Checks that the scene files are unchanged since loading. Returns 0, or prints which file changed and returns
-   EXIT_FAILED. */
+/* Checks that the scene files are unchanged since loading. Returns 0, or prints the error and returns EXIT_FAILED. */
 int world_check(const world *w);
 
 /* A paged world has scenes that are only partly in memory, each with a pager. world_want is an fxs_want_fn with the
-   world as argument. world_turn and world_wait call fxs_pager_turn and fxs_pager_wait for all pagers. *sum adds up
-   their states. */
+   world as argument. world_turn and world_wait call fxs_pager_turn and fxs_pager_wait for all pagers. */
 int world_is_paged(const world *w);
 fxs_want_fn world_want;
 int world_turn(const world *w, fxs_pager_state *sum, fxs_message *message);

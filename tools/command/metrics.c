@@ -12,7 +12,7 @@
 #define WINDOW 11
 #define SIGMA 1.5
 
-/* Maps of local means for SSIM. */
+/* Local means that SSIM needs. */
 enum { A, B, SQUARES, PRODUCT, MAPS };
 
 /* Computes Gaussian weights of sum 1 over at most WINDOW pixels. Returns their number. */
@@ -96,15 +96,14 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     memset(below, 0, width * sizeof *below);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
-            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* run of counting pixels upwards */
-            beside = below[x] >= taps_y ? beside + 1 : 0;          /* run of such columns to the left */
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* length of the run of counting pixels upwards */
+            beside = below[x] >= taps_y ? beside + 1 : 0;          /* length of the run of such columns to the left */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }
     return found;
 }
 
-/* Computes the mean SSIM of the channels. Returns 0; -1: out of memory. */
 static int find_ssim(const uint8_t *a, const uint8_t *b, const uint8_t *mask, size_t width, size_t height, double *ssim)
 {
     double weights[WINDOW], *memory = malloc((WINDOW + 2) * MAPS * width * sizeof *memory);
@@ -152,7 +151,7 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
     return fxs_metrics_compare_masked(a, b, NULL, width, height, out);
 }
 
-enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* 1, red, green, blue; then three target colours */
+enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* terms: 1, red, green, blue; then the target colours */
 
 /* Sums products of colours exactly: integers below 2^53. */
 static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *mask, size_t pixels,

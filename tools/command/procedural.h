@@ -1,8 +1,7 @@
 /* Procedural scenes, computed by formulas, for golden images, benchmarks and pictures. Gaussian i depends only on i,
-   count and seed, so scenes of any size can be streamed. Results are identical on every machine with IEEE 754 doubles,
-   because the code uses only integer hashes, + - * / and sqrt, with -ffp-contract=off.
-
-   The y axis points down. Gaussians shrink as their count grows, so the coverage is constant. */
+   count and seed, so scenes of any size can be streamed. The code uses only integer hashes, + - * / and sqrt, so
+   results are identical on every machine with IEEE 754 doubles. The y axis points down. Gaussians shrink as their
+   count grows. */
 #ifndef FXS_PROCEDURAL_H
 #define FXS_PROCEDURAL_H
 
@@ -14,7 +13,7 @@
 typedef struct fxs_procedural_scene {
     const char *name;
     const char *description;
-    int sh_degree;             /* 0 to 3 */
+    int sh_degree;             /* degree of the spherical harmonics, 0 to 3 */
     uint64_t count;            /* default number of Gaussians */
     /* Writes Gaussian i, 0 <= i < count, of a scene with `count` Gaussians, at most 2^40. */
     void (*gaussian)(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out);

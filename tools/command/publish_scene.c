@@ -9,7 +9,7 @@
 #include "src/base/system.h"
 #include "command.h"
 
-#define WORTH_SAYING 1.5           /* smallest ratio of sizes to report */
+#define WORTH_SAYING 1.5           /* smallest ratio of sizes that is reported */
 
 static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
 {
@@ -35,7 +35,8 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
             return EXIT_FAILED;
     }
     if (anew || !was_packed)
-        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* in writable memory */
+        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* a newly packed scene is
+                                                                                          writable */
     return 0;
 }
 

@@ -9,8 +9,7 @@
    free_scene. */
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile);
 
-/* Notes how much smaller --profile small would make an .fxs, and the command for it: `words` (ended by null) and
-   that option. */
+/* Notes how much smaller --profile small would make an .fxs. `words` is the current command, ended by null. */
 void publish_say_gain(const loaded_scene *scene, char *const *words);
 
 #endif

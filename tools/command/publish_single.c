@@ -54,7 +54,7 @@ static int write_packed(FILE *file, const void *bytes, size_t size)
     return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-/* Tests for a script, WebAssembly or style that the page needs. Threads and servers are left out. */
+/* True for a script, WebAssembly or style that the page needs. */
 static int is_carried(const char *name)
 {
     static const char *const endings[] = {".js", ".wasm", ".css"};
@@ -94,7 +94,7 @@ static int carry_file(carrier *c, const char *name)
 }
 
 typedef struct carried {
-    const char *inside;            /* "" or "viewer/" */
+    const char *inside;            /* folder of the files: "" or "viewer/" */
     char names[CARRIED_MOST][CARRIED_NAME];
     int count, fits;
 } carried;

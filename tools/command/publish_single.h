@@ -5,16 +5,15 @@
 #include "frame_options.h"
 
 typedef struct single_page {
-    const char *package;           /* folder of the npm package */
+    const char *package;           /* path of the npm package */
     const char *title;
     const char *scene;
-    const char *name;              /* name of the scene in the page */
+    const char *name;              /* displayed name of the scene */
     char *const *words;
-    int has_profile;               /* 1: pack an .fxs again in the options' profile */
+    int has_profile;               /* 1: packs an .fxs again in the options' profile */
 } single_page;
 
-/* Writes the page to `out`, whole or not at all. *bytes is the page's size. Returns 0, or prints the reason and
-   returns EXIT_FAILED. */
+/* Writes the page to `out`, whole or not at all. Returns 0, or prints the reason and returns EXIT_FAILED. */
 int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes);
 
 #endif

@@ -12,14 +12,13 @@
 
 #define FARTHEST 134000000.0        /* below the limit of camera positions, 2^27 units */
 
-/* A scene and its original. */
 typedef struct pair {
     const world *scene;
     fxs_pool *pool;
-    fxs_float_scene *floats[2];             /* a null first entry: the scene is rendered packed */
+    fxs_float_scene *floats[2];             /* null for a scene that is rendered packed */
     enum fxs_cutoff original_cutoff;
     double nudge_below;
-    picture pictures[3];                    /* scene, original, nudged original */
+    picture pictures[3];                    /* pictures of the scene, original and nudged original */
 } pair;
 
 static int read_floats(fxs_float_scene **floats, const pair *p, const float_files *files, uint32_t threads)
@@ -68,7 +67,6 @@ static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum 
     return fxs_float_scene_draw(floats, view, cutoff, out->pixels, &message) ? fail_for(&message) : 0;
 }
 
-/* Compares picture i with the original's picture, number 1. */
 static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_file_view *view)
 {
     return fxs_metrics_compare(p->pictures[i].pixels, p->pictures[1].pixels, view->width, view->height, out)
@@ -227,7 +225,6 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     return status;
 }
 
-/* Prints a PSNR, and the PSNR after an affine map if measured. */
 static const char *print_psnr(char text[80], const quality *q, double psnr, double affine)
 {
     char plain[32], mapped[32] = "";

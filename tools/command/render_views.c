@@ -15,7 +15,7 @@
 #include "metrics.h"
 #include "views.h"
 
-/* Tests for exactly one % conversion, %d with an optional zero-padded width. */
+/* True for a name with exactly one % conversion, %d with an optional zero-padded width. */
 static int is_pattern(const char *name)
 {
     const char *percent = strchr(name, '%');
@@ -42,7 +42,7 @@ static void name_file(char *name, size_t size, const char *pattern, long index)
 typedef struct drawn_view {
     picture picture;
     int status, unwritten, unexpected;
-    fxs_message why;                        /* reason if unwritten or unexpected */
+    fxs_message why;
     fxs_stats stats;
     uint64_t hash;
     double range;                           /* largest depth in the written file */
@@ -50,31 +50,32 @@ typedef struct drawn_view {
     char depth_name[4096];
 } drawn_view;
 
-enum { DRAWN_MOST = 64 };                   /* most views of a round */
+enum { DRAWN_MOST = 64 };                   /* most views in a round */
 
 /* A round has a picture for each thread. Each device renders some of them. Then the pictures are written while the
    next round is rendered. */
 typedef struct drawn_round {
     drawn_view *drawn;
-    long first, count;                      /* views; count 0: empty */
+    long first, count;                      /* first view and number of views */
     pthread_t writer;
-    int writing;                            /* 1: the writer must be joined */
+    int writing;                            /* 1: the writer thread must be joined */
 } drawn_round;
 
 typedef struct batch {
     const render_options *o;
     const world *world;
     const fxs_file_view *views;
-    const fxs_lens *lenses;                 /* null: draw pinhole views */
+    const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
     long view_count;
     renderer renderers[DEVICES_MOST];
-    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* with a lens: [0] is the unwarped picture */
-    int devices;                            /* number of renderers */
+    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* cube faces of a panorama, or the picture before lens warping
+                                                           */
+    int devices;
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
-    long round_most;                        /* views of a round: the number of threads */
+    long round_most;                        /* number of views in a round */
     enum fxs_image_format encoding;
-    fxs_film *film;                         /* null: a file for each view */
+    fxs_film *film;                         /* film output; null: a file for each view */
     int failed;                             /* 1: a failure was reported */
     int unexpected;                         /* 1: a view differed from its expected picture */
 } batch;
@@ -207,7 +208,6 @@ static size_t bytes_of(const picture *p)
     return (size_t)p->width * (size_t)p->height * 4;
 }
 
-/* Describes the difference from an expected picture of equal size. */
 static void say_difference(drawn_view *d, const char *name, const uint8_t *expected)
 {
     const picture *p = &d->picture;
@@ -318,7 +318,7 @@ static void *write_round(void *argument)
     return 0;
 }
 
-/* Prints a view's results. Views must be reported in ascending order. */
+/* Prints a view's results. Call in ascending order of views. */
 static int report_view(batch *b, const drawn_view *d, const fxs_file_view *view)
 {
     const render_options *o = b->o;
@@ -345,7 +345,7 @@ static void draw_round(batch *b, drawn_round *round, long first)
     round->first = first;
     round->count = b->view_count - first < b->round_most ? b->view_count - first : b->round_most;
     for (long i = 0; i < round->count; i++)
-        round->drawn[i].status = EXIT_FAILED;   /* until the view is drawn */
+        round->drawn[i].status = EXIT_FAILED;   /* status until the view is rendered */
     if (b->devices == 1)
         draw_views(&argument, 0);               /* on this thread, which owns the GL context */
     else
@@ -366,7 +366,6 @@ static int finish_round(batch *b, drawn_round *round)
     return status;
 }
 
-/* Renders a round while the previous round is written. */
 static int render_rounds(batch *b)
 {
     round_of_batch arguments[2] = {{b, &b->rounds[0]}, {b, &b->rounds[1]}};
@@ -399,7 +398,7 @@ static int check_patterns(const batch *b, int film)
     return 0;
 }
 
-/* Registers the files of a view with file_guard.h. */
+/* Registers the input and output files of a view. */
 static void tell_files(const batch *b, int film, long index)
 {
     const render_options *o = b->o;
@@ -416,7 +415,6 @@ static void tell_files(const batch *b, int film, long index)
     }
 }
 
-/* Opens the film. All frames must have equal sizes. */
 static int open_film(batch *b)
 {
     const render_options *o = b->o;

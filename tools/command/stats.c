@@ -16,7 +16,6 @@ enum { OF_ALL = 10 };                       /* attributes without SH above degre
 static const char *const names[STATS_MOST] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "opacity", "red", "green",
                                               "blue", "sh_1", "sh_2", "sh_3"};
 
-/* Returns the root mean square. */
 static float size_of(const float *values, int count)
 {
     double sum = 0;

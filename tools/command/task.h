@@ -10,41 +10,41 @@
 
 enum { TASK_LINE = 512, TO_INSTALL = 64 };
 
-#define TO_PATH ", in a folder of PATH"      /* hint for a missing program */
+#define TO_PATH ", in a folder of PATH"      /* hint where to put a missing program */
 
 typedef struct task task;
 struct task {
-    const char *of;                /* input file, for messages */
+    const char *of;                /* path of the input, for messages */
     const char *log_name;
     FILE *log;
-    const char *doing;             /* name of the step, such as "looking for features" */
-    void (*look)(task *t, const char *line);   /* called for each line that a program prints, or null */
+    const char *doing;             /* name of the current step, such as "looking for features" */
+    void (*look)(task *t, const char *line);   /* callback for each line that a program prints; may be null */
     void *argument;
     char line[TASK_LINE];
     size_t length;
-    uint64_t start, shown;         /* nanoseconds: start of the step; last shown progress */
+    uint64_t start, shown;         /* start of the step and last shown progress, nanoseconds */
 };
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));
 
-/* Shows progress and, unless `all` is 0, the remaining time. A terminal shows progress in place; other outputs get a
+/* Shows progress and, unless `all` is 0, the remaining time. A terminal shows progress in place. Other outputs get a
    line every ten seconds. */
 void task_show(task *t, uint64_t done, uint64_t all);
 
-/* Runs a program from PATH with empty input. `arguments` begin with its name and end with null. Its errors go to the
-   log. Its output goes to `take` or, if null, to the log and t->look. Returns like fxs_program_run. */
+/* Runs a program from PATH with empty input. `arguments` begin with the program's name and end with null. Its errors
+   go to the log. Its output goes to `take` or, if null, to the log and t->look. Returns like fxs_program_run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
 
-/* Tests for a program that did not finish: missing, not executable, or ended by a signal. */
+/* True if a program did not finish: missing, not executable, or ended by a signal. */
 int task_is_cut(int status);
 
 /* Writes "apt install" and the package if the system has apt, else `otherwise`. Returns `words`. */
 const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise);
 
-/* Prints why a program failed, from its status of task_run. Returns the exit status. */
+/* Prints why a program failed, from the status of task_run. Returns the exit status. */
 int task_failed(const task *t, const char *program, int status);
 
-/* Joins two paths. The result is empty if too long. */
+/* Joins two paths. A path that is too long becomes empty. */
 enum { TASK_PATH = 4096 };
 void join_path(char path[TASK_PATH], const char *folder, const char *name);
 
@@ -53,7 +53,7 @@ int is_folder(const char *path);
 /* Makes a folder unless it exists. Returns 0, or prints the reason and returns EXIT_FAILED. */
 int make_folder(const char *path);
 
-/* Makes a folder and its missing parents like make_folder. */
+/* Makes a folder and its missing parent folders, like make_folder. */
 int make_folders(const char *path);
 
 /* Removes a folder and its files, but no subfolders. A link is removed without its target. */

@@ -10,14 +10,14 @@ enum { LEVELS_MOST = 64 };
 typedef struct scene_level {
     uint32_t chunks;
     uint64_t gaussians;
-    double error;                  /* squared error removed by the children, colours^2 units^2 */
-    double size;                   /* geometric mean of the sigma of left-out details, units */
+    double error;                  /* squared error that the nodes' children remove, colours^2 units^2 */
+    double size;                   /* geometric mean of the sigma of left-out details, scene units */
 } scene_level;
 
 typedef struct scene_levels {
     scene_level levels[LEVELS_MOST];
-    int count;                     /* 0: no tree */
-    uint32_t chunk_bytes;          /* bytes of a chunk (256 Gaussians) */
+    int count;                     /* number of levels; 0: no tree */
+    uint32_t chunk_bytes;          /* bytes of a chunk of 256 Gaussians */
     uint32_t node_bytes;
 } scene_levels;
 

@@ -230,7 +230,6 @@ static void find_target(const frame_options *options, const double middle[3], co
         target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
 }
 
-/* Tests whether the view is chosen from the scene's content. */
 static int is_chosen(const frame_options *o)
 {
     return !o->cameras && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
@@ -365,7 +364,6 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
-/* *lenses: lenses of a camera file's views, else null. */
 static long choose(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
 {
     fxs_message message;

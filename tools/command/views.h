@@ -5,7 +5,7 @@
 #include "frame_options.h"
 #include "src/camera/lens.h"
 
-/* Tests whether a value of --view names several views, such as "all" or 0,8,40..20. */
+/* True if a value of --view names several views, such as "all" or 0,8,40..20. */
 int names_several(const char *view);
 
 /* Allocates the views that the options ask for and returns their number. A film has one view per frame. An up

@@ -6,38 +6,36 @@
 #include "fit_progress.h"
 
 typedef struct fit_command {
-    frame_options frame;            /* background, cut-off, SH degree, profile, threads and instruction sets are used */
+    frame_options frame;
     fxs_photos_options reading;
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* OUT.cameras, if the cameras were reconstructed; else null */
+    char *found;                    /* folder of reconstructed cameras, or null */
     uint32_t frames;
-    int quality;                    /* row of by_quality, if given */
+    int quality;                    /* row of by_quality, if --quality is given */
     int cameras_only, crops;
-    char *saved;                    /* path OUT.fit */
-    int saves_itself;               /* 1: --resume names OUT.fit */
-    uint32_t block, blocks;         /* number of a block of the scene; blocks 0: the whole scene */
-    uint64_t save_every, metrics_every;   /* steps; 0: never */
+    char *saved;                    /* path of the saved fit, OUT.fit */
+    int saves_itself;               /* 1: --resume names OUT.fit itself */
+    uint32_t block, blocks;         /* number of a block, and number of blocks; 0: no blocks */
+    uint64_t save_every, metrics_every;   /* interval in steps; 0: never */
     int preview;
-    uint64_t port;                  /* of the preview */
-    const fit_watcher *watcher;     /* null: no preview */
+    uint64_t port;
+    const fit_watcher *watcher;     /* shows the fit while it runs; null: no preview */
     int json;
-    char **argv;                    /* command line, to print the command that resumes */
+    char **argv;                    /* command line, for printing the command that resumes */
 } fit_command;
 
-extern const char *const fit_recipes[];    /* names of enum fxs_fit_recipe */
-
-/* Functions that return int return 0, or print the error and return the exit status. */
+extern const char *const fit_recipes[];
 
 /* Finds missing cameras, reads the photographs, and fits a scene to all of them or to those of a block. With
-   --measure, measures a scene instead. */
+   --measure, measures a scene instead. Returns 0, or prints the error and returns the exit status. */
 int fit_photos(fit_command *c);
 
-/* Runs the remaining steps, with progress, saves and measurements. A signal saves the fit and ends the program. */
+/* Runs the remaining steps of a fit. A signal saves the fit and ends the program. Returns like fit_photos. */
 int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *progress);
 
-/* Saves the fit in OUT.fit, and prints `why` and the command that resumes it. */
+/* Saves the fit in OUT.fit, and prints the command that resumes the fit, after `why`. */
 int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);
 
 /* Writes the scene, measures it and prints the result. A scene that cannot be written is saved as OUT.fit. `block`
@@ -45,7 +43,7 @@ int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);
 int fit_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
             const fit_progress *progress);
 
-/* Writes the Gaussians of a coarse fit that lie outside of all blocks, unchanged. */
+/* Writes the Gaussians of a coarse fit that lie outside of all blocks. */
 int fit_write_outside(const fit_command *c, const fxs_fit_block *block);
 
 void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q);

@@ -4,12 +4,11 @@
 
 #include "tools/command/task.h"
 
-/* Tests for the file ending of a film. */
+/* True if the path has the ending of a film. */
 int film_is_named(const char *path);
 
 /* Writes `wanted` frames of a film as .jpg to a new folder: the sharpest frame of each of equal stretches. `wanted`
-   0: every tenth frame, 60 to 300. The folder appears when it is complete. Returns 0, or prints the error and
-   returns EXIT_FAILED. */
+   0: every tenth frame, 60 to 300. Returns 0, or prints the error and returns EXIT_FAILED. */
 int film_frames(task *t, const char *film, size_t wanted, const char *folder);
 
 #endif

@@ -6,43 +6,42 @@
 #include <fixsplat/blocks.h>
 #include "tools/command/quality.h"
 
-/* Checks that the file ending is known and that the file can be written. */
+/* Checks that an output's file ending is known, and that the output can be written. */
 int result_check(const char *out);
 
-/* Checks that a file can be written. */
+/* Checks that an output can be written. */
 int result_check_place(const char *out);
 
 typedef struct fit_result {
     fxs_packed_scene packed;
     fxs_pack_report report;
     size_t bytes;                           /* size of the written file */
-    quality quality;                        /* against the held-out photographs, or all if none was held out */
+    quality quality;                        /* quality against the held-out photographs, or against all */
 } fit_result;
 
-/* Packs the fit and writes it. An .fxs gets the packed scene with a start view, a .ply the Gaussians as floats, a
-   .fit the saved fit. With a block (may be null), the .ply has only Gaussians with their centre in the block. Call
-   result_free even after a failure. */
+/* Packs the fit and writes it. An .fxs gets the packed scene, a .ply the Gaussians as floats, a .fit the saved fit.
+   With a block (may be null), the .ply has only Gaussians with their centre in the block. Call result_free even
+   after a failure. */
 int result_write(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                  const char *out);
 
 /* Writes the Gaussians of a coarse fit outside of all blocks as a .ply. */
 int result_write_outside(const fxs_fit_block *block, const char *out);
 
-/* Writes the cameras of all photographs as a cameras.json. */
 int result_write_cameras(const char *path, const fxs_photos *photos);
 
-/* Allocates a copy of the fitted photographs, with the poses that the fit has refined. The caller frees *fitted,
-   even after a failure. */
+/* Allocates a copy of the fitted photographs, with the camera poses that the fit has refined. The caller frees
+   *fitted, even after a failure. */
 int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted);
 
-/* Registers the pictures of result_measure as outputs of the command. */
+/* Registers the comparison pictures of result_measure as outputs of the command. */
 void result_tell_pictures(const fxs_photos *photos, const char *compare);
 
 /* Renders the scene from the photographs' cameras and measures the difference. *q must be all 0; call quality_free
-   even after a failure. `compare` (may be null) is a folder for pictures with photograph and rendering side by side. */
+   even after a failure. `compare` (may be null) is a folder for comparison pictures. */
 int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare);
 
-/* Computes the mean PSNR in dB of as many fitted photographs as were held out. The result is 0 if none was held out. */
+/* Computes the mean PSNR in dB of as many fitted photographs as were held out; 0: none. */
 int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame);
 
 void result_free(fit_result *result);

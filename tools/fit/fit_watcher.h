@@ -8,7 +8,7 @@
 typedef struct fit_now {
     uint32_t step, steps;
     size_t gaussians;
-    double loss, left;              /* running mean; seconds to the end */
+    double loss, left;              /* running mean of the loss; seconds to the end */
 } fit_now;
 
 /* All callbacks run on one thread, starting with open and begin. A failure after open does not stop the fit. */
@@ -21,20 +21,18 @@ typedef struct fit_watcher {
     void (*begin)(fxs_fit *fit, const fxs_photos *photos, const frame_options *frame, int measures,
                   const fit_now *now);
 
-    /* Runs after a step. */
     void (*look)(fxs_fit *fit, const fit_now *now);
 
-    /* Runs after a measurement at a step. */
+    /* Runs after a measurement of the scene against its photographs. */
     void (*measured)(uint32_t step, const quality *q);
 
     /* Runs after the scene was written. `measured` is the scene, uncropped. The callback sets the start views and
        checksums of both scenes. */
     void (*written)(fxs_packed_scene *packed, fxs_packed_scene *measured);
 
-    /* Runs after a signal has stopped the fit. */
     void (*stopped)(void);
 
-    /* Runs at the end, even without begin. */
+    /* Runs at the end of the program, even without begin. */
     void (*close)(int status);
 } fit_watcher;
 

@@ -6,9 +6,8 @@
 #include "tools/command/task.h"
 
 typedef struct photographs {
-    char **names;                  /* in ascending order */
-    size_t *lenses;                /* number of each photograph's combination of size and lens; null before
-                                      photographs_look */
+    char **names;                  /* file names in ascending order */
+    size_t *lenses;                /* number of each photograph's lens; null before photographs_look */
     size_t count, room, lens_count;
 } photographs;
 
@@ -26,7 +25,7 @@ int photo_folder_make(task *t, const photographs *p, const char *from, const cha
 int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PATH]);
 
 typedef struct photograph_look {
-    const char *masks;             /* folder of masks, or empty */
+    const char *masks;             /* folder of the masks, or empty */
     int masks_are_inverse, skip_bad;
 } photograph_look;
 

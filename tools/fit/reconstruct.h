@@ -1,24 +1,24 @@
-/* Finds the cameras of photographs or of a film with external programs. ffmpeg extracts frames of a film. COLMAP or
-   GLOMAP computes structure from motion. */
+/* Finds the cameras of photographs or of a film by structure from motion. External programs do the work: ffmpeg, and
+   COLMAP or GLOMAP. */
 #ifndef RECONSTRUCT_H
 #define RECONSTRUCT_H
 
 #include <stdint.h>
 
 typedef struct reconstruct_options {
-    const char *in;                /* a film, or a folder of photographs */
-    const char *out;               /* output of the fit; this module writes to the folder OUT.cameras */
-    uint32_t frames;               /* frames to take of a film; 0: automatic */
+    const char *in;                /* path of a film, or of a folder of photographs */
+    const char *out;               /* output of the fit; cameras go to the folder OUT.cameras */
+    uint32_t frames;               /* number of frames to take of a film; 0: automatic */
     uint32_t threads;
-    int skip_bad;                  /* 1: leave out unreadable photographs */
+    int skip_bad;                  /* 1: leaves out unreadable photographs */
     const char *masks;             /* folder of masks; empty: none; null: IN/masks if it exists */
     int invert_masks;              /* 1: masks are white where a photograph is ignored */
 } reconstruct_options;
 
-/* Tests for a film, or a folder without cameras. */
+/* True for a film, or a folder without cameras. */
 int reconstruct_is_needed(const char *in);
 
-/* Tests for photographs in a folder or in its subfolder images. */
+/* True if the folder or its subfolder images has photographs. */
 int reconstruct_is_photographs(const char *folder);
 
 /* Makes the folder OUT.cameras in COLMAP's layout (images, masks, sparse/0), and prints a report. An unfinished

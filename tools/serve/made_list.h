@@ -1,20 +1,18 @@
-/* The files and folders that a command has made, so that they can be removed if the command fails. */
+/* The files and folders that a command has made, to be removed if the command fails. */
 #ifndef MADE_LIST_H
 #define MADE_LIST_H
 
 #include <stddef.h>
 
-/* All fields 0: empty. */
 typedef struct made_list {
     char **paths;
     size_t count, room;
 } made_list;
 
-/* Records a path that does not exist yet. Call this function before the file or folder is made. Without memory the
-   path is not recorded. */
+/* Records a path that does not exist yet. Call before making the file or folder. */
 void made_list_add(made_list *list, const char *path);
 
-/* Records a folder and its parents like made_list_add. */
+/* Records a folder and its parent folders like made_list_add. */
 void made_list_add_folders(made_list *list, const char *path);
 
 /* Removes the recorded files and folders in reverse order. A folder with other files stays. */

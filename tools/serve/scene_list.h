@@ -8,8 +8,8 @@ enum { LISTED_NAME = 80 };
 
 typedef struct listed_scene {
     char *path;
-    char name[LISTED_NAME];        /* unique file name without ending: letters, digits and dashes */
-    char title[LISTED_NAME];       /* last component of the path, without ending */
+    char name[LISTED_NAME];        /* unique name for addresses: letters, digits and dashes */
+    char title[LISTED_NAME];       /* file name without its ending */
 } listed_scene;
 
 typedef struct scene_list {
@@ -18,10 +18,10 @@ typedef struct scene_list {
 } scene_list;
 
 /* Adds a scene, or all scenes of a folder in ascending order of name. A folder that is itself a scene, such as one
-   with a tileset.json, counts as a scene. Returns 0. If a folder has no scene, prints that and returns EXIT_FAILED. */
+   with a tileset.json, counts as a scene. Returns 0, or prints the error and returns EXIT_FAILED. */
 int scene_list_add(scene_list *list, const char *path);
 
-/* Tests whether scene_list_add would add the scenes inside of a folder. */
+/* True if scene_list_add would add the scenes inside of the folder. */
 int is_folder_of_scenes(const char *path);
 
 void scene_list_free(scene_list *list);

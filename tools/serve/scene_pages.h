@@ -7,11 +7,10 @@
 /* Prints a format with %s conversions only. The inserted texts are escaped for HTML. */
 void print_html(FILE *file, const char *format, ...);
 
-/* Prints a page up to the start of its body. */
+/* Prints the page up to the start of its body. */
 void print_page_head(FILE *file, const char *title);
 
-/* Print a list of scenes: print_list_head once, then print_listed for each scene. `viewer`: address of the viewer's
-   folder. `picture` may be null. */
+/* Print a list of scenes: print_list_head once, then print_listed for each scene. `picture` may be null. */
 void print_list_head(FILE *file, const char *title, const char *viewer);
 void print_listed(FILE *file, const char *address, const char *picture, const char *title);
 

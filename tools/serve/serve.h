@@ -11,7 +11,7 @@
    write failed. */
 int keep_written(FILE *file);
 
-/* Writes bytes to a temporary file and returns a descriptor; -1 and errno on failure. */
+/* Writes bytes to a temporary file. Returns a descriptor of the file, or -1 with errno. */
 int keep(const void *data, size_t bytes);
 
 /* Formats a string, which the caller frees. Null: out of memory. */
@@ -20,7 +20,6 @@ char *text_of(const char *format, ...) FXS_PRINTF(1, 2);
 /* Prints the QR code of an address on the terminal. Returns -1 in a build without libqrencode, else 0. */
 int print_qr_code(const char *address);
 
-/* Runs `fixsplat fit --preview`. Returns its exit status. */
 int serve_fit(int argc, char **argv);
 
 #endif

@@ -8,22 +8,20 @@
 
 typedef struct served_scenes served_scenes;
 
-/* Options of packing. Must outlive the scenes. */
+/* Options of packing. Must outlive the list of scenes. */
 typedef struct served_options {
     load_options load;
     uint8_t background[3];
-    int has_list;                           /* 1: a list of scenes, each packed on demand; 0: a single scene, and its
-                                               failure ends the program */
+    int has_list;                           /* 1: serves a list, and packs its scenes on demand */
 } served_options;
 
 /* Allocates a list of at most `most` scenes. Null: out of memory. Free the list with scenes_free. */
 served_scenes *scenes_new(const served_options *options, int most);
 
-/* Adds a scene. is_sure 1: reads the scene's file, and fails if that fails. Returns 0, or prints the reason and
-   returns EXIT_FAILED. */
+/* Adds a scene. is_sure 1: reads the scene's file, and fails if it cannot be read. Returns 0, or prints the reason
+   and returns EXIT_FAILED. */
 int scenes_add(served_scenes *all, const char *path, int is_sure);
 
-/* Return the web address and the displayed name of a scene. */
 const char *scenes_address(const served_scenes *all, int scene);
 const char *scenes_title(const served_scenes *all, int scene);
 
@@ -33,8 +31,8 @@ enum { SCENE_FILES = 4 };
 int scenes_file_count(const served_scenes *all);
 void scenes_files(served_scenes *all, fxs_http_file *files);
 
-/* Packs the next wanted or changed scene. Call this function a few times a second. Returns 1: packed, 0: idle, -1:
-   the only scene failed. */
+/* Packs the next wanted or changed scene. Call scenes_work a few times a second. Returns 1: packed, 0: idle, -1: the
+   only scene failed. */
 int scenes_work(served_scenes *all);
 
 void scenes_free(served_scenes *all);

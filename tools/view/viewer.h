@@ -10,7 +10,7 @@
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };
-enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames per second; most frames of a film */
+enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames per second; largest number of frames in a film */
 
 /* A crop box in world units. While `on`, only Gaussians with their centre inside are drawn. */
 typedef struct crop_box {
@@ -27,13 +27,13 @@ typedef struct request {
     fxs_file_view view;
     fxs_options render;
     int divisor, x, y;
-    int moves, shows_part;                  /* moves: the camera moves; shows_part: draw without missing chunks */
+    int moves, shows_part;                  /* 1: the camera moves; 1: renders without missing chunks */
     enum viewer_picture shown;
     crop_box crop;
-    int status;                             /* result of `work` */
-    char path[4096];                        /* of the written file */
+    int status;
+    char path[4096];                        /* path of the written file */
     int unwritten;
-    fxs_message message;                    /* reason of a failure */
+    fxs_message message;
     fxs_stats stats;
     fxs_pick_result pick;
 } request;
@@ -44,52 +44,52 @@ enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024, BUDGET_LEAST = 4096 };
 typedef struct loading {
     int on;
     char *path, *next;                      /* dropped file or null; file to open next */
-    char why[256];                          /* reason of a failure */
+    char why[256];
     frame_options options;
     world world;
     fxs_file_view *views;
     long count, index;
     int status;
-    int unkept;                             /* failures to store the recent scenes */
+    int unkept;                             /* number of failures to store the list of recent scenes */
 } loading;
 
 struct viewer {
-    frame_options options;                  /* as given, then changed by keys and dropped scenes */
+    frame_options options;                  /* options of the command line, changed by keys */
     const char *screenshot;                 /* output path; null: fixsplat-001.png and so on */
     fxs_window *window;
     fxs_words *words;                       /* text renderer; null: no font */
     fxs_worker *drawer, *loader;
 
     request requests[REQUESTS_MOST];
-    int request_count, given;               /* given: the renderer's thread works on the first */
+    int request_count, given;               /* queued requests; 1: the first is in progress */
     renderer renderer;                      /* owned by the renderer's thread while requests wait */
-    frame_options opened;                   /* options of `renderer` */
+    frame_options opened;                   /* options that `renderer` was opened with */
     int cropped;                            /* 1: a crop box is applied to the objects */
     picture drawn;
-    picture picture;                        /* the last frame */
+    picture picture;                        /* last rendered frame */
     fxs_file_view seen;                     /* view of the last frame; width 0: no frame yet */
 
     loading loading;
-    int installing;                         /* 1: the loaded scenes wait for the renderer's thread */
-    fxs_recent recent;                      /* scenes listed in the empty window */
+    int installing;                         /* 1: loaded scenes will replace the current scenes */
+    fxs_recent recent;                      /* scenes that the empty window lists */
     int recent_marked;                      /* recent scene under the pointer; -1: none */
-    char *path;                             /* scene file or --scene file; null: no scene */
+    char *path;                             /* path of the scene; null: no scene */
     world world;
     fxs_file_view *views;                   /* views of the camera file, or the start view */
-    long view_count, index;                 /* index: view that the camera started from */
+    long view_count, index;                 /* number of views; the view that the camera started from */
     double (*points)[3];                    /* sample of the scene's positions */
     int point_count;
 
-    fxs_file_view view;                     /* current view, in its original size */
-    double up[3];                           /* up direction of the scene */
-    double distance;                        /* from the camera to the point that it orbits */
-    double radius, speed;                   /* of the scene, units; flight speed, relative */
+    fxs_file_view view;
+    double up[3];
+    double distance;                        /* distance from the camera to its pivot, scene units */
+    double radius, speed;                   /* radius of the scene in units; relative speed of flight */
 
-    int changed, moving, exposed;           /* flags: needs a frame; the camera moves; needs a repaint */
-    int flying, coarse;                     /* flags: a flight key is down; the last frame was smaller */
+    int changed, moving, exposed;           /* 1: needs a frame; 1: the camera moves; 1: needs a repaint */
+    int flying, coarse;                     /* 1: a flight key is down; 1: the last frame was reduced */
     int divisor;                            /* reduction of the picture while the camera moves */
     enum viewer_picture shown;
-    uint64_t clock, moved;                  /* last step and last motion, nanoseconds */
+    uint64_t clock, moved;                  /* times of the last step and the last motion, nanoseconds */
     uint64_t hint;                          /* time when the hint disappears; 0: no hint */
 
     enum viewer_film film;
@@ -97,20 +97,20 @@ struct viewer {
     int way_count;
     uint64_t filmed;                        /* time of the next film frame, nanoseconds */
 
-    crop_box crop;                          /* keeps its sides while off */
-    int face, dragged;                      /* face: handle under the pointer or CROP_NONE; dragged: flag */
+    crop_box crop;
+    int face, dragged;                      /* face under the pointer or CROP_NONE; 1: being dragged */
     int crop_written;                       /* 1: a cropped scene is being written */
 
     int graph, help, rate, light, quit, status;
-    int measuring, ends;                    /* 1: measuring distances; number of picked ends */
+    int measuring, ends;                    /* 1: measures distances; number of picked ends */
     double end[2][3];
     fxs_frame_times times;
-    uint32_t gaussians, missing;            /* in the last frame: Gaussians; chunks not loaded yet */
-    int arrived;                            /* 1: chunks have arrived; set atomically by another thread */
+    uint32_t gaussians, missing;            /* Gaussians of the last frame; chunks not loaded yet */
+    int arrived;                            /* 1: chunks were loaded; set atomically by another thread */
     int lost;                               /* 1: a read error was reported */
-    double rate_wanted;                     /* wanted frames per second; 0: fixed budget */
-    uint64_t slider;                        /* time when the slider disappears; 0: hidden */
-    char note[256];                         /* text in the window and its title; empty: none */
+    double rate_wanted;                     /* wanted frames per second; 0: fixed budget of Gaussians */
+    uint64_t slider;                        /* time when the budget's slider disappears; 0: hidden */
+    char note[256];                         /* message shown in the window; empty: none */
 };
 
 /* Opens a window that shows the scenes of the options, or waits for a dropped scene. `screenshot` may be null.
@@ -122,13 +122,11 @@ void viewer_close(viewer *v);
    v->quit and v->status. */
 void viewer_step(viewer *v, int milliseconds);
 
-/* Tests for a scene being opened, or a frame being drawn or due. */
+/* True if a scene is being opened, or a frame is being rendered or due. */
 int viewer_busy(const viewer *v);
 
-/* ---- viewer_frame.c ---- */
-
 /* Each ask function queues a request for the renderer's thread, or does nothing if the queue is full. Requests run
-   in order. ask_install returns 1 if queued. */
+   in order of arrival. ask_install returns 1 if queued. */
 void ask_open(viewer *v);
 void ask_frame(viewer *v);
 
@@ -137,22 +135,19 @@ void stop_frame(viewer *v);
 void ask_screenshot(viewer *v);
 void ask_backend(viewer *v);
 void ask_focus(viewer *v, double x, double y);
-void ask_film(viewer *v);                            /* writes v->way, which must not be empty */
+void ask_film(viewer *v);
 void ask_end(viewer *v, double x, double y);         /* picks an end of the measured distance */
-void ask_crop(viewer *v);                            /* writes the cropped scene */
-int ask_install(viewer *v);                          /* replaces the scenes by the loaded scenes */
+void ask_crop(viewer *v);
+int ask_install(viewer *v);                          /* replaces the current scenes by the loaded scenes */
 
-/* Finishes the request that the renderer's thread has completed, and starts the next. */
+/* Finishes the request that the renderer's thread has completed, and starts the next request. */
 void viewer_collect(viewer *v);
 
 /* Returns 2 for stereo, with the eyes side by side in the window; otherwise 1. */
 int eyes_of(const viewer *v);
 
-/* ---- viewer_crop.c ---- */
-
 enum { CROP_FACES = 6, CROP_NONE = -1 };
 
-/* Sets the crop box around a new scene, switched off. */
 void crop_begin(viewer *v);
 
 void crop_toggle(viewer *v);
@@ -169,28 +164,21 @@ void crop_drag(viewer *v, double x, double y);
 /* Cuts the original crops of all objects by the box. Runs on the renderer's thread. */
 void crop_world(world *w, const crop_box *crop);
 
-/* ---- viewer.c ---- */
-
-/* Replaces the scenes by the loaded scenes. No frame may be in progress. */
+/* Replaces the current scenes by the loaded scenes. No frame may be in progress. */
 void viewer_install(viewer *v);
 
-/* viewer_has_levels tests for a scene with levels of detail. viewer_budget_most returns the largest useful budget in
-   Gaussians. */
 int viewer_has_levels(const viewer *v);
 uint32_t viewer_budget_most(const viewer *v);
 
-/* Adapts the budget towards the wanted frame rate, after a frame with `drawn` Gaussians. */
+/* Adapts the budget of Gaussians towards the wanted frame rate, after a frame with `drawn` Gaussians. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn);
-
-/* ---- viewer_panels.c ---- */
 
 /* Projects a point to window pixels, with the view of the last frame. Returns 0 for a point behind the camera. */
 int viewer_project(const viewer *v, const double point[3], double pixel[2]);
 
-/* Returns the last component of a path. */
 const char *viewer_file_name(const char *path);
 
-/* Returns the recent scene listed at a window position, or -1. */
+/* Returns the recent scene listed at a window position; -1: none. */
 int viewer_recent_at(const viewer *v, double x, double y);
 
 /* Shows the last frame with panels over it. Returns 0, or prints the reason and returns EXIT_FAILED. */
