@@ -14,7 +14,7 @@ typedef struct view_options {
     int no_open, qr;
 } view_options;
 
-/* Parses the command line. Returns 0, or prints the error and returns EXIT_USAGE. */
+/* Parses the command line. */
 int view_options_take(view_options *options, int argc, char **argv);
 
 /* Help text about the keys of the window. */

@@ -1,4 +1,6 @@
-/* Helpers of all subcommands: messages, --quiet, progress. */
+/* Helpers of all subcommands: messages, --quiet, progress.
+   In tools/, a function that can fail returns 0, or prints the error and returns an exit status, unless its comment
+   says otherwise. */
 #ifndef COMMAND_H
 #define COMMAND_H
 

@@ -10,7 +10,7 @@
 
 typedef struct option_row option_row;
 
-/* Parses the value of an option into its field. Returns 0, or prints the error and returns EXIT_USAGE. */
+/* Parses the value of an option into its field. */
 typedef int take_option(const option_row *row, void *field, const char *value);
 
 struct option_row {
@@ -92,7 +92,7 @@ extern const option_row common_rows[];
 #define COMMON_TABLE {common_rows, 0}
 
 /* Parses the command line into the struct `options`. optind becomes the index of the first argument that is no
-   option. Returns 0, or prints the error and returns EXIT_USAGE. --help and --version end the program. */
+   option. --help and --version end the program. */
 int take_options(const command *c, void *options, int argc, char **argv);
 
 /* True if the command line had the option. */

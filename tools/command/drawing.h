@@ -41,8 +41,7 @@ typedef struct renderer {
     fxs_foveated foveated;
 } renderer;
 
-/* Opens the first device of the back end that the options name. Returns 0, or prints the reason and returns an exit
-   status. Set `format`, `draws` and the scissor afterwards. */
+/* Opens the first device of the back end that the options name. Set `format`, `draws` and the scissor afterwards. */
 int renderer_open(renderer *r, const frame_options *options);
 
 /* True if the renderer supports paged scenes, which are partly in memory. */
@@ -53,11 +52,10 @@ void renderer_close(renderer *r);
 /* Frees the back end's copies of a world's scenes. Call renderer_forget before closing the world. */
 void renderer_forget(renderer *r, const world *w);
 
-/* Computes the camera of a view, cropped to the scissor. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Computes the camera of a view, cropped to the scissor. */
 int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera);
 
-/* Renders into *out, which grows as needed. `stats` may be null. Returns 0, or prints the reason and returns
-   EXIT_FAILED. */
+/* Renders into *out, which grows as needed. `stats` may be null. */
 int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats);
 

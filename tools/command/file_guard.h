@@ -17,7 +17,7 @@ int files_same(const char *one, const char *other);
 enum files_force { FILES_REFUSE, FILES_REFUSE_UNFORCED, FILES_FORCED };
 void files_force(enum files_force force);
 
-/* Checks the registered outputs. Returns 0, or prints the error and returns the exit status. */
+/* Checks the registered outputs. */
 int files_check(void);
 
 /* Forgets the registered outputs, so that the command can read them. */

@@ -58,11 +58,10 @@ extern const char *const cutoff_names[];
 
 void frame_options_default(frame_options *options);
 
-/* Rejects contradicting options. Returns 0, or prints the error and returns EXIT_USAGE. */
+/* Rejects contradicting options. */
 int frame_options_check(const frame_options *options);
 
-/* Finds the back end that the options name, and its options for a device. Returns 0, or prints the error and returns
-   EXIT_USAGE. */
+/* Finds the back end that the options name, and its options for a device. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
 /* Lists the devices that the options ask for. Returns the number of devices. */

@@ -41,11 +41,10 @@ typedef struct load_options {
 /* Returns the progress callback of the options, or else a progress bar after `label`. */
 fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
 
-/* Copies the options for file i of `count`, with its level of detail. Returns 0, or prints the error and returns
-   EXIT_USAGE. */
+/* Copies the options for file i of `count`, with its level of detail. */
 int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);
 
-/* Opens a scene for rendering. Returns 0, or prints the reason and returns EXIT_FAILED; then nothing is to be freed. */
+/* Opens a scene for rendering. On failure nothing is to be freed. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
 /* Loads a scene from a file of open_scene or open_merged, and closes the file. Returns like load_scene. */
@@ -58,8 +57,8 @@ void note_coarse(const char *path, const fxs_scene_file_info *info);
 /* Prints a note about Gaussians that packing left out or moved. */
 void note_packed(const char *path, const fxs_pack_report *report);
 
-/* Opens a scene file to read its Gaussians as floats, with the filter of the options. Returns 0, or prints the
-   reason and returns EXIT_FAILED. Close *file with fxs_scene_file_close. */
+/* Opens a scene file to read its Gaussians as floats, with the filter of the options. Close *file with
+   fxs_scene_file_close. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 
 /* The two steps of open_scene. filter_scene closes the file on failure. */
@@ -68,7 +67,7 @@ int filter_scene(const char *path, const load_options *options, fxs_scene_file *
 
 extern const char *const profile_names[];
 
-/* Checks that an .fxs file is unchanged since loading. Returns 0, or prints the error and returns EXIT_FAILED. */
+/* Checks that an .fxs file is unchanged since loading. */
 int check_scene(const loaded_scene *loaded);
 
 void free_scene(loaded_scene *loaded);

@@ -15,11 +15,10 @@ typedef struct world_options {
     int place_count;
 } world_options;
 
-/* Stores the scene files given to the subcommand `name`. Returns 0, or prints the error and returns EXIT_USAGE. */
+/* Stores the scene files given to the subcommand `name`. */
 int take_scenes(world_options *options, const char *name, int count, char *const *scenes);
 
-/* Reads the --scene file or applies --place, without opening scenes. Returns 0, or prints the reason and returns the
-   exit status. Free *placed with fxs_world_free. */
+/* Reads the --scene file or applies --place, without opening scenes. Free *placed with fxs_world_free. */
 int place_scenes(fxs_world *placed, const world_options *options);
 
 typedef struct world {
@@ -33,14 +32,14 @@ typedef struct world {
     uint64_t load_nanoseconds;
 } world;
 
-/* Loads the scenes. Returns 0, or prints the reason and returns the exit status; then nothing is to be closed. */
+/* Loads the scenes. On failure nothing is to be closed. */
 int world_open(world *w, const world_options *options, const load_options *load);
 
 /* Loads a world of one unplaced scene. */
 int world_open_file(world *w, const char *path, const load_options *load);
 
 /* Opens all files of a world as one scene file to read in floats, with objects placed. `name` stands for the files
-   in messages. Returns 0, or prints the reason and returns EXIT_FAILED. Close *file with fxs_scene_file_close. */
+   in messages. Close *file with fxs_scene_file_close. */
 int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
                 fxs_scene_file_info *info);
 
@@ -57,7 +56,7 @@ int world_up(const world *w, double up[3]);
 /* Computes an object's bounding box in the world. Returns 0 if the object's crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 
-/* Checks that the scene files are unchanged since loading. Returns 0, or prints the error and returns EXIT_FAILED. */
+/* Checks that the scene files are unchanged since loading. */
 int world_check(const world *w);
 
 /* A paged world has scenes that are only partly in memory, each with a pager. world_want is an fxs_want_fn with the

@@ -5,8 +5,7 @@
 #include "load_scene.h"
 
 /* Opens a scene and computes its checksums. If `profile` is 1, an .fxs is packed again in the options' profile.
-   Missing levels of detail are added. Returns 0, or prints the reason and returns EXIT_FAILED. Close the scene with
-   free_scene. */
+   Missing levels of detail are added. Close the scene with free_scene. */
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile);
 
 /* Notes how much smaller --profile small would make an .fxs. `words` is the current command, ended by null. */

@@ -34,7 +34,7 @@ static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
     }
 }
 
-/* Writes gzip in base64. Returns 0, or prints that memory ran out and returns EXIT_FAILED. */
+/* Writes gzip in base64. */
 static int write_packed(FILE *file, const void *bytes, size_t size)
 {
     z_stream stream = {0};

@@ -13,7 +13,7 @@ typedef struct single_page {
     int has_profile;               /* 1: packs an .fxs again in the options' profile */
 } single_page;
 
-/* Writes the page to `out`, whole or not at all. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Writes the page to `out`, whole or not at all. */
 int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes);
 
 #endif

@@ -50,7 +50,7 @@ void join_path(char path[TASK_PATH], const char *folder, const char *name);
 
 int is_folder(const char *path);
 
-/* Makes a folder unless it exists. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Makes a folder unless it exists. */
 int make_folder(const char *path);
 
 /* Makes a folder and its missing parent folders, like make_folder. */

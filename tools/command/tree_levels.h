@@ -21,8 +21,7 @@ typedef struct scene_levels {
     uint32_t node_bytes;
 } scene_levels;
 
-/* Measures the levels of a scene that is wholly in memory. Returns 0, or prints that memory ran out and returns
-   EXIT_FAILED. */
+/* Measures the levels of a scene that is wholly in memory. */
 int levels_measure(scene_levels *levels, const fxs_scene *scene);
 
 void levels_print_text(const scene_levels *levels);

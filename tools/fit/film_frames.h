@@ -8,7 +8,7 @@
 int film_is_named(const char *path);
 
 /* Writes `wanted` frames of a film as .jpg to a new folder: the sharpest frame of each of equal stretches. `wanted`
-   0: every tenth frame, 60 to 300. Returns 0, or prints the error and returns EXIT_FAILED. */
+   0: every tenth frame, 60 to 300. */
 int film_frames(task *t, const char *film, size_t wanted, const char *folder);
 
 #endif

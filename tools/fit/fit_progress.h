@@ -34,7 +34,7 @@ typedef struct fit_log {
     uint32_t every;                /* steps between two lines */
 } fit_log;
 
-/* Opens a log without emptying it. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Opens a log without emptying it. */
 int fit_log_open(fit_log *log, const char *name);
 
 /* Call before the first of `steps` steps. goes_on 1: appends to the log of a resumed fit; 0: empties the file. */

@@ -13,7 +13,7 @@ typedef struct fit_now {
 
 /* All callbacks run on one thread, starting with open and begin. A failure after open does not stop the fit. */
 typedef struct fit_watcher {
-    /* Runs before photographs are read. Returns 0, or prints the reason and returns the exit status. */
+    /* Runs before photographs are read. */
     int (*open)(const char *out, uint64_t port);
 
     /* Runs before the first step. `photos` stay valid until `written`. measures 1: the watcher measures the scene

@@ -17,7 +17,7 @@ void photographs_free(photographs *p);
 
 /* Makes `to` a link to the folder `from`. If `from` has HEIF photographs, or folders cannot be linked, makes a
    folder of links instead. HEIF photographs are converted to NAME.heic.jpg. A failed conversion is an error, or with
-   skip_bad a note. Returns 0, or prints the error and returns the exit status. */
+   skip_bad a note. */
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
 
 /* Finds the mask of a photograph like fxs_photo_mask_in. NAME.heic.jpg may also use the mask of NAME.heic. Returns 1
@@ -29,8 +29,7 @@ typedef struct photograph_look {
     int masks_are_inverse, skip_bad;
 } photograph_look;
 
-/* Reads each photograph and its mask, finds damaged files, and groups the photographs by size and lens. Returns 0,
-   or prints the error and returns the exit status. */
+/* Reads each photograph and its mask, finds damaged files, and groups the photographs by size and lens. */
 int photographs_look(task *t, photographs *p, const char *folder, const photograph_look *how);
 
 #endif

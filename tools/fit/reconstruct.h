@@ -22,8 +22,7 @@ int reconstruct_is_needed(const char *in);
 int reconstruct_is_photographs(const char *folder);
 
 /* Makes the folder OUT.cameras in COLMAP's layout (images, masks, sparse/0), and prints a report. An unfinished
-   OUT.cameras of the same photographs is continued; a finished one is used. Returns 0, or prints the error and
-   returns the exit status. The caller frees *folder. */
+   OUT.cameras of the same photographs is continued; a finished one is used. The caller frees *folder. */
 int reconstruct(const reconstruct_options *options, char **folder);
 
 #endif

@@ -4,8 +4,7 @@
 
 enum { PAGE_PATH = 4096 };
 
-/* Finds the folder in FIXSPLAT_WEB if set, otherwise near the program. Returns 0, or prints the error and returns
-   EXIT_FAILED. */
+/* Finds the folder in FIXSPLAT_WEB if set, otherwise near the program. */
 int page_folder_find(char folder[PAGE_PATH]);
 
 /* Finds the folder like page_folder_find, without messages. Returns 1 if found, else 0. */

@@ -18,7 +18,7 @@ typedef struct scene_list {
 } scene_list;
 
 /* Adds a scene, or all scenes of a folder in ascending order of name. A folder that is itself a scene, such as one
-   with a tileset.json, counts as a scene. Returns 0, or prints the error and returns EXIT_FAILED. */
+   with a tileset.json, counts as a scene. */
 int scene_list_add(scene_list *list, const char *path);
 
 /* True if scene_list_add would add the scenes inside of the folder. */

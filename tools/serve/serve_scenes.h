@@ -18,8 +18,7 @@ typedef struct served_options {
 /* Allocates a list of at most `most` scenes. Null: out of memory. Free the list with scenes_free. */
 served_scenes *scenes_new(const served_options *options, int most);
 
-/* Adds a scene. is_sure 1: reads the scene's file, and fails if it cannot be read. Returns 0, or prints the reason
-   and returns EXIT_FAILED. */
+/* Adds a scene. is_sure 1: reads the scene's file, and fails if it cannot be read. */
 int scenes_add(served_scenes *all, const char *path, int is_sure);
 
 const char *scenes_address(const served_scenes *all, int scene);

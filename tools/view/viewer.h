@@ -113,8 +113,8 @@ struct viewer {
     char note[256];                         /* message shown in the window; empty: none */
 };
 
-/* Opens a window that shows the scenes of the options, or waits for a dropped scene. `screenshot` may be null.
-   Returns 0, or prints the reason and returns the exit status. *v must not move until viewer_close. */
+/* Opens a window that shows the scenes of the options, or waits for a dropped scene. `screenshot` may be null. *v
+   must not move until viewer_close. */
 int viewer_open(viewer *v, const frame_options *options, const char *screenshot, double rate_wanted);
 void viewer_close(viewer *v);
 
@@ -181,7 +181,7 @@ const char *viewer_file_name(const char *path);
 /* Returns the recent scene listed at a window position; -1: none. */
 int viewer_recent_at(const viewer *v, double x, double y);
 
-/* Shows the last frame with panels over it. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Shows the last frame with panels over it. */
 int viewer_show(viewer *v);
 
 #endif
