@@ -1,4 +1,4 @@
-/* Computes procedural scenes. Each scene has several parts, such as terrain and trees. A part maps the index of a
+/* Computes procedural scenes. A scene has several parts, such as terrain and trees. A part maps the index of a
    Gaussian to evenly spread numbers (u, v) and hashes, and computes the Gaussian from them. */
 #include "procedural.h"
 
@@ -7,14 +7,12 @@
 #include "src/base/sine.h"
 #include "src/gaussian/attributes.h"
 
-/* gcc needs -std=c99 or -ffp-contract=off instead. */
+/* gcc needs -std=c99 or -ffp-contract=off instead of this pragma */
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF
 #endif
 
 #define PI 3.14159265358979324
-
-/* ---- Arithmetic, correctly rounded ---- */
 
 typedef struct vec {
     double x, y, z;
@@ -64,7 +62,7 @@ static double logarithm(double x)
     return e * 0.69314718055994531 + 2 * s * sum;
 }
 
-/* 2^-(least + (most - least) t), linear between powers of two. */
+/* Returns 2^-(least + (most - least) t), linear between powers of two. */
 static double power_of_half(double t, double least, double most)
 {
     double exponent = blend(least, most, t), halvings = whole(exponent);
@@ -91,7 +89,7 @@ typedef struct place {
     uint64_t index, count;   /* index in the part; size of the part */
     uint64_t total, key;
     uint32_t seed;
-    double u, v;             /* evenly distributed over the unit square */
+    double u, v;
 } place;
 
 /* Sunflower distribution. v advances by the golden ratio (0.64 fixed point). */
@@ -101,7 +99,7 @@ static void spread_evenly(place *p, uint64_t index, uint64_t count)
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* Finds the part of Gaussian i. `ends`: the ends of the parts in thousandths of the count. */
+/* Finds the part of Gaussian i. `ends` has the ends of all parts in thousandths of the count. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {
     int part = 0;
@@ -117,13 +115,13 @@ static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *en
     return part;
 }
 
-/* A cheap hash in -1..1 for noise. */
+/* Returns a cheap hash in -1..1 for noise. */
 static double lattice(uint64_t corner)
 {
     return (double)(int64_t)((corner ^ (corner >> 32)) * UINT64_C(0x94D049BB133111EB)) / 9223372036854775808.0;
 }
 
-/* Value noise in -1..1 with quintic interpolation. *dx, *dz: gradient. */
+/* Value noise in -1..1 with quintic interpolation. *dx and *dz are its gradient. */
 static double noise(double x, double z, uint64_t salt, double *dx, double *dz)
 {
     const uint64_t right = UINT64_C(0xD1B54A32D192ED03), up = UINT64_C(0xABC98388FB8FAC03);
@@ -145,12 +143,12 @@ static double plain_noise(double x, double z, uint64_t salt)
 
 /* A Gaussian under construction. Its colour along the unit vector d is the sum of sh[k] Y_k(d). */
 typedef struct splat {
-    vec position, axis[3];   /* orthonormal, right-handed */
+    vec position, axis[3];   /* orthonormal, right-handed axes */
     double sigma[3], opacity;
     vec sh[16];
 } splat;
 
-/* The 16 real SH basis functions at the unit vector d, with the signs of KHR_gaussian_splatting. */
+/* Computes the 16 real SH basis functions at the unit vector d, with the signs of KHR_gaussian_splatting. */
 static void sh_basis(vec d, double y[16])
 {
     double xx = d.x * d.x, yy = d.y * d.y, zz = d.z * d.z;
@@ -186,10 +184,10 @@ static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
             s->sh[k] = add(s->sh[k], times(colour, scale * y[k]));
 }
 
-static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre series of a lobe of 70 degrees */
+static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre series of a bright spot of 70 degrees */
 static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* Legendre series of 1 - x^2 */
 
-/* A flat disc perpendicular to `normal`. Its first axis is nearest to `along`. */
+/* Lays a flat disc perpendicular to `normal`. Its first axis is nearest to `along`. */
 static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma, double opacity)
 {
     memset(s, 0, sizeof *s);
@@ -209,7 +207,7 @@ static void lay_round(splat *s, vec position, double sigma, double opacity, vec 
     add_constant(s, colour);
 }
 
-/* A disc on a surface, sized by the surface's derivatives. */
+/* Lays a disc on a surface, sized by the surface's derivatives. */
 static void lay_surface(const place *p, vec (*surface)(double u, double v), double opacity, splat *s)
 {
     const double step = 1.0 / 4096;
@@ -270,11 +268,11 @@ static void finish(const splat *s, fxs_gaussian *out)
         store(out->sh + 3 * k, s->sh[k + 1]);
 }
 
-/* ---- Scene knot: an iridescent trefoil and marbles ---- */
+/* ---- Scene knot ---- */
 
 #define KNOT_SIZE 0.80
 #define KNOT_TUBE 0.50
-#define TABLE_Y 2.13    /* 2.0625 KNOT_SIZE + largest tube radius - overlap */
+#define TABLE_Y 2.13
 #define TABLE_RADIUS 4.6
 #define TABLE_DEPTH 0.30
 
@@ -302,7 +300,7 @@ static vec trefoil(double s, double c)
     return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
 }
 
-/* A point of a rope along the trefoil. u runs along the rope, v around. */
+/* Returns a point of a rope along the trefoil curve. u runs along the rope, v around. */
 static vec knot_surface(double u, double v)
 {
     double s = sine(u), c = cosine(u);
@@ -329,7 +327,7 @@ static void occlude(vec p, vec normal, vec centre, double radius, double weight,
 static void occlude_all(vec p, vec normal, double *open, double *lit)
 {
     enum { BALLS = 72 };
-    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* 1/72 turn */
+    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* cosine and sine of 1/72 turn */
     double s = 0, c = 1;
     *open = *lit = 1;
     for (int k = 0; k < BALLS; k++) {
@@ -346,7 +344,7 @@ static void occlude_all(vec p, vec normal, double *open, double *lit)
     *open = clamp(*open, 0.12, 1);
 }
 
-/* A colour that changes with the viewing angle: cos(k x + 2 pi phase), k = 2.6, x = d . normal, as a Legendre
+/* Adds a colour that changes with the viewing angle: cos(k x + 2 pi phase), k = 2.6, x = d . normal, as a Legendre
    series. */
 static void add_iridescence(splat *s, vec normal, double phase, double strength)
 {
@@ -357,7 +355,6 @@ static void add_iridescence(splat *s, vec normal, double phase, double strength)
     add_zonal(s, normal, odd, times(d, -strength));
 }
 
-/* Varnish: diffuse light, a rim, and mirrored lights. */
 static void add_gloss(splat *s, vec normal, vec colour, double phase, double iridescence)
 {
     double open, lit, key = dot(normal, key_light), cool = dot(normal, cool_light);
@@ -426,7 +423,7 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Scene landscape: a lake among mountains ---- */
+/* ---- Scene landscape ---- */
 
 #define LAND_RADIUS 64.0
 #define LAND_OCTAVES 6
@@ -435,7 +432,7 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 static const vec sun = { -0.85, -0.42, -0.318 };
 static const vec haze = { 0.66, 0.77, 0.88 };
 
-/* Height above the lake. Damped octaves on steep slopes look like erosion (after Quilez, "Elevated"). */
+/* Returns the height above the lake. Damped octaves on steep slopes look like erosion (after Quilez, "Elevated"). */
 static double land_height(double x, double z, int octaves)
 {
     double r = sqrt(x * x + z * z), ring = smoothstep(0, 42, r + 4 * plain_noise(x * 0.11, z * 0.11, 1));
@@ -453,7 +450,7 @@ static double land_height(double x, double z, int octaves)
     return -0.24 + ring * (1.3 + 1.2 * sum) + ring * ring * 11 * sum;
 }
 
-/* Share of the sun that reaches a point, from the smallest gap between sun ray and ground. */
+/* Returns the share of the sun that reaches a point, from the smallest gap between sun ray and ground. */
 static double sun_reach(vec p)
 {
     double reach = 1;
@@ -465,7 +462,7 @@ static double sun_reach(vec p)
     return smoothstep(0, 1, reach);
 }
 
-/* Density of the forest; trees grow above 0.05. */
+/* Returns the density of the forest. Trees grow above 0.05. */
 static double forest(double x, double z)
 {
     return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
@@ -560,7 +557,7 @@ static void reflect_in_lake(splat *s)
     s->position.y = -s->position.y;
     for (int k = 0; k < 3; k++)
         s->axis[k].y = -s->axis[k].y;
-    s->axis[1] = times(s->axis[1], -1);   /* right-handed again */
+    s->axis[1] = times(s->axis[1], -1);   /* keeps the axes right-handed */
     for (int k = 0; k < 16; k++)
         s->sh[k] = times(s->sh[k], odd_in_y[k] ? -0.85 : 0.85);
 }
@@ -586,7 +583,6 @@ static void landscape_reflected_ground(place *p, splat *s)
     reflect_in_lake(s);
 }
 
-/* Finds a place for a tree: in the forest, on dry ground, below the tree line. */
 static vec tree_foot(uint64_t key)
 {
     vec foot = v3(0, 0, 0);
@@ -601,7 +597,6 @@ static vec tree_foot(uint64_t key)
     return foot;
 }
 
-/* A spruce or larch. */
 static void landscape_tree(place *p, splat *s)
 {
     uint64_t trees = p->total / 400 + 1 < 3000 ? p->total / 400 + 1 : 3000;
@@ -664,7 +659,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
     finish(&s, out);
 }
 
-/* ---- Scene meadow: a tree, flowers, hills, and distant outliers as in captures ---- */
+/* ---- Scene meadow ---- */
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
@@ -852,8 +847,7 @@ static vec sky_colour(vec d)
     return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
 }
 
-/* A shell of discs that face the centre, `nearest` to `farthest` units away. y is 0.06 - height to 0.06 on the unit
-   sphere. */
+/* Lays a shell of discs that face the centre, between two distances. y is 0.06 - height to 0.06 on the unit sphere. */
 static void lay_sky(const place *p, double height, double nearest, double farthest, splat *s)
 {
     double y = 0.06 - height * p->u, r = sqrt(1 - y * y), far = blend(nearest, farthest, draw(p->key, 1));
@@ -876,7 +870,7 @@ static void meadow_sky(place *p, splat *s)
 
 enum { STRAYS = 256 };
 
-/* Distance of an outlier by its rank, measured in a capture: `rank` Gaussians are at least that far away. */
+/* Returns the distance of an outlier, measured in a capture: `rank` Gaussians are at least that far away. */
 static double stray_distance(uint64_t rank)
 {
     static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
@@ -887,7 +881,7 @@ static double stray_distance(uint64_t rank)
     return blend(units[k - 1], units[k], (far - 1 / (double)rank) / (far - near));
 }
 
-/* Flat discs far above the sky, seen edge-on, mostly faint. */
+/* Makes flat, faint discs far above the sky, seen edge-on. */
 static void meadow_stray(const place *p, splat *s)
 {
     double y = -0.2 - 0.6 * draw(p->key, 1), r = sqrt(1 - y * y), far = stray_distance(p->index + 1);
@@ -902,7 +896,6 @@ static void meadow_stray(const place *p, splat *s)
     add_error(s, p->key, 0.08);
 }
 
-/* A Gaussian 5 to 60 units away; the first STRAYS are farther. */
 static void meadow_outlier(place *p, splat *s)
 {
     if (p->index < STRAYS) {
@@ -932,10 +925,10 @@ static void meadow(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Scene fence: pickets, and grass of needle-shaped Gaussians ---- */
+/* ---- Scene fence ---- */
 
-#define FENCE_REACH 4.0     /* half width, units */
-#define FENCE_DEPTH 2.8     /* depth of the grass on each side, units */
+#define FENCE_REACH 4.0     /* half width of the fence in units */
+#define FENCE_DEPTH 2.8     /* depth of the grass on each side in units */
 
 /* Stretches a flat, round Gaussian to 5 to 40 times its width, at constant area. */
 static void stretch(splat *s, uint64_t key)
@@ -946,7 +939,6 @@ static void stretch(splat *s, uint64_t key)
     s->sigma[2] = width * (0.1 + 0.5 * draw(key, 21));
 }
 
-/* Tilts a direction by some degrees, like the result of a fit. */
 static vec waver(vec d, uint64_t key)
 {
     vec off = v3(draw(key, 22) - 0.5, draw(key, 23) - 0.5, draw(key, 24) - 0.5);
@@ -962,7 +954,7 @@ static void add_day_light(splat *s, vec colour, uint64_t key)
     add_error(s, key, 0.03);
 }
 
-/* Fibres of a board from `foot`, on both faces. u runs along the board, v across. */
+/* Lays fibres of a board from `foot`, on both faces. u runs along the board, v across. */
 static void lay_board(const place *p, vec foot, vec along, vec across, double area, splat *s)
 {
     vec face = normalise(cross(along, across));
@@ -1028,13 +1020,12 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Scene mirrors: gold, chrome and copper under three lamps ---- */
+/* ---- Scene mirrors ---- */
 
 #define BENCH_Y 1.2
 
-static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre series: 1 for x > 0 */
+static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre series of a half-space: 1 for x > 0 */
 
-/* Lights that the metal reflects. */
 static const struct lobe {
     vec axis;
     const double *shape;
@@ -1146,7 +1137,7 @@ static void mirrors(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* ---- Scene discs: the knot among flat discs ---- */
+/* ---- Scene discs ---- */
 
 static void discs_ground(place *p, splat *s)
 {
@@ -1188,8 +1179,6 @@ static void discs(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- A house of any size ---- */
-
 typedef struct house {
     vec at;
     double c, s;             /* cosine and sine of the rotation about y */
@@ -1199,7 +1188,7 @@ typedef struct house {
 
 static vec turned(const house *h, vec v) { return v3(h->c * v.x + h->s * v.z, v.y, h->c * v.z - h->s * v.x); }
 
-/* A point on the roof or walls from three numbers in 0..1. Returns the colour. */
+/* Lays a Gaussian on the roof or walls, at a point from three numbers in 0..1. Returns the colour. */
 static vec lay_on_house(const house *h, double face, double u, double v, double sigma, splat *s)
 {
     double side = face < 0.5 ? -1 : 1, part = 2 * (face < 0.5 ? face : face - 0.5), w = h->width / 2, d = h->depth / 2;
@@ -1223,9 +1212,9 @@ static vec lay_on_house(const house *h, double face, double u, double v, double 
     return colour;
 }
 
-/* ---- Scene haze: a lighthouse behind nearly transparent Gaussians ---- */
+/* ---- Scene haze ---- */
 
-/* Opacities are a few steps of 1/255, so rounding losses add up over hundreds of overlapping Gaussians. */
+/* The scene tests rounding losses: opacities are a few steps of 1/255, and hundreds of Gaussians overlap. */
 #define SHORE_Y 1.6
 
 static const vec lamp = { 0, -3.05, 0 };
@@ -1296,7 +1285,6 @@ static void haze_shore(place *p, splat *s)
     add_zonal(s, normal, rim, v3(0.04, 0.04, 0.05));
 }
 
-/* Opacity is 0.004 to 0.05, evenly spread over octaves. The haze is densest near the ground. */
 static void haze_veil(place *p, splat *s)
 {
     double r = 9.5 * sqrt(draw(p->key, 1)), turns = draw(p->key, 2), up = draw(p->key, 3), size = draw(p->key, 4);
@@ -1321,16 +1309,16 @@ static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gauss
     finish(&s, out);
 }
 
-/* ---- Scene site: a town from the air ---- */
+/* ---- Scene site ---- */
 
 #define SITE_X 400.0
 #define SITE_Z 300.0
-#define BLOCK_X 80.0     /* distance between roads, units */
+#define BLOCK_X 80.0     /* distance between roads in units */
 #define BLOCK_Z 75.0
 
 enum block { HOUSES, PARK, FIELD, WORKS };
 
-/* Kind of block at a point. *dx, *dz: distances from the nearest roads. */
+/* Returns the kind of a town block. *dx and *dz are the distances from the nearest roads. */
 static enum block site_block(double x, double z, double *dx, double *dz)
 {
     double bx = whole((x + SITE_X / 2) / BLOCK_X), bz = whole((z + SITE_Z / 2) / BLOCK_Z);
@@ -1341,7 +1329,7 @@ static enum block site_block(double x, double z, double *dx, double *dz)
     return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.8 ? FIELD : WORKS;
 }
 
-/* Distance from the middle of a river of 18 units width. */
+/* Returns the distance from the middle of a river of 18 units width. */
 static double site_river(double x, double z)
 {
     return fabs(z - 0.25 * x - 28 * sine(x / 310) - 14);
@@ -1391,7 +1379,7 @@ static void site_ground(place *p, splat *s)
     add_site_light(s, site_colour(x, z, p->key), p->key);
 }
 
-/* The house on a lot. Returns 0 for an empty lot. */
+/* Makes the house on a lot. Returns 0 for an empty lot. */
 static int site_house(uint64_t lot, uint64_t key, house *h)
 {
     static const vec tiles[] = {
@@ -1420,7 +1408,6 @@ static int site_house(uint64_t lot, uint64_t key, house *h)
     return (kind == HOUSES || kind == WORKS) && site_river(x, z) > 22;
 }
 
-/* A Gaussian on the first house from lot index % LOTS on. */
 static void site_roof(place *p, splat *s)
 {
     enum { LOTS = 320 };
@@ -1433,7 +1420,6 @@ static void site_roof(place *p, splat *s)
     add_site_light(s, times(colour, 0.92 + 0.16 * draw(p->key, 4)), p->key);
 }
 
-/* Finds a place for a tree, away from roads, river, fields and houses. */
 static vec site_tree_foot(uint64_t key)
 {
     double x = 0, z = 0, dx, dz;
@@ -1471,7 +1457,7 @@ static void site(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* The smallest side with side^power >= count. */
+/* Returns the smallest side with side^power >= count. */
 static uint64_t lattice_side(uint64_t count, int power)
 {
     uint64_t side = 1;
@@ -1485,7 +1471,6 @@ static vec rainbow(double t)
     return v3(0.5 + 0.45 * cosine(t), 0.5 + 0.45 * cosine(t - 0.33), 0.5 + 0.45 * cosine(t - 0.67));
 }
 
-/* Needles and discs up to a thousand times as long as thick. */
 static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t key = key_of(seed, i);
@@ -1502,7 +1487,6 @@ static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* Large, nearly invisible Gaussians; hundreds cover every pixel. */
 static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     static const unsigned ends[] = { 1000 };
@@ -1523,7 +1507,7 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Ten cards perpendicular to the z axis. Depths on a card are equal, and every position occurs at least twice. */
+/* Makes ten cards perpendicular to the z axis. Depths on a card are equal, and every position occurs at least twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };
@@ -1539,7 +1523,7 @@ static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* A lattice of balls, from 1/1000 of the spacing to more than the spacing. */
+/* Makes a lattice of balls, from 1/1000 of the spacing to more than the spacing. */
 static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t side = lattice_side(count, 3), key = key_of(seed, i);

@@ -15,10 +15,10 @@ static const char *const qualities[] = {"draft", "good", "best", 0};
 static const struct {
     enum fxs_fit_recipe recipe;
     uint32_t steps;
-    int resolution;                 /* pixels; 0: default */
+    int resolution;                 /* largest side of photographs in pixels; 0: default */
 } by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
-static const char *const exposures[] = {"none", "gain", "affine", 0};   /* enum fxs_fit_exposure */
-static const char *const alphas[] = {"compose", "ignore", 0};   /* fxs_photos_options.ignore_transparent */
+static const char *const exposures[] = {"none", "gain", "affine", 0};
+static const char *const alphas[] = {"compose", "ignore", 0};
 
 static int take_block(const option_row *row, void *field, const char *value)
 {
@@ -165,7 +165,6 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     return 0;
 }
 
-/* Applies options that depend on each other. */
 static int finish_options(fit_command *c)
 {
     const fxs_backend *backend;
@@ -196,7 +195,6 @@ static int finish_options(fit_command *c)
     return status;
 }
 
-/* Rejects contradicting options. */
 static int check_options(const fit_command *c)
 {
     if (!c->out && !c->measure)

@@ -18,7 +18,7 @@ typedef struct frames {
     task *t;
     unsigned char grey[SIDE * SIDE];
     size_t filled;
-    uint64_t *sharpness;           /* of each frame */
+    uint64_t *sharpness;           /* sharpness of each frame */
     size_t count, room;
     int no_memory;
     int is_damaged;                /* 1: the film ends early */
@@ -89,7 +89,7 @@ static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_patte
     name[*path ? 0 : length] = 0;
 }
 
-/* Scores all frames up to a damage of the film. */
+/* Scores all frames, up to a damage of the film. */
 static int look_at_film(frames *f, const char *film)
 {
     char input[TASK_PATH];
@@ -138,7 +138,7 @@ static int fail_frames(const task *t, const char *why)
 }
 
 /* Reads each written frame to its end, because on a full disk ffmpeg may truncate frames and still exit with 0. If
-   ffmpeg succeeded, missing frames are accepted. Sets *count to the number of frames. */
+   ffmpeg succeeded, missing frames are accepted. */
 static int check_frames(task *t, const char *part, int is_sound, size_t *count)
 {
     char path[TASK_PATH], name[32];
@@ -185,7 +185,7 @@ static int make_frames(const frames *f, const char *film, const char *filter, co
     char part[TASK_PATH];
     if (snprintf(part, sizeof part, "%s.part", folder) >= TASK_PATH)
         *part = 0;
-    remove_folder(part);           /* left by a stopped command */
+    remove_folder(part);           /* remains of a stopped command */
     int status = make_folder(part);
     status = status ? status : write_frames(f, film, filter, part, count);
     if (!status && fxs_file_rename(part, folder))

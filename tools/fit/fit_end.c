@@ -70,7 +70,6 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
-/* Prints the convert command that crops like --crop-to-subject. */
 static void print_crop(const char *out, const fxs_fit_subject *s)
 {
     char cropped[4096];
@@ -85,7 +84,6 @@ static void print_crop(const char *out, const fxs_fit_subject *s)
     printf("%.4g\n", s->radius);
 }
 
-/* Prints the quality and the next commands to run. */
 static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                          const quality *measured)
 {
@@ -139,7 +137,6 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
-/* `photos`: the photographs that `scene` was measured by. */
 static int print(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                  const fit_result *result, const fit_progress *p)
 {
@@ -189,7 +186,6 @@ static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
     return 0;
 }
 
-/* Writes the scene. If that fails, saves the fit. */
 static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                        fxs_packed_scene *whole, fit_result *result)
 {

@@ -33,7 +33,6 @@ static void say_left_out(void *argument, const char *why)
         note("left out: %s", why);
 }
 
-/* Shows the progress of reading: a bar on a terminal, otherwise a line every ten seconds. */
 static int show_reading(void *argument, double done)
 {
     static char label[] = "reading";
@@ -86,7 +85,6 @@ static void say_photos(const fit_command *c, const fxs_photos *photos, size_t be
     say_sizes(photos, begins);
 }
 
-/* Checks that the given options match those of the resumed fit. */
 static int check_resumed(const fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
@@ -237,7 +235,6 @@ static int fit_block(fit_command *c)
     return status;
 }
 
-/* Reconstructs the cameras unless the input has them. */
 static int find_cameras(fit_command *c)
 {
     const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
@@ -251,7 +248,7 @@ static int find_cameras(fit_command *c)
         return status;
     c->in = c->found;
     if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* use the masks of the found folder, white where photographs count */
+        c->reading.masks = 0;      /* masks of the found folder replace the given masks */
     c->reading.invert_masks = 0;
     return 0;
 }

@@ -153,7 +153,6 @@ int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
     return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
 }
 
-/* State of successive measurements. */
 typedef struct gauge {
     renderer renderer;
     const world *world;

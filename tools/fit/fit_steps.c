@@ -16,7 +16,6 @@ static int save(const fit_command *c, fxs_fit *fit)
     return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
 }
 
-/* Prints the command that resumes the saved fit. */
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps)
 {
     if (is_quiet())
@@ -45,8 +44,8 @@ static int is_measured(const fit_command *c, const fit_progress *p, uint32_t ste
     return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
 }
 
-/* Tests whether a step needs a report. A report makes a device wait, so reports are limited to five a second, the
-   log, measurements and the last step. */
+/* True if a step needs a report. A report makes a device wait, so reports are limited to five a second, the log,
+   measurements and the last step. */
 static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
@@ -124,7 +123,6 @@ static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos 
         c->watcher->begin(fit, photos, &c->frame, !c->metrics_every, &now);
 }
 
-/* Saves the fit, then ends the program by the signal. */
 static int stop(const fit_command *c, fxs_fit *fit)
 {
     if (c->watcher)

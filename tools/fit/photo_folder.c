@@ -1,6 +1,6 @@
 /* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG on all threads, finds
    masks, and groups photographs by size and lens. */
-#define _XOPEN_SOURCE 700          /* strdup */
+#define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "photo_folder.h"
 
@@ -65,7 +65,7 @@ int photographs_list(photographs *p, const char *path)
 }
 
 typedef struct conversion {
-    const char *folder, *to, *const *names;        /* source folder, target folder, file names of a batch */
+    const char *folder, *to, *const *names;        /* source folder, target folder, file names */
     fxs_message messages[BATCH];
     int errors[BATCH];
 } conversion;
@@ -114,7 +114,6 @@ static int convert(task *t, conversion *c, size_t count, uint32_t threads, int s
     return status;
 }
 
-/* Makes a folder of links and converted photographs. */
 static int make_mixed(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
 {
     static conversion c;
@@ -180,7 +179,6 @@ int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PAT
     return fxs_photograph_kind_of(original) == FXS_PHOTOGRAPH_HEIF && fxs_photo_mask_in(masks, original, path);
 }
 
-/* Checks that a photograph's mask, if any, fits the photograph. */
 static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
 {
     fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};

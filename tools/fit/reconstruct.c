@@ -1,7 +1,7 @@
 /* Structure from motion for `fixsplat fit`. Takes frames of a film, or lists photographs and masks, in the folder
    OUT.cameras. Runs COLMAP for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model. An
    interrupted run is continued. */
-#define _XOPEN_SOURCE 700          /* strdup */
+#define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "reconstruct.h"
 
@@ -27,14 +27,14 @@ typedef struct work {
     const reconstruct_options *options;
     task t;
     int is_film;
-    char source[TASK_PATH];        /* the film, or the folder of photographs */
+    char source[TASK_PATH];        /* path of the film, or of the folder of photographs */
     char masked[TASK_PATH];        /* folder of the user's masks, or empty; `masks` has links to them */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
-    uint64_t looked_at;            /* photographs with features, until now */
-    uint32_t points;               /* points of the model; mean error, pixels; 0: unknown */
+    uint64_t looked_at;            /* number of photographs with features */
+    uint32_t points;               /* points of the model; mean error in pixels; 0: unknown */
     double error;
 } work;
 
@@ -43,7 +43,6 @@ static int no_memory(void)
     return fail(EXIT_FAILED, "out of memory");
 }
 
-/* Writes a text file, whole or not at all. */
 static int write_text(const char *path, fxs_printed *printed)
 {
     fxs_message why;
@@ -147,7 +146,6 @@ static int take_mask(const work *w, const char *from, const char *name)
     return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
-/* Links or converts all masks to COLMAP's names, replacing earlier masks. */
 static int take_masks(const work *w)
 {
     size_t taken = 0;
@@ -316,7 +314,6 @@ static int check_model(const work *w, const char *model)
                         "command goes on", why.text, w->log_name) : 0;
 }
 
-/* Moves the largest model to sparse/0. */
 static int keep_largest(work *w, const char *models)
 {
     char sparse[TASK_PATH], from[TASK_PATH], to[TASK_PATH], best[16] = "", name[16];
@@ -343,7 +340,7 @@ static int find_cameras(work *w)
     join_path(models, w->folder, "models");
     int status = find_features(w);
     status = status ? status : find_matches(w);
-    remove_models(models);         /* left by a stopped mapper */
+    remove_models(models);         /* remains of a stopped mapper */
     status = status ? status : make_folder(models);
     if (status)
         return status;
@@ -447,7 +444,6 @@ static int find_masks(work *w)
     return 0;
 }
 
-/* Checks that the folder belongs to the same photographs and number of frames. */
 static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t frames)
 {
     if (of != number)
@@ -458,7 +454,6 @@ static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t fr
     return 0;
 }
 
-/* Claims a new folder, or checks the existing folder. */
 static int claim_folder(const work *w)
 {
     photographs p = {0};

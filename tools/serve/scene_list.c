@@ -1,4 +1,4 @@
-#define _XOPEN_SOURCE 700   /* strdup */
+#define _XOPEN_SOURCE 700   /* declares strdup */
 #include "scene_list.h"
 
 #include <ctype.h>
@@ -20,7 +20,6 @@ static int is_taken(const scene_list *list, const char *name)
     return taken;
 }
 
-/* Sets the title to the file name without ending, and the name to letters, digits and dashes. */
 static void name_scene(const scene_list *list, listed_scene *s)
 {
     const char *slash = strrchr(s->path, '/'), *base = slash && slash[1] ? slash + 1 : s->path;
@@ -59,7 +58,7 @@ static int compare_paths(const void *a, const void *b)
     return strcmp(((const listed_scene *)a)->path, ((const listed_scene *)b)->path);
 }
 
-/* Tests for a file with a fixed name of a scene format, such as tileset.json. */
+/* True if a folder has a file with the fixed name of a scene format, such as tileset.json. */
 static int is_scene_of_files(const char *folder)
 {
     const fxs_scene_format *format;

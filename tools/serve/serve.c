@@ -18,8 +18,8 @@
 
 typedef struct site {
     fxs_http_site served;
-    fxs_http_file *files;                   /* files of the scenes, then of the views and the list */
-    const char **starts;                    /* start pages: of the only scene, or of the list and each scene */
+    fxs_http_file *files;
+    const char **starts;                    /* start pages of the list and of each scene */
     scene_list list;
     served_options how;
     served_scenes *scenes;
@@ -98,7 +98,6 @@ static void escape(char *out, const char *text)
     *out = 0;
 }
 
-/* Returns the URL of a scene's page. Null: out of memory. */
 static char *page_of(const site *s, int scene, const frame_options *o)
 {
     const uint8_t *bg = o->render.background;
@@ -136,8 +135,7 @@ static int add_list(site *s, int scenes)
     return status ? status : add_start(s, "/list.html");
 }
 
-/* Tests whether the command line names a path. Named scenes are read before serving, scenes found in a folder are
-   not. */
+/* True for a path of the command line. Such scenes are read before serving; scenes found in a folder are not. */
 static int is_named(const world_options *given, const char *path)
 {
     for (int i = 0; i < given->scene_count; i++)
@@ -204,7 +202,7 @@ static void tell(void *self, const char *address, int is_local)
     printf("%s/\n", address);
 }
 
-/* Opens a browser and prints a QR code if stdout is a terminal. */
+/* Opens a browser and prints a QR code if standard output is a terminal. */
 static void tell_people(const told *t, const view_options *o)
 {
     const int is_terminal = fxs_is_terminal(stdout);
@@ -225,7 +223,6 @@ static void tell_all(const fxs_http_server *server, const view_options *o)
     tell_people(&t, o);
 }
 
-/* Packs scenes until shutdown is requested or the only scene fails. */
 static int work(site *s)
 {
     int did;
@@ -249,7 +246,7 @@ static int serve(site *s, const view_options *o)
     return status;
 }
 
-/* Tests for --preview or an abbreviation. argv[0] is not used, because emulators change it. */
+/* True if an argument is --preview or an abbreviation. argv[0] is not used, because emulators change it. */
 static int is_fit(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {

@@ -9,7 +9,7 @@
 #ifdef FXS_WITH_QRENCODE
 #include <qrencode.h>
 
-enum { MARGIN = 4 };                        /* width of the quiet zone in modules, ISO/IEC 18004 */
+enum { MARGIN = 4 };                        /* width of the quiet zone in modules (ISO/IEC 18004) */
 
 static int is_dark(const QRcode *code, int x, int y)
 {
@@ -20,8 +20,7 @@ static int is_dark(const QRcode *code, int x, int y)
 static void print_code(const QRcode *code)
 {
     const int is_coloured = fxs_terminal_takes_codes(stdout);
-    static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};   /* light modules: both, upper, lower,
-                                                                                  none */
+    static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};
     for (int y = -MARGIN; y < code->width + MARGIN; y += 2) {
         fputs(is_coloured ? "\033[40;97m" : "", stdout);
         for (int x = -MARGIN; x < code->width + MARGIN; x++)

@@ -23,18 +23,18 @@
 
 #define SECOND ((uint64_t)1000000000)
 enum {
-    SCENE_SECONDS = 3,              /* least time between two scenes */
+    SCENE_SECONDS = 3,              /* least time between two packed scenes */
     SHARE = 40,                     /* packing and measuring take at most 1/SHARE of the time each */
-    POINTS = 20,                    /* points of the quality curve */
-    MEASURED_MOST = 4,              /* photographs measured for a point of the curve */
+    POINTS = 20,                    /* number of points of the quality curve */
+    MEASURED_MOST = 4,              /* number of photographs that measure a point of the curve */
     PAGE_SECONDS = 3,               /* a page without requests for that long is closed */
     GOODBYE_SECONDS = 5             /* longest wait at the end for a page to load the last scene */
 };
 
 /* A served file that is replaced from time to time. */
 typedef struct live_file {
-    int descriptor;                 /* -1: no version yet */
-    uint32_t asked;                 /* requests for the current version */
+    int descriptor;                 /* descriptor of the current version; -1: no version yet */
+    uint32_t asked;                 /* number of requests for the current version */
     uint64_t asked_at;
 } live_file;
 
@@ -45,7 +45,6 @@ typedef struct point {
     double psnr, ssim;
 } point;
 
-/* State of the preview. A program runs one fit. */
 static struct preview {
     fxs_http_server *server;
     fxs_http_site site;
@@ -55,20 +54,20 @@ static struct preview {
     live_file live[FILES];
 
     const char *out, *state;
-    int has_failed;                 /* 1: a failure was reported */
-    int is_written;                 /* 1: the final scene is written */
+    int has_failed;
+    int is_written;
     const fxs_photos *photos;       /* valid until the final scene is written */
-    int held_out;                   /* 1: quality is measured by held-out photographs */
+    int held_out;
     frame_options frame;
-    fxs_photos few;                 /* photographs measured for each point of the curve; all 0: none */
+    fxs_photos few;                 /* photographs measured for each point of the quality curve */
     fit_now now;
-    uint64_t began, told, packed;   /* nanoseconds: start of the fit, last numbers served, last scene served */
+    uint64_t began, told, packed;   /* start of the fit, last served numbers, last served scene, ns */
     uint64_t spent_on_scenes, spent_on_points;
-    uint32_t version;               /* of the scene, from 1; 0: no scene yet */
+    uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
     uint32_t measured;              /* last measured step */
     point *points;
     size_t point_count, point_room;
-    quality result;                 /* final measurement by all photographs: count and means only */
+    quality result;                 /* final quality over all photographs, without single views */
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
 
 static int open_live(void *file)
@@ -83,7 +82,7 @@ static int open_live(void *file)
     return descriptor;
 }
 
-/* Takes ownership of the descriptor. -1: a failure with errno, reported once. */
+/* Replaces a served file and takes ownership of the descriptor. -1: reports errno once. */
 static void give(struct preview *p, int which, int descriptor)
 {
     live_file *live = &p->live[which];
@@ -111,7 +110,6 @@ static uint32_t asked_for_numbers(struct preview *p, uint64_t *at)
     return asked;
 }
 
-/* Writes a JSON number, or null for NaN and infinity. */
 static void write_number(FILE *file, const char *before, double number)
 {
     fprintf(file, isfinite(number) ? "%s%.4f" : "%snull", before, number);
@@ -157,7 +155,6 @@ static void tell(struct preview *p)
     give(p, NUMBERS, keep_written(file));
 }
 
-/* Serves the views of the photographs that measure the scene. */
 static void tell_views(struct preview *p)
 {
     FILE *file = fxs_stream_temporary();
@@ -173,8 +170,7 @@ static void tell_views(struct preview *p)
     give(p, VIEWS, keep_written(file));
 }
 
-/* Sets the start view to the first held-out photograph, or else the first photograph. The up direction is the mean
-   over the fitted photographs. */
+/* Sets the start view to the first held-out photograph, or else the first photograph. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
@@ -206,7 +202,6 @@ static void add_point(struct preview *p, uint32_t step, const quality *q)
     p->points[p->point_count++] = (point){step, q->psnr, q->ssim};
 }
 
-/* Chooses evenly spaced photographs for quick measurements. */
 static void choose_few(struct preview *p)
 {
     const fxs_photos *all = p->photos;
@@ -237,8 +232,8 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->spent_on_points += fxs_clock(0) - start;
 }
 
-/* Tests whether a point of the quality curve is due: at the first scene, at the final scene, and between if the time
-   share allows. */
+/* True if a point of the quality curve is due: at the first scene, at the final scene, and between if the time share
+   allows. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;
@@ -247,7 +242,7 @@ static int wants_point(const struct preview *p)
     return (p->few.held_out || p->few.fit) && (!p->point_count || is_due || p->is_written);
 }
 
-/* Serves the packed scene and, if due, measures `measured`. `start`: time when packing began. */
+/* Serves the packed scene and, if due, measures `measured`. `start` is the time when packing began. */
 static void show(struct preview *p, fxs_packed_scene *packed, fxs_packed_scene *measured, uint64_t start)
 {
     give_scene(p, packed);
@@ -365,7 +360,7 @@ static void tell_stopped(void)
     tell(&preview);
 }
 
-/* Waits until an open page has loaded the last scene. After loading, the page requests the numbers again. */
+/* Waits until an open page has loaded the last scene. */
 static void wait_for_page(struct preview *p)
 {
     const uint64_t end = fxs_clock(0) + GOODBYE_SECONDS * SECOND;

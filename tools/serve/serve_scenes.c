@@ -1,6 +1,5 @@
-/* Packs and serves the scenes of `fixsplat view --web`. Pages request a scene's facts as JSON and its file. A
-   request marks the scene as wanted, and scenes_work packs wanted scenes into temporary files. A changed file is
-   packed again once it is stable. */
+/* Packs and serves the scenes of `fixsplat view --web`. A request of a page marks its scene as wanted, and
+   scenes_work packs wanted scenes into temporary files. A changed file is packed again once it is stable. */
 #include "serve_scenes.h"
 
 #include <ctype.h>
@@ -19,14 +18,13 @@
 #define SETTLED (SECOND * 3 / 4)            /* a file unchanged for that long is complete */
 #define LOOKS (5 * SECOND)                  /* a page with a request within that time is open */
 #define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes of packed scenes that no page shows */
-enum { SMALL = 64 };                        /* bytes per Gaussian; smaller files are sent unpacked */
+enum { SMALL = 64 };                        /* files of fewer bytes per Gaussian are sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
 /* Versions of a scene alternate between two addresses, so that a page can continue to read its version. */
 enum { VERSIONS = 2, FILES = SCENE_FILES };
 
-/* Special descriptors. AS_IT_LIES: opens the scene's file by name for each request, on systems where an open file
-   cannot be replaced. */
+/* Special values of a descriptor. AS_IT_LIES: opens the scene's file by name for each request. */
 enum { NONE = -1, AS_IT_LIES = -2 };
 
 enum scene_state { WAITS, PACKS, READY, FAILED, GONE };
@@ -34,22 +32,22 @@ static const char *const state_names[] = {"waits", "packs", "ready", "failed", "
 
 typedef struct served_scene {
     served_scenes *all;
-    const char *given;                      /* as given, for messages */
-    char *path;                             /* absolute, with links resolved */
-    char *names[FILES];                     /* addresses: versions, facts, picture */
-    int number, is_twice;                   /* is_twice: another scene has the same file name */
-    fxs_file_facts taken, seen;             /* of the file: when served, and at the last check */
+    const char *given;
+    char *path;                             /* absolute path with links resolved */
+    char *names[FILES];                     /* addresses of the versions, the facts and the picture */
+    int number, is_twice;                   /* 1: another scene has the same file name */
+    fxs_file_facts taken, seen;             /* file facts when served, and at the last check */
     uint64_t seen_at;
 
     /* Guarded by the lock: */
     enum scene_state state;
-    int descriptors[VERSIONS];              /* descriptors; NONE or AS_IT_LIES are special */
-    int picture;                            /* descriptor or NONE */
-    uint64_t kept;                          /* size of the packed temporary file, bytes */
-    uint32_t version;                       /* from 1; 0: none yet */
+    int descriptors[VERSIONS];              /* descriptors of the versions, NONE or AS_IT_LIES */
+    int picture;                            /* descriptor of the picture or NONE */
+    uint64_t kept;                          /* bytes of the packed temporary file */
+    uint32_t version;                       /* version from 1; 0: none yet */
     double done;                            /* progress of packing, 0 to 1 */
-    uint64_t asked_at;                      /* last request of a page with the scene; 0: never */
-    char words[256];                        /* reason of a failure */
+    uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
+    char words[256];
 } served_scene;
 
 struct served_scenes {
@@ -57,7 +55,7 @@ struct served_scenes {
     served_scene *scenes;
     int count;
     pthread_mutex_t lock;
-    uint64_t listed_at;                     /* last request of the list; 0: never */
+    uint64_t listed_at;                     /* time of the last request for the list; 0: never */
 };
 
 static int slot_of(const served_scene *s)
@@ -65,7 +63,6 @@ static int slot_of(const served_scene *s)
     return (int)(s->version + VERSIONS - 1) % VERSIONS;
 }
 
-/* Sets *base to the last component of a path, and returns its length. */
 static int base_of(const char **base, const char *path)
 {
     const char *end = path + strlen(path);
@@ -183,7 +180,7 @@ static int is_same(const fxs_file_facts *a, const fxs_file_facts *b)
     return a->device == b->device && a->inode == b->inode && a->size == b->size && a->modified == b->modified;
 }
 
-/* Tests for a scene of a single file. A JSON file refers to other files. */
+/* True for a scene of a single file. A JSON file refers to other files. */
 static int is_one_file(const char *path)
 {
     if (fxs_file_kind(path) != FXS_FILE_REGULAR)
@@ -198,7 +195,7 @@ static int is_one_file(const char *path)
 }
 
 typedef struct first_look {
-    int is_fxs, is_sent;                    /* is_sent: the file is sent as it is, because packing gains nothing */
+    int is_fxs, is_sent;                    /* 1: the file is sent unpacked */
 } first_look;
 
 static int look_first(const char *path, const load_options *o, first_look *look)
@@ -256,7 +253,7 @@ static void replace(int *descriptor, int by)
 }
 
 typedef struct taken {
-    int descriptor, picture;                /* as in served_scene */
+    int descriptor, picture;
     uint64_t kept;
 } taken;
 
@@ -266,13 +263,14 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
         t->picture = picture_of(s, scene);
     if (look->is_sent)
         return 0;
-    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* in writable memory */
+    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* a newly packed scene is writable
+                                                                                      */
     t->kept = scene->opened->bytes;
     t->descriptor = keep(scene->opened->data, scene->opened->bytes);
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
 }
 
-/* Prepares the scene's file and a picture for the server. Also loads a scene that is sent unpacked, to find errors. */
+/* Prepares a scene's file and picture for the server. Also loads a scene that is sent unpacked, to find errors. */
 static int take_file(served_scene *s, taken *t)
 {
     load_options o;
@@ -370,14 +368,13 @@ static int take(served_scene *s, const fxs_file_facts *now)
     return 0;
 }
 
-/* Packs a scene again after its file has changed and is stable. */
 static void follow(served_scene *s)
 {
     const uint64_t time = fxs_clock(0);
     fxs_file_facts now;
     if (look_at_file(s->path, &now)) {
         set_state(s, GONE, "the file is not there any more");
-        s->taken = s->seen = now;   /* all 0 */
+        s->taken = s->seen = now;
         return;
     }
     if (!is_same(&now, &s->seen)) {
@@ -457,7 +454,6 @@ static int name_scene(served_scene *s, int is_sent)
     return 0;
 }
 
-/* Finds scenes with the same file name, which are listed by their paths. */
 static void find_twins(served_scenes *all, served_scene *s)
 {
     const char *base, *other;
@@ -479,13 +475,14 @@ int scenes_add(served_scenes *all, const char *path, int is_sure)
     s->picture = s->descriptors[0] = s->descriptors[1] = NONE;
     if (is_sure && look_first(path, &all->options->load, &look))
         return EXIT_FAILED;
-    s->path = fxs_path_whole(path);   /* links are resolved only once */
+    s->path = fxs_path_whole(path);
     if (!s->path && !(is_sure ? 0 : (s->path = strdup(path))))
         return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     find_twins(all, s);
     if (name_scene(s, look.is_sent))
         return EXIT_FAILED;
-    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* nothing to pack */
+    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* a scene that is sent unpacked is
+                                                                                        ready at once */
 }
 
 const char *scenes_address(const served_scenes *all, int scene)

@@ -1,4 +1,4 @@
-/* The window's thread of `fixsplat view`: opens scenes, turns keys, pointer and wheel into camera motion, adapts the
+/* The window's thread of `fixsplat view`. Opens scenes, turns keys, pointer and wheel into camera motion, adapts the
    budget (Gaussians per frame) to the frame rate, and queues requests for the renderer's thread. */
 #include "viewer.h"
 
@@ -95,7 +95,6 @@ static double reach(const viewer *v)
     return fmin(fmax(near, 0.01 * v->radius), 2 * v->radius);
 }
 
-/* Stores a scene in the list of recent scenes. Reports only the first failure. */
 static void keep_recent(loading *l)
 {
     fxs_message message;
@@ -103,7 +102,7 @@ static void keep_recent(loading *l)
         note("recent scenes are not kept: %s", message.text);
 }
 
-/* Runs on a pager's thread. */
+/* Runs on the thread that loads chunks. */
 static void note_arrived(void *viewer_)
 {
     viewer *v = viewer_;
@@ -111,7 +110,7 @@ static void note_arrived(void *viewer_)
         fxs_window_wake();
 }
 
-/* Stores the failure's message, with the path shortened to its last component. */
+/* Stores the error message, with the path shortened to its last component. */
 static void note_why(loading *l)
 {
     const world_options *given = &l->options.world;
@@ -121,7 +120,6 @@ static void note_why(loading *l)
     snprintf(l->why, sizeof l->why, "%.255s", why);
 }
 
-/* Opens the scenes and views of v->loading, on the loader's thread. */
 static void load(void *argument)
 {
     viewer *v = argument;
@@ -158,7 +156,7 @@ static void start_loading(viewer *v)
     fxs_worker_do(v->loader, load, v);
 }
 
-/* Opens a dropped file in place of the current scenes. During an opening, the file waits. */
+/* Opens a dropped file in place of the current scenes, or after the scene that is being opened. */
 static void drop(viewer *v, const char *path)
 {
     char **place = v->loading.on ? &v->loading.next : &v->loading.path;
@@ -311,7 +309,7 @@ static void toggle_measure(viewer *v, int key)
         snprintf(v->note, sizeof v->note, "measure: click one end");
 }
 
-/* Starts to record the camera's path, then writes the film, then cancels the writing. */
+/* Starts to record the camera's path; then writes the film; then cancels the writing. */
 static void toggle_film(viewer *v, int key)
 {
     (void)key;
@@ -330,7 +328,6 @@ static void toggle_film(viewer *v, int key)
     }
 }
 
-/* Records the current view for each film frame that is due. */
 static void take_way(viewer *v, uint64_t now)
 {
     v->filmed = v->way_count ? v->filmed : now;
@@ -358,7 +355,7 @@ uint32_t viewer_budget_most(const viewer *v)
     return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
 }
 
-/* The largest budget stands for no budget, unless scenes are paged. */
+/* The largest budget stands for no budget, unless scenes are partly in memory. */
 static void set_budget(viewer *v, double gaussians)
 {
     const uint32_t most = viewer_budget_most(v);
@@ -406,7 +403,6 @@ static void toggle_theme(viewer *v, int key) { (void)key; v->light = !v->light; 
 
 static void toggle_help(viewer *v, int key) { (void)key; v->help = !v->help; }
 
-/* Ends the innermost activity: writing, cropping, or the program. */
 static void leave(viewer *v, int key)
 {
     (void)key;
@@ -421,7 +417,7 @@ static void leave(viewer *v, int key)
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key, of_scene;                  /* of_scene: ignored without a scene */
+        int key, of_scene;                  /* 1: ignored without a scene */
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
                 {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
@@ -561,7 +557,6 @@ static int milliseconds_until(uint64_t now, uint64_t then)
     return then > now ? (int)((then - now) / 1000000) + 1 : 0;
 }
 
-/* Returns the milliseconds to wait for events, limited by the next timed action. */
 static int time_to_wait(const viewer *v, int milliseconds)
 {
     const uint64_t now = fxs_clock(0);
@@ -577,7 +572,6 @@ static int time_to_wait(const viewer *v, int milliseconds)
     return milliseconds;
 }
 
-/* Handles events and camera flight. */
 static void move(viewer *v, int milliseconds)
 {
     const fxs_file_view view = v->view;
@@ -593,8 +587,7 @@ static void move(viewer *v, int milliseconds)
     v->clock = now;
     if (v->moving)
         v->moved = now;
-    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* undoes a motion out of the renderer's range
-                                                                             */
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* undoes the motion */
         v->view = view;
         v->distance = distance;
     }
@@ -610,14 +603,13 @@ static void move(viewer *v, int milliseconds)
     }
 }
 
-/* Requests a new frame after missing chunks were loaded. */
 static void take_arrived(viewer *v)
 {
     if (v->missing && !v->request_count && __atomic_exchange_n(&v->arrived, 0, __ATOMIC_ACQ_REL))
         v->changed = 1;
 }
 
-/* Tests whether the last frame was reduced and the camera has rested for STILL_MS. */
+/* True if the last frame was reduced and the camera has rested for STILL_MS. */
 static int is_still(const viewer *v)
 {
     return v->coarse && v->clock >= v->moved + STILL_MS * 1000000;

@@ -21,7 +21,6 @@ void crop_begin(viewer *v)
     v->face = CROP_NONE;
 }
 
-/* Returns the object's axis that is parallel to a world axis; -1: none. */
 static int axis_along(const double row[3], double scale)
 {
     for (int k = 0; k < 3; k++)
@@ -30,8 +29,7 @@ static int axis_along(const double row[3], double scale)
     return -1;
 }
 
-/* Tests whether all objects' axes are parallel to the world's. Only then can a world box be applied to the objects'
-   crops. */
+/* True if all objects' axes are parallel to the world's. Only then can a box in the world crop the objects. */
 static int can_crop(const world *w)
 {
     for (uint32_t i = 0; i < w->count; i++) {
@@ -65,7 +63,7 @@ void crop_toggle(viewer *v)
     v->exposed = 1;
 }
 
-/* Converts a world box to the units of a placement: w_i = s r_k o_k + t_i. */
+/* Converts a box in the world to the units of a placement: w_i = s r_k o_k + t_i. */
 static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
 {
     fxs_world_crop box = {.outside = 0};
@@ -81,7 +79,6 @@ static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
     return box;
 }
 
-/* Intersects a crop with a box. Returns 0 if the intersection is empty. */
 static int intersect(fxs_world_crop *crop, const fxs_world_crop *box)
 {
     int common = 1;

@@ -20,7 +20,6 @@ int eyes_of(const viewer *v)
     return v->options.stereo > 0 ? 2 : 1;
 }
 
-/* Changes a view's picture size. */
 static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int height)
 {
     fxs_message message;
@@ -179,7 +178,7 @@ static void render(viewer *v, request *r)
 
 static void take_frame(viewer *v, request *r)
 {
-    if (r->status && fxs_worker_stopped(v->drawer))     /* aborted for the next frame */
+    if (r->status && fxs_worker_stopped(v->drawer))     /* aborted in favour of the next frame */
         return;
     if (r->status) {
         tell(v, "not rendered: see the terminal");
@@ -284,7 +283,7 @@ static void print_eyes(const viewer *v)
         printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
 }
 
-/* Tests whether the view is a camera file's view, apart from its size. */
+/* True if the view is a camera file's view, apart from its size. */
 static int is_of_file(const viewer *v, const fxs_file_view *view)
 {
     const fxs_file_view *start = &v->views[v->index];
@@ -427,7 +426,6 @@ static const char *cropped_ending(const viewer *v)
     return v->path + strlen(v->path) - strcspn(format->endings, " ");
 }
 
-/* Names the output SCENE-cropped-001.ply, in the scene's folder. */
 static int name_cropped(const viewer *v, request *r)
 {
     const char *ending = cropped_ending(v), *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
@@ -459,7 +457,6 @@ static void write_cropped(viewer *v, request *r)
         r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);
 }
 
-/* Prints the convert command that writes the same file. */
 static void print_conversion(const viewer *v, const request *r)
 {
     const load_options *o = &v->options.load;
@@ -507,7 +504,7 @@ static void ask_pick(viewer *v, void (*done)(viewer *, request *), double x, dou
     request *r = ask(v, pick, done, 1);
     if (!r)
         return;
-    x = fmod(x, r->view.width);              /* either eye */
+    x = fmod(x, r->view.width);              /* maps both eyes to the same view */
     r->x = (int)fmax(x, 0);
     r->y = (int)fmin(fmax(y, 0), r->view.height - 1);
 }

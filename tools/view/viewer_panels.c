@@ -8,17 +8,16 @@
 #include "tools/command/cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: font size, pixels */
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: font size in pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
     int count;
-    int width, height, scale;               /* of the window, pixels; pixels per point */
+    int width, height, scale;               /* size of the window in pixels; pixels per point */
     const fxs_theme *theme;
     fxs_words *words;
 } panels;
 
-/* Returns a new panel, or null if none is free. */
 static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius, uint32_t colour)
 {
     if (p->count == PANELS_MOST || fxs_panel_make(&p->list[p->count], x, y, width, height, radius, colour))
@@ -49,7 +48,7 @@ typedef struct key_line {
     char key[32], does[96];
 } key_line;
 
-/* Layout of a list on a panel, pixels. */
+/* Layout of a list on a panel in pixels. */
 typedef struct key_table {
     int size, line, pad, rows, columns, key_width, column_width, width, height, left, top;
 } key_table;
@@ -78,7 +77,6 @@ static key_table lay_out(const panels *p, const key_line *lines, int count, int 
     return t;
 }
 
-/* Centres a list in the window, in the largest font size that fits. */
 static key_table lay_out_to_fit(const panels *p, const key_line *lines, int count)
 {
     key_table t = lay_out(p, lines, count, 14 * p->scale);
@@ -87,7 +85,6 @@ static key_table lay_out_to_fit(const panels *p, const key_line *lines, int coun
     return t;
 }
 
-/* Adds a list to the window. Line `marked` is highlighted. */
 static void add_list(panels *p, const key_line *lines, int count, int marked)
 {
     const key_table t = lay_out_to_fit(p, lines, count);
@@ -174,7 +171,6 @@ static void add_bar(panels *p, double done)
         fxs_draw_rectangle(&panel->picture, 0, 0, (int)(width * fmin(done, 1)), height, p->theme->mark);
 }
 
-/* Adds the panel that is shown until the first frame of a scene. */
 static void add_loading(panels *p, const viewer *v)
 {
     const world_options *o = &v->loading.options.world;
@@ -201,7 +197,6 @@ static void pixel_of(const fxs_file_view *view, const double seen[3], double pix
     pixel[1] = (view->cy + view->fy * seen[1] / depth) * pixels;
 }
 
-/* Returns the window pixels per pixel of the last frame. */
 static double pixels_of(const viewer *v)
 {
     int width, height;
@@ -301,7 +296,7 @@ static void add_crop(panels *p, const viewer *v)
     const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
     double point[3], pixel[2];
     for (int i = 0; i < 48 && panel; i++) {
-        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* shadows first */
+        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* shadows are drawn first */
         if (!(corner & 1 << axis))
             draw_edge(&panel->picture, v, corner, axis, (is_line ? 1 : 3) * p->scale,
                       is_line ? 0xffffffff : 0x00000080);
@@ -324,7 +319,6 @@ static void add_graph(panels *p, const viewer *v)
         fxs_draw_frame_times(&panel->picture, &v->times, p->scale, p->theme, p->words);
 }
 
-/* Adds the frame rate and, with levels of detail, the number of Gaussians. */
 static void add_rate(panels *p, const viewer *v)
 {
     char text[160];
@@ -337,7 +331,6 @@ static void add_rate(panels *p, const viewer *v)
     add_words(p, TOP_RIGHT, text);
 }
 
-/* Adds a slider of the budget, on a logarithmic scale. */
 static void add_slider(panels *p, const viewer *v)
 {
     const double most = viewer_budget_most(v), budget = v->options.render.budget ? v->options.render.budget : most;
