@@ -1,4 +1,4 @@
-# fixsplat. `make help` lists the targets.
+# Builds fixsplat. `make help` lists the targets.
 CC ?= cc
 CFLAGS ?= -O2 -g
 NVCC ?= nvcc
@@ -8,7 +8,6 @@ SCENES ?= ../shared/scenes
 PYTHON ?= python3
 B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
-# Libraries of the same major version are compatible.
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
 # Public headers <fixsplat/...>. CORE_HEADERS belong to libfixsplat-core.a.
@@ -36,9 +35,9 @@ DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ 
                  zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
-# Folder for library sources of `make setup web`, shared by all clones. WEB_SOURCES= disables them.
+# Cache of library sources for the web port, filled by `make setup web`. WEB_SOURCES= disables the cache.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Folder for the Windows libraries of `make setup windows`, shared by all clones.
+# Cache of Windows libraries, filled by `make setup windows`.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check

@@ -2,8 +2,7 @@
 
 include make/sources.mk
 
-# tools/scripts/probe.sh finds the target of the compiler and the optional libraries, and runs again when they change. A
-# feature without its library prints an error.
+# probe.sh finds the target of the compiler and the optional libraries, and runs again when they change.
 quoted = '$(subst ','\'',$(1))'
 ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
@@ -25,7 +24,7 @@ PIC := $(if $(SHARED),$(PIC_$(SYSTEM)))
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) $(CUDA_FLAGS)
 LIBS := $(foreach name,$(LINKED) CUDA,$(LIBS_$(name))) -lm -lpthread
 
-# flags_of SOURCE: the compiler flags of a source file. clang 14 crashes on debug information of AVX-512 masks.
+# clang 14 crashes on debug information of AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 FLAGS_AVX512 += $(CLANG_14)
 FLAGS_FAST := $(if $(filter -O2,$(CFLAGS)),$(FLAGS_FAST))
@@ -85,7 +84,7 @@ $(B)/fixsplat-web$(EXE): $(call objects,$(SERVER) $(filter-out tools/command/mai
                    $(B)/commands/link
 	$(call link,$(foreach name,$(LINKED_WEB),$(LIBS_$(name))) $(SOCKETS_$(SYSTEM)))
 
-# Stores the commands with their options. A changed command rebuilds the files made by it.
+# A changed command rebuilds the files made by it.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
 $(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(foreach name,$(LINKED_VIEW) $(LINKED_WEB),$(LIBS_$(name))) $(AR) \
@@ -94,8 +93,7 @@ $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
-# An object depends on the optional libraries that its source and headers name. These dependencies are added to the
-# object's .d file.
+# An object depends on the optional libraries that its source and headers name.
 features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
            sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
 
@@ -104,13 +102,13 @@ $(B)/%.o: %.c $(B)/commands/compile
 	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(if $(filter tests/%,$*),$(FOR_TESTS_$(SYSTEM))) $(call flags_of,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
-# nvcc puts a hash of the source's path into names. The relative path makes the result independent of the folder.
+# nvcc puts a hash of the source's path into names. A relative path makes the result independent of the folder.
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
 	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
 	    $(if $(findstring fit,$*),$(CUDA_FIT_FLAGS)) -MMD -MP -c -o $@ $<
 
-# These files are built only with their library, and do not test FXS_WITH_*.
+# Source files that need an optional library, and do not test FXS_WITH_*.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard $(SOURCES_GLES))): $(B)/with/GLES
@@ -126,7 +124,6 @@ WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
 $(WITH_SHADERS): INCLUDES += -I$(@D)
 
-# The declarations of the headers, as a text inside the library.
 $(B)/declarations.c: $(HEADERS) tools/scripts/declarations.sh $(B)/commands/compile
 	@CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/scripts/declarations.sh -c $(HEADERS) >$@
 

@@ -15,7 +15,7 @@ fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME
            -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 
-# Man pages and completions, generated from the program's help if the program can run on this machine.
+# Man pages and shell completions, generated from the program's help if the program can run here.
 $(B)/share/made: $(B)/fixsplat tools/scripts/man.sh tools/scripts/completions.sh
 	@rm -rf $(@D) && mkdir -p $(@D)
 	$(call say,MAN,$(@D))if $(B)/fixsplat --version >/dev/null 2>&1; then \

@@ -6,7 +6,6 @@ if(NOT FIXSPLAT_SH)
 endif()
 
 # fixsplat_look_for NAME HEADER -lLIBRARY...: sets FOUND, INCLUDES and LIBS_NAME if a program links with the library.
-# FIXSPLAT_WITH_NAME=OFF skips the library.
 function(fixsplat_look_for name header)
     set(LIBS_${name} "" PARENT_SCOPE)
     option(FIXSPLAT_WITH_${name} "use <${header}>, if it is found" ON)
@@ -73,7 +72,6 @@ if(FXS_WITH_GLES IN_LIST FOUND)
     endforeach()
 endif()
 
-# fixsplat_cuda SOURCE: compiles an object with nvcc.
 function(fixsplat_cuda source)
     string(REPLACE .cu .o object ${PROJECT_BINARY_DIR}/${source})
     get_filename_component(folder ${object} DIRECTORY)

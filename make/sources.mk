@@ -1,14 +1,12 @@
 # Sources, compiler flags and optional libraries, read by make, CMakeLists.txt and tools/scripts/probe.sh. Each line is
 # NAME := WORDS without references to other names, because CMake and sh read the file as text.
 
-# The core renderer, with kernels for a processor (make/target.txt).
 SOURCES_CORE := src/core/*.c kernels/*.c
 KERNELS_x86 := kernels/simd/x86/*.c
 KERNELS_arm := kernels/simd/arm/*.c
 KERNELS_wasm := kernels/simd/wasm/*.c
 
-# The rest of the library: sources for every system, for an operating system, for a processor, or for an optional
-# library.
+# Sources of the library: for every system, for an operating system, for a processor, for an optional library.
 SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.c src/scene/write/*.c \
                    src/scene/edit/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c
 SOURCES_posix := port/posix/*.c
@@ -39,29 +37,26 @@ SOURCES_WEB_win32 := port/win32/http/*.c
 # Without contraction of a * b + c, procedural scenes and imports are identical on all machines.
 STANDARD := -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-# gcc wrongly assumes a Windows stack aligned to more than 16 bytes (gcc bug 54412), so vectors are moved as unaligned.
-# isfinite of mingw-w64 gives a warning.
+# gcc wrongly assumes a Windows stack aligned to more than 16 bytes (gcc bug 54412).
 FLAGS_win32 := -Wa,-muse-unaligned-vector-move -Wno-float-conversion
-# Static and shared libraries use the same objects. The shared library exports only FXS_API declarations.
 PIC_posix := -fPIC -fno-semantic-interposition -fvisibility=hidden
 CUDA_FLAGS := -diag-suppress 177 -gencode arch=compute_90,code=sm_90 -gencode arch=compute_80,code=compute_80 \
               -gencode arch=compute_75,code=compute_75 \
               -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
 CUDA_FIT_FLAGS := -fmad=false
 
-# Kinds of files with special compiler flags, in ascending order of precedence. FILES_kind: sources without .c;
-# FLAGS_kind: flags.
+# Kinds of files with special compiler flags. FILES_kind: sources without .c; FLAGS_kind: flags. Later kinds take
+# precedence.
 KINDS := WRAPS ALIGNED FAST SSE41 AVX2 AVX512 VECTORISED SINGLES
-# Integer overflow is defined, because unused vector lanes and bits of a .jpg may overflow.
+# Unused vector lanes may overflow.
 FILES_WRAPS := src/image/image_encode kernels/%
 FLAGS_WRAPS := -fwrapv
-# Aligned functions, because the speed depends on the alignment in the cache line.
+# Speed depends on the alignment in the cache line.
 FILES_ALIGNED := kernels/simd/x86/%
 FLAGS_ALIGNED := -falign-functions=64
 # Hot code uses -O3 instead of -O2.
 FILES_FAST := kernels/% src/pack/%
 FLAGS_FAST := -O3
-# Vectorised stages have their instruction set in their file name.
 FILES_SSE41 := %_sse41
 FLAGS_SSE41 := -msse4.1
 FILES_AVX2 := %_avx2
@@ -71,8 +66,8 @@ FLAGS_AVX512 := -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vb
 # Code that reads neither errno nor floating-point traps, so its loops can be vectorised with identical results.
 FILES_VECTORISED := src/pack/coarsen src/pack/pack_c kernels/pack/%
 FLAGS_VECTORISED := -O3 -fno-math-errno -fno-trapping-math
-# No excess precision of floats (i686, s390x). No flags if FLT_EVAL_METHOD is 0, else the first of SINGLES_BY that makes
-# it 0. A comma stands for a space.
+# Floats without excess precision (i686, s390x). No flags if FLT_EVAL_METHOD is 0, else the first of SINGLES_BY that
+# makes it 0. A comma stands for a space.
 FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% \
                  src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
@@ -99,7 +94,7 @@ LIBRARY_GLES := GLES3/gl3.h -ldl
 LIBRARY_EGL := EGL/egl.h
 LIBRARY_OSMESA := GL/osmesa.h
 
-# Libraries that the library, the window and the server are linked with.
+# Optional libraries of the library, the window and the server.
 LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL
 LINKED_VIEW := TTF SDL
 LINKED_WEB := MICROHTTPD QRENCODE

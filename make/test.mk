@@ -1,4 +1,4 @@
-# Tests.
+# Runs the tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 # Tests that Windows programs exclude: they fork, limit resources, create links or FIFOs, or use a shell.
@@ -8,19 +8,19 @@ TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TE
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# Processor seconds of each test, written by `make seconds`, in descending order. Long tests start first. `make check`
-# omits tests of 10 seconds or more and other scripts.
+# Long tests start first. `make check` omits tests of 10 seconds or more. tests/seconds has the processor seconds of
+# each test.
 LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
 # Tests that need a window or measure time run one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
 
-# T=name: the test of that name, with or without test_ or .sh; else all tests with names that contain it.
+# T=name selects the test of that name, or all tests with names that contain it.
 EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# One job more than processors, because browser tests mostly wait.
+# Browser tests mostly wait, so one more job runs than processors.
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
@@ -53,13 +53,13 @@ test-all: ## the same, with every compiler, processor, board and sanitizer at ha
 
 test-programs: $(patsubst %,$(B)/tests/%$(EXE),$(TESTS_HERE)) ## build the test programs
 
-# Tests that need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
+# Tests that need a GPU.
 $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
 $(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
 $(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-# Tests the CUDA kernels without a GPU, compiled as C++ with an emulation in tests/gpu/emulated.
+# Tests the CUDA kernels without a GPU, compiled as C++ with an emulation of CUDA.
 EMULATED := tests/gpu/emulated
 $(B)/tests/gpu/emulated_cuda: $(B)/tests/gpu/test_cuda.o $(B)/tests/gpu/emulated_peek.o $(B)/tests/gpu/emulated_runtime.o \
                               $(B)/libfixsplat.a $(B)/commands/link

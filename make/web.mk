@@ -43,8 +43,7 @@ WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/s
              import/src/base/foreign.c import/src/base/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
-# threads and import_threads use the objects of simd and import. The linked functions of wasi-libc are thread-safe.
-# fixsplat.js creates the memory, initially 16 pages.
+# The linked functions of wasi-libc are thread-safe. fixsplat.js creates the memory, initially 16 pages.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
 wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
@@ -53,8 +52,7 @@ wasm_opt_of_import_threads := $(wasm_opt_of_threads)
 objects_for_threads := simd
 objects_for_import_threads := import
 web_objects_of = $(patsubst %.c,$(B)/web/$(or $(objects_for_$(1)),$(1))/%.o,$(sources_of_$(1)))
-# Libraries of the readers, with sources from `make setup web`: decompressors, cJSON, and the lossless decoder of
-# libwebp, which .sog uses.
+# Libraries of the readers, with sources from `make setup web`. .sog uses the lossless decoder of libwebp.
 not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \
                    get_encryption_implementation.c mkstempm.c libzip_version.c algorithm_bzip2.c algorithm_xz.c)
 WEB_LIBS_C := cjson/cJSON.c $(patsubst %,zlib/%.c,adler32 inflate inftrees inffast zutil) \
@@ -82,7 +80,6 @@ endif
 
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-# Modules with inlined files require a bundler (esbuild).
 ESBUILD ?= esbuild
 WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,with_files.js viewer_with_files.js files.js worker.js package.json viewer/package.json))
 WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js placed.js playcanvas.js three.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
@@ -128,7 +125,6 @@ $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VE
 $(WEB)/package.json: port/web/package.json src/include/fixsplat/fixsplat.h
 	@mkdir -p $(@D)
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@
-# Includes the licences of the compiled-in libraries.
 WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwebp/COPYING libwebp/PATENTS \
                                                              libzip/LICENSE libzstd/LICENSE zlib/LICENSE))
 $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
@@ -153,7 +149,7 @@ $(WEB)/inline/worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(addprefix $(W
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --outfile=$(B)/web/worker.js \
 	    $(WEB)/viewer/worker_whole.js && node $< files viewer/worker.js=$(B)/web/worker.js >$@
-# For tools that resolve a folder by its name instead of "exports".
+# Some tools resolve a folder by its name instead of "exports".
 $(WEB)/viewer/package.json: main_is := ./element.js", "types": "./viewer.d.ts
 $(WEB)/inline/package.json: main_is := ./with_files.js", "types": "../fixsplat.d.ts
 $(WEB)/inline/viewer/package.json: main_is := ../viewer_with_files.js", "types": "../../viewer/viewer.d.ts
@@ -161,14 +157,13 @@ $(WEB)/viewer/package.json $(WEB)/inline/package.json $(WEB)/inline/viewer/packa
 	@mkdir -p $(@D) && echo '{ "type": "module", "main": "$(main_is)" }' >$@
 $(WEB)/CHANGELOG.md: NEWS.md
 	@mkdir -p $(@D) && cp $< $@
-# Removes comments and indentation.
 $(WEB)/%.js: port/web/%.js
 	@mkdir -p $(@D)
 	@sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e '/^\/\*\*/,/\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 
-# tests/test_kernels.c as a WASI program, for tests/web/wasi.mjs.
+# The kernels' test as a WASI program, for tests/web/wasi.mjs.
 $(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/core/*.c kernels/simd/wasm/*.c) kernels/kernels.c \
                                                             tests/test_kernels.c)
 	$(call say,LD,$@)$(WASM_CC) --target=wasm32-wasi -Wl,-z,stack-size=1048576 -o $@ $^

@@ -1,7 +1,7 @@
 #!/bin/sh
-# tools/scripts/arm_libraries.sh FOLDER [PACKAGE...]: unpacks AArch64 packages of this Debian release into FOLDER/usr,
-# without dependencies. Default: libpng, zlib and libjpeg-turbo. Fetches them again when this machine's versions change.
-# apt checks the signatures, with separate lists of packages, so the system's state is unchanged.
+# arm_libraries.sh FOLDER [PACKAGE...]: unpacks Debian's AArch64 packages into FOLDER/usr, without dependencies.
+# Default: libpng, zlib and libjpeg-turbo. apt checks the signatures, with separate lists of packages, so the system's
+# state is unchanged.
 folder=${1:?folder}
 shift
 packages=${*:-libpng-dev zlib1g-dev libjpeg62-turbo-dev}

@@ -1,11 +1,10 @@
 #!/bin/sh
 # bench.sh [PART...]: measures, and writes the parts of a document between their marker lines. Default parts: tables,
 # gles, sizes, limits, stereo, foveated, levels. On a failure or an interrupt the document is unchanged.
-# Parts on request, half an hour each: fit and fit_stages (options FIT_STEPS, FIT_SIZE, FIT_CPUS); cuts, budgets, steps
+# Parts on request, half an hour each: fit and fit_stages (options FIT_STEPS, FIT_SIZE, FIT_CPUS), cuts, budgets, steps
 # and boards (options CAPTURED: scenes; KEPT: folder of intermediate files).
-# B: build folder; SCENES: folder of real scenes; PHOTOS: folder of photographs; DOCUMENT: docs/measured.md, or a copy;
+# B: build folder; SCENES: folder of scenes; PHOTOS: folder of photographs; DOCUMENT: docs/measured.md, or a copy;
 # FOVEATED: back ends of that part.
-# Times are medians of at least 10 frames.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
 DOCUMENT=${DOCUMENT:-docs/measured.md}
@@ -18,7 +17,7 @@ two=2
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# row LABEL OPTION...: prints a table row with the stages and the frame time of a bench run.
+# row LABEL OPTION...: prints a table row with the stages' times of a bench run.
 row() {
     label=$1
     shift
@@ -93,7 +92,7 @@ scenes() {
     fi
 }
 
-# import_row NAME FILE: prints import times with one thread and two, milliseconds, median of three.
+# import_row NAME FILE: prints median import times with one and two threads, milliseconds.
 import_row() {
     for threads in 1 $two; do
         for run in 1 2 3; do
@@ -119,7 +118,7 @@ imports() {
     fi
 }
 
-# cutoff_rows NAME FILE OPTION...: compares pairs, blend time and pictures of two cut-offs, for one camera.
+# cutoff_rows NAME FILE OPTION...: compares two cut-offs in a view.
 cutoff_rows() {
     name=$1 file=$2
     shift 2
@@ -148,7 +147,7 @@ cutoffs() {
         --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
-# gles_rows NAME FILE OPTION...: compares times and pictures of the OpenGL ES back ends with the CPU, for one camera.
+# gles_rows NAME FILE OPTION...: compares the OpenGL ES back ends with the CPU in a view.
 gles_rows() {
     name=$1 file=$2
     shift 2
@@ -211,14 +210,12 @@ limits() {
         --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
-# Prints the rows of test_quality, without those of the pixel stage alone.
 sizes() {
     printf '960x640, 8-bit pictures against double precision from the floats of the file: mean (worst) of four views.\n\n'
     FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|' | grep -v 'pixel stage alone'
 }
 
-# Prints times of one eye and both eyes, and their ratio. Takes the fastest of three alternating runs, because a busy
-# machine only slows them.
+# Prints times of one eye and both eyes. Takes the fastest of alternating runs, because a busy machine only slows them.
 stereo_row() {
     name=$1 file=$2 apart=$3
     shift 3
@@ -245,8 +242,7 @@ stereo() {
     fi
 }
 
-# Prints median times of the whole and the foveated picture, in alternation; then pixels, milliseconds and PSNR of each
-# ring.
+# Compares the whole with the foveated picture.
 foveated_row() {
     name=$1 backend=$2 size=$3
     shift 3
@@ -283,7 +279,7 @@ foveated() {
     done
 }
 
-# Prints rows for a scene and its decimated versions. Takes the fastest of alternating runs.
+# Prints rows for a scene and its decimated versions.
 level_rows() {
     name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
     for share in $shares; do
@@ -345,7 +341,7 @@ fit_stages() {
     done
 }
 
-# Fits with each cut-off. Prints milliseconds per step and the quality of held-out photographs.
+# Fits with each cut-off.
 fit() {
     printf 'snowmiku at %s pixels, %s steps of the reference recipe, %s threads; 13 photographs held out.\n\n' \
         "${FIT_SIZE:-600}" "${FIT_STEPS:-3000}" $two
@@ -375,7 +371,6 @@ fail() {
     exit 1
 }
 
-# Prints date, commit and machine.
 stamp() {
     commit=$(git rev-parse --short HEAD 2>/dev/null) || commit=unknown
     [ -z "$(git status --porcelain --untracked-files=no 2>/dev/null)" ] || commit="$commit with changes"
@@ -398,7 +393,7 @@ measure() {
     cat "$work/$1"
 }
 
-# put PART: inserts the text between the part's marker lines in the copy of the document.
+# put PART: inserts the text between the part's marker lines.
 put() {
     awk -v text="$work/$1" -v begin="<!-- $1: begin" -v end="<!-- $1: end" '
         index($0, begin) == 1 { print; print ""; while ((getline line < text) > 0) print line; skip = 1 }

@@ -98,7 +98,6 @@ case $out in -*) out=./$out ;; esac
 work=${work:-$out.jobs}
 mkdir -p -- "$work" || exit 1
 
-# whole NAME: prints the absolute path.
 whole() {
     folder=$(cd -- "$(dirname -- "$1")" && pwd) || exit 1
     printf '%s\n' "$folder/$(basename -- "$1")"
@@ -156,7 +155,6 @@ missing() {
         [ -e "$work/part-$block.ply" ] || printf '%s,' "$block"
     done | sed 's/,$//'
 }
-# say_failed: prints the reason from each failed job's log.
 say_failed() {
     for log in coarse $(seq 0 "$blocks") merge; do
         [ ! -s "$work/$log.log" ] || grep -h '^fixsplat: ' "$work/$log.log" | tail -n 1 | sed "s/^/$log.log: /"

@@ -1,6 +1,6 @@
-// node tools/scripts/compute_shaders.mjs MODULES FOLDER: compiles the compute shaders kernels/compute/*.wgsl with
-// naga-wasm (npm, in MODULES/node_modules). Writes FOLDER/ENTRY.comp for each entry point, in GLSL ES 3.10 without
-// unneeded white space. If FOLDER is not kernels/compute/generated, also writes each stage as STAGE.wgsl.
+// compute_shaders.mjs MODULES FOLDER: compiles the compute shaders kernels/compute/*.wgsl with naga-wasm (npm, in
+// MODULES/node_modules). Writes FOLDER/ENTRY.comp for each entry point, in minified GLSL ES 3.10. If FOLDER is not
+// kernels/compute/generated, also writes each stage as STAGE.wgsl.
 import { writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
@@ -10,7 +10,7 @@ const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
 
-// Removes functions that main does not reach, in unchanged order.
+// Removes functions that main does not reach.
 function reachable(text)
 {
     const functions = [...text.matchAll(/^(?!const|struct|layout)\w+ (\w+)\([^\n]*\) \{\n[^]*?^\}\n/gm)];
@@ -51,8 +51,8 @@ function loops(glsl)
                  (_, start, rest, before, test) => `${start}${oneLine(before, test)}; ${rest}`);
 }
 
-// Adapts naga's output. Adds the bindings that GLSL ES requires. Removes the zeroing of workgroup memory by a single
-// thread. Replaces read-modify-write atomics by plain loads and stores, which threads need not wait for.
+// Adapts naga's output. Adds the bindings that GLSL ES requires. Removes the zeroing of workgroup memory. Replaces
+// read-modify-write atomics by plain loads and stores, which threads need not wait for.
 function glslText(wgsl, entry)
 {
     const module = parseWgsl(wgsl), info = validate(module);

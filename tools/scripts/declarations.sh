@@ -1,7 +1,6 @@
 #!/bin/sh
-# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without
-# inline functions, and with an enum for each integer #define. -c: prints a C source that contains the declarations as
-# text.
+# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed, without inline
+# functions, and with an enum for each integer #define. -c: prints a C source that contains the declarations as text.
 # Each #define is read from an appended line "NAME" = NAME; in which the preprocessor replaces the unquoted name by its
 # value.
 as_c=
@@ -17,7 +16,7 @@ declarations() { printf '%s\n' "$text" | awk '
     of_values { values = values $0; next }
     !of_headers || NF == 0 { next }
     /^static inline/ { body = 1 }
-    /^typedef char .*\[sizeof/ { size = 1 }    # compile-time check
+    /^typedef char .*\[sizeof/ { size = 1 }    # skips compile-time checks
     !body && !size { gsub(/__attribute__\(\(format\([^()]*\)\)\)/, ""); print }
     body && /^}/ { body = 0 }
     size && /;/ { size = 0 }

@@ -1,11 +1,10 @@
 #!/bin/sh
-# tools/scripts/icon.sh PICTURE.svg ICON.ico: makes a Windows icon with a .png for each size (by rsvg-convert).
+# icon.sh PICTURE.svg ICON.ico: makes a Windows icon with a .png for each size.
 svg=${1:?picture} ico=${2:?icon}
 sizes='16 24 32 48 64 256'
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# bytes COUNT NUMBER: prints a little-endian number.
 bytes() {
     number=$2
     for i in $(seq "$1"); do

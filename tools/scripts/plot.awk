@@ -75,7 +75,6 @@ function line(x1, y1, x2, y2, class) {
 function px(x) { return left + (x - low_x) / (high_x - low_x) * (right - left) }
 function py(y) { return bottom - (y - low_y) / (high_y - low_y) * (bottom - top) }
 
-# Draws a mark. Series differ in shape and colour.
 function mark(x, y, s,    shape) {
     shape = s % 6
     if (shape == 1)
@@ -88,7 +87,7 @@ function mark(x, y, s,    shape) {
 
 function floor_of(v) { return v < int(v) ? int(v) - 1 : int(v) }
 
-# Chooses the ends of an axis as multiples of its step. A linear axis starts at 0 if the values come near 0.
+# Rounds the ends of an axis to its step. A linear axis starts at 0 if the values come near 0.
 function ends(values, axis, is_log,    i, low, high, step) {
     low = high = values[1]
     for (i = 2; i <= points; i++) {

@@ -1,6 +1,5 @@
 // Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/pixel.h.
-// node tools/scripts/stages.mjs FILE: writes the module stages.js of the npm package, with the shaders' parts and the
-// parts of each stage.
+// stages.mjs FILE: writes the module stages.js of the npm package.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# tools/scripts/web_sources.sh FOLDER: fetches Debian's sources of the libraries for the web port, in the installed
-# versions. apt checks the signatures, and its state is unchanged. Without them, the web port lacks some features.
+# web_sources.sh FOLDER: fetches Debian's sources of the libraries for the web port, in the installed versions. apt
+# checks the signatures, and its state is unchanged. Without these libraries, the web port lacks some features.
 folder=${1:?folder}
 names='cjson libwebp libzip libzstd zlib'
 packages='libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev'
@@ -22,7 +22,7 @@ fetch() {
         apt update && { apt source --only-source $wanted || apt source --only-source $names; }
 }
 
-# Generates the error messages of libzip from its header, like its CMake.
+# Generates the error messages of libzip from its header.
 name_errors() {
     echo '#include "zipint.h"'
     echo 'const char *const _zip_err_str[] = {'
