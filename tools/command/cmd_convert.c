@@ -1,5 +1,5 @@
-/* fixsplat convert: writes scene files as a file of any format. Scenes are read as floats, filtered, placed and
-   merged, then packed or written. Parts of an .fxs are merged in packed form. */
+/* fixsplat convert: converts scene files to any format. Scenes are read as floats, filtered, placed and merged, then
+   packed or written. Parts of an .fxs are merged in packed form. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -51,7 +51,7 @@ static int take_up(const option_row *row, void *field, const char *value)
     return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
 }
 
-/* Computes up = (b - a) x (c - a) from three points of the ground. Points on a line give about 0 and are refused. */
+/* Computes up = (b - a) x (c - a) from three points of the ground. Refuses points on a line. */
 static int take_level(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -629,7 +629,7 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
     return status;
 }
 
-/* Turns `up` to the side of the ground with more Gaussians; on a tie to the side nearer to -y. */
+/* Turns `up` to the side of the ground with more Gaussians. */
 static int find_up(convert_options *o)
 {
     fxs_gaussian batch[BATCH];

@@ -5,7 +5,7 @@
 #include "load_world.h"
 
 /* Writes all scenes of a world to a file, in the format of its ending. No input may be an .fxs file or `out`. `name`
-   stands for the input in messages. Returns 0 or an exit status. On failure an existing `out` is unchanged. */
+   stands for the input in messages. */
 int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_world *placed, const char *name,
                    const load_options *load);
 

@@ -1,5 +1,4 @@
-/* fixsplat info: prints a scene's contents and the memory for rendering. Options add quality, statistics, and the
-   memory for a small display. */
+/* fixsplat info: prints a scene's contents and the memory for rendering, optionally also quality and statistics. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -156,8 +155,8 @@ static void print_board_json(const board *b, size_t scene_bytes)
            b->memory.total, b->memory.least, b->rows, b->rows_most, scene_bytes);
 }
 
-/* Returns the Gaussians that a row of tiles may have under a memory limit. Beyond the least memory, each projected
-   Gaussian takes 88 bytes. */
+/* Computes how many Gaussians fit into a row of tiles. Beyond the least memory, each projected Gaussian takes 88
+   bytes. */
 static size_t row_of_limit(const fxs_frame_memory *m, size_t limit)
 {
     return (limit - m->least) / 88 / 16 * 16;

@@ -1,5 +1,5 @@
-/* fixsplat publish: writes a folder for web servers, with scenes, pictures and a page that shows the scenes. With
-   --single, writes a single file instead. */
+/* fixsplat publish: writes a folder for web servers, with scenes, pictures and a page. With --single, writes a
+   single file instead. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

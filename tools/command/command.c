@@ -89,7 +89,7 @@ void print_version(void)
 
 enum { LONGEST_NAME = 32 };
 
-/* Levenshtein distance (1966) of a and b. Row i of the table belongs to the first i letters of a. */
+/* Levenshtein distance (1966). Row i of the table belongs to the first i letters of a. */
 static size_t edit_distance(const char *a, size_t length, const char *b)
 {
     size_t row[LONGEST_NAME + 1];

@@ -203,8 +203,7 @@ int is_given(const char *name)
     return t->given;
 }
 
-/* Returns the index of the word that getopt_long refused. Within a group of letters, optind still points at the
-   group. */
+/* Returns the index of the word that getopt_long refused. */
 static int wrong_word(char **argv)
 {
     const char *before = argv[optind - 1];

@@ -1,5 +1,5 @@
-/* Renders views for the commands: opens a back end, sets up cameras and targets, foveates, and picks. For scenes
-   partly in memory, loads missing chunks and renders again. */
+/* Renders views for the commands: sets up back end, cameras and targets, foveates, and picks. For scenes partly in
+   memory, loads missing chunks and renders again. */
 #include "drawing.h"
 
 #include <inttypes.h>
@@ -90,7 +90,7 @@ static int make_room(const renderer *r, picture *out, int width, int height)
     return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
-/* Returns the fraction bits of depths, at most 28, so that all depths of the world fit into 32 bits. */
+/* Returns the fraction bits with which all depths of the world fit into 32 bits. */
 static int choose_depth_bits(const world *w, const fxs_file_view *view)
 {
     double farthest = 1;

@@ -1,5 +1,5 @@
-/* Identifies files by device and inode, or by folder and name if they do not exist. Refuses outputs that would
-   replace an input or another output. */
+/* Identifies files by device and inode, and missing files by folder and name. Refuses outputs that would replace an
+   input or another output. */
 #include "file_guard.h"
 
 #include <pthread.h>

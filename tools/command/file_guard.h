@@ -1,5 +1,4 @@
-/* Keeps a command's output from replacing an input or another output. Commands register their files before the work
-   begins. Other files are checked when the library opens them. */
+/* Keeps a command's output from replacing an input or another output. */
 #ifndef FILE_GUARD_H
 #define FILE_GUARD_H
 

@@ -214,7 +214,7 @@ static int open_file(const char *path, const fxs_scene_file_options *options, fx
                : fxs_scene_file_open(path, options, file, info, message);
 }
 
-/* Returns the level of detail to read. In a list of several files, a file with a single level ignores --lod. */
+/* In a list of several files, a file with a single level of detail ignores --lod. */
 static int level_of(const char *path, const load_options *o, const fxs_scene_file_options *options)
 {
     fxs_scene_file_options finest = *options;
@@ -255,8 +255,7 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-/* Returns the bytes of a pool for the chunks (256 Gaussians each) of PICTURES_HELD pictures. 0: map the whole file,
-   because of no budget, no levels of detail, a small file, or a pool of over half the file. */
+/* Returns the bytes of a pool for PICTURES_HELD pictures. 0: map the whole file. */
 static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 {
     const fxs_scene *scene = opened->scene;

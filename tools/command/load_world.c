@@ -1,5 +1,4 @@
-/* Loads the scenes of a command and places them by --scene or --place. Computes the world's bounds. Merges several
-   scenes into one. */
+/* Loads the scenes of a command and places them by --scene or --place. Merges several scenes into one. */
 #include "load_world.h"
 
 #include <inttypes.h>

@@ -1,5 +1,5 @@
-/* Image metrics. MSE and PSNR. SSIM (Wang et al. 2004) with a separable Gaussian window. PSNR after the best affine
-   map of colours, by least squares with normal equations. */
+/* Image metrics: MSE, PSNR, SSIM (Wang et al. 2004) with a separable Gaussian window, and PSNR after the best affine
+   map of colours by least squares. */
 #include "metrics.h"
 
 #include <math.h>
@@ -61,8 +61,8 @@ static double ssim_row(const double *means, size_t count, const uint8_t *are_who
     return sum;
 }
 
-/* Sums SSIM of a channel over its windows. `memory`: (WINDOW + 2) * MAPS * width doubles. Each row is filtered
-   horizontally once, then kept in a ring buffer of rows. */
+/* Sums SSIM of a channel over its windows. `memory`: (WINDOW + 2) * MAPS * width doubles. Horizontally filtered rows
+   are kept in a ring buffer. */
 static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *are_whole, size_t width, size_t height,
                            double *memory)
 {

@@ -22,8 +22,8 @@ int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t
                                struct fxs_metrics *out);
 
 /* Returns the PSNR in dB after the best affine map of the colours of `drawn` to those of `photograph`. The map is
-   found by least squares over the pixels that count. Mapped colours are clamped to 0..255 and not rounded. mask: 0
-   ignores a pixel. Infinity: no difference. */
+   found by least squares over the pixels with a nonzero `mask`. Mapped colours are clamped to 0..255 and not
+   rounded. Infinity: no difference. */
 double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, const uint8_t *mask, int width,
                                int height);
 

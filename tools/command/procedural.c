@@ -847,7 +847,7 @@ static vec sky_colour(vec d)
     return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
 }
 
-/* Lays a shell of discs that face the centre, between two distances. y is 0.06 - height to 0.06 on the unit sphere. */
+/* Lays a shell of discs that face the centre, between two distances. */
 static void lay_sky(const place *p, double height, double nearest, double farthest, splat *s)
 {
     double y = 0.06 - height * p->u, r = sqrt(1 - y * y), far = blend(nearest, farthest, draw(p->key, 1));
@@ -1507,7 +1507,7 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Makes ten cards perpendicular to the z axis. Depths on a card are equal, and every position occurs at least twice. */
+/* Makes ten cards of equal depths. Every position occurs at least twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };

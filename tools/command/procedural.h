@@ -1,7 +1,6 @@
-/* Procedural scenes, computed by formulas, for golden images, benchmarks and pictures. Gaussian i depends only on i,
-   count and seed, so scenes of any size can be streamed. The code uses only integer hashes, + - * / and sqrt, so
-   results are identical on every machine with IEEE 754 doubles. The y axis points down. Gaussians shrink as their
-   count grows. */
+/* Procedural scenes for golden images, benchmarks and pictures. Gaussian i depends only on i, count and seed, so
+   scenes of any size can be streamed. The code uses only integer hashes, + - * / and sqrt, so results are identical
+   on every machine with IEEE 754 doubles. The y axis points down. */
 #ifndef FXS_PROCEDURAL_H
 #define FXS_PROCEDURAL_H
 

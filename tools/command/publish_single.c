@@ -1,5 +1,4 @@
-/* Writes a page as one HTML file with a poster picture. The viewer's scripts, WebAssembly and the scene are inside
-   as gzip in base64. */
+/* Writes a page as one HTML file with a poster picture. Scripts, WebAssembly and scene are inside as gzip in base64. */
 #include "publish_single.h"
 
 #include <errno.h>
@@ -180,7 +179,8 @@ static int print_page(FILE *file, const single_page *page, const fxs_opened *ope
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
 
-/* Writes the content of a temporary file to `out`. A stream in memory would not report that memory ran out. */
+/* Writes the content of a temporary file to `out`. Unlike a temporary file, a stream in memory does not report a
+   lack of memory. */
 static int write_printed(FILE *file, const char *out, size_t *bytes)
 {
     fxs_message why;

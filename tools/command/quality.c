@@ -1,5 +1,4 @@
-/* Measures a scene's loss by rendering scene and original from several views. Optionally renders the original again
-   with nudged Gaussians. */
+/* Measures a scene's loss by rendering scene and original from several views. */
 #include "quality.h"
 
 #include <inttypes.h>
@@ -107,7 +106,7 @@ static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_
     return status;
 }
 
-/* Chooses view i of q->count: from the camera file, or turned about the scene's middle at one of three distances. */
+/* Chooses a view from the camera file, or turned about the scene's middle at one of three distances. */
 static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const frame_options *options,
                             const world *scene)
 {

@@ -52,8 +52,7 @@ typedef struct drawn_view {
 
 enum { DRAWN_MOST = 64 };                   /* most views in a round */
 
-/* A round has a picture for each thread. Each device renders some of them. Then the pictures are written while the
-   next round is rendered. */
+/* A round has a picture for each thread. Its pictures are written while the next round is rendered. */
 typedef struct drawn_round {
     drawn_view *drawn;
     long first, count;                      /* first view and number of views */

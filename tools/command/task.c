@@ -1,5 +1,4 @@
-/* Runs external programs step by step. Output goes to a log, progress to stderr. A missing program gives a hint how
-   to install it. */
+/* Runs external programs step by step. Output goes to a log, progress to stderr. */
 #include "task.h"
 
 #include <errno.h>

@@ -27,12 +27,11 @@ struct task {
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));
 
-/* Shows progress and, unless `all` is 0, the remaining time. A terminal shows progress in place. Other outputs get a
-   line every ten seconds. */
+/* Shows progress and, unless `all` is 0, the remaining time. */
 void task_show(task *t, uint64_t done, uint64_t all);
 
-/* Runs a program from PATH with empty input. `arguments` begin with the program's name and end with null. Its errors
-   go to the log. Its output goes to `take` or, if null, to the log and t->look. Returns like fxs_program_run. */
+/* Runs a program from PATH. `arguments` begin with the program's name and end with null. Its errors go to the log.
+   Its output goes to `take` or, if null, to the log and t->look. Returns like fxs_program_run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
 
 /* True if a program did not finish: missing, not executable, or ended by a signal. */

@@ -1,5 +1,5 @@
-/* Chooses the views to draw. With a camera file: the views that --view lists. Without: a look-at camera, the scene's
-   start view, or the view that shows most of the scene. Then makes the frames of a film (--orbit, --frames). */
+/* Chooses the views to draw: the views of a camera file that --view lists, a look-at camera, the scene's start view,
+   or the view that shows most of the scene. Makes the frames of a film (--orbit, --frames). */
 #include "views.h"
 
 #include <ctype.h>
@@ -91,8 +91,8 @@ static long take_one(const frame_options *options, const fxs_file_view *views, l
     return 1;
 }
 
-/* Allocates the numbers of the views that --view names. Returns their count, or prints the reason and returns -1;
-   then *chosen is null. */
+/* Allocates the numbers of the views that --view names, and returns their count. On failure returns -1, and *chosen
+   is null. */
 static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
 {
     const int several = names_several(options->view);
@@ -132,8 +132,8 @@ static void pass_through(const frame_options *o, fxs_file_view *keys, long count
         fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
 }
 
-/* Replaces the views by the frames of an orbit about the world's middle, or of a path through the views. Returns the
-   number of frames, or prints the reason and returns -1; then *views is null. */
+/* Replaces the views by the frames of an orbit, or of a path through the views, and returns their number. On failure
+   returns -1, and *views is null. */
 static long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count)
 {
     const long frames = options->orbit ? options->orbit : options->frames;
@@ -240,16 +240,14 @@ static double fov_of(const frame_options *o)
     return o->fov > 0 ? o->fov : 50;
 }
 
-/* Computes the start view of a single scene, unless an option asks for another camera. Returns 0 without a start
-   view. */
+/* Computes the start view of a single scene. Returns 0 if the scene has none or an option asks for another camera. */
 static int has_start(const frame_options *o, const world *w, fxs_file_view *view)
 {
     return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
-/* Chooses the first view of a world that is wholly in memory. `is_up` 0: also finds the up direction and stores it
-   in the options. */
+/* Chooses the first view of a world that is wholly in memory. `is_up` 0: also finds the up direction. */
 static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_file_view *view,
                         fxs_message *message)
 {

@@ -8,9 +8,9 @@
 /* True if a value of --view names several views, such as "all" or 0,8,40..20. */
 int names_several(const char *view);
 
-/* Allocates the views that the options ask for and returns their number. A film has one view per frame. An up
-   direction found in the scene is stored in the options. *lenses, initially null, gets the lenses of a camera file;
-   `lenses` may be null. On failure prints the reason and returns -1. */
+/* Allocates the views that the options ask for and returns their number. An up direction found in the scene is
+   stored in the options. *lenses, initially null, gets the lenses of a camera file; `lenses` may be null. On failure
+   prints the reason and returns -1. */
 long choose_views(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses);
 
 /* Returns the number of the view that --view names, 0 by default. On failure prints the reason and returns -1. */

@@ -28,8 +28,7 @@ typedef struct fit_command {
 
 extern const char *const fit_recipes[];
 
-/* Finds missing cameras, reads the photographs, and fits a scene to all of them or to those of a block. With
-   --measure, measures a scene instead. */
+/* Fits a scene to the photographs or to those of a block. With --measure, measures a scene instead. */
 int fit_photos(fit_command *c);
 
 /* Runs the remaining steps of a fit. A signal saves the fit and ends the program. Returns like fit_photos. */

@@ -77,7 +77,7 @@ static void take_frames(void *argument, const char *data, size_t size)
 }
 
 /* Protects a file name from ffmpeg. "file:" keeps ffmpeg from reading a:b as a protocol and -a as an option. % is
-   doubled in a pattern. A name that is too long becomes empty. */
+   doubled in a pattern. */
 static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_pattern)
 {
     size_t length = (size_t)sprintf(name, "file:");
@@ -137,8 +137,7 @@ static int fail_frames(const task *t, const char *why)
                 "command goes on", why, t->log_name);
 }
 
-/* Reads each written frame to its end, because on a full disk ffmpeg may truncate frames and still exit with 0. If
-   ffmpeg succeeded, missing frames are accepted. */
+/* Reads each written frame to its end, because on a full disk ffmpeg may truncate frames and still exit with 0. */
 static int check_frames(task *t, const char *part, int is_sound, size_t *count)
 {
     char path[TASK_PATH], name[32];

@@ -33,8 +33,8 @@ static const char *words_for(double psnr)
     return verdicts[i].words;
 }
 
-/* Prints how good the scene is and, if a cause is known, what would help. `fitted`: mean PSNR of fitted photographs,
-   dB; 0: no photograph was held out. */
+/* Prints how good the scene is, and what would help. `fitted`: mean PSNR of fitted photographs in dB; 0: none was
+   held out. */
 static void print_sentences(const quality *measured, double fitted, int has_exposures)
 {
     char psnr[32], other[32];
@@ -162,8 +162,7 @@ void fit_print_measured(const fit_command *c, const fxs_photos *photos, const wo
     quality_print_text(q);
 }
 
-/* Crops the scene to its subject, if the cameras face a common point. `whole` gets the uncropped scene, packed for
-   measuring. */
+/* Crops the scene to its subject. `whole` gets the uncropped scene, packed for measuring. */
 static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
 {
     fxs_fit_subject s;

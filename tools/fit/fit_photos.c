@@ -1,5 +1,4 @@
-/* Runs `fixsplat fit`: finds the cameras, reads the photographs, opens or resumes the fit, runs its steps and ends
-   it. */
+/* Runs `fixsplat fit`: finds the cameras, reads the photographs, and opens or resumes the fit. */
 #include "cmd_fit.h"
 
 #include <stdlib.h>

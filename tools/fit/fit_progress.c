@@ -20,8 +20,6 @@ static void say_duration(char text[32], double seconds)
         snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
 }
 
-/* Shows progress. A terminal gets a line in place, of less than 80 columns. Other outputs get a line every ten
-   seconds. */
 static void show(fit_progress *p, uint32_t step, size_t gaussians, uint64_t now)
 {
     char text[160], left[32];

@@ -26,8 +26,8 @@ fit_now fit_progress_now(const fit_progress *progress, uint32_t step, size_t gau
 
 double fit_progress_seconds(const fit_progress *progress);
 
-/* A log of a fit, with tab-separated lines at every hundredth of the steps and at every measurement. A failed write
-   is reported once and ends the log. */
+/* A log of a fit, with a tab-separated line at every hundredth of the steps and at every measurement. A failed write
+   ends the log. */
 typedef struct fit_log {
     const char *name;              /* path; null: no log */
     FILE *file;

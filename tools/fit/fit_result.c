@@ -1,5 +1,5 @@
-/* Writes the result of a fit (.fxs, .ply, .fit, cameras.json). Measures a scene against its photographs by PSNR,
-   SSIM, and PSNR after an affine map of colours. */
+/* Writes the result of a fit. Measures a scene against its photographs by PSNR, SSIM, and PSNR after an affine map
+   of colours. */
 #include "fit_result.h"
 
 #include <errno.h>
@@ -60,8 +60,7 @@ static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
     }
 }
 
-/* Keeps drawable Gaussians only, so that all written numbers are finite. An empty block is also written, to be
-   merged. */
+/* Keeps drawable Gaussians only, so that all written numbers are finite. */
 static int keep_drawable(fxs_scene_file *file, const fxs_fit_block *block, fxs_scene_file_info *info,
                          fxs_message *message)
 {

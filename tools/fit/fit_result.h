@@ -1,5 +1,4 @@
-/* Writes the result of a fit, and compares its pictures with the photographs. Functions that return int return 0, or
-   print the reason and return the exit status. */
+/* Writes the result of a fit, and compares its pictures with the photographs. */
 #ifndef FIT_RESULT_H
 #define FIT_RESULT_H
 

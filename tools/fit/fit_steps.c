@@ -44,8 +44,7 @@ static int is_measured(const fit_command *c, const fit_progress *p, uint32_t ste
     return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
 }
 
-/* True if a step needs a report. A report makes a device wait, so reports are limited to five a second, the log,
-   measurements and the last step. */
+/* A report makes a device wait, so reports are limited to five a second, the log, measurements and the last step. */
 static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
@@ -89,7 +88,7 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     fxs_packed_scene_free(&packed);
 }
 
-/* Runs steps until the end or a signal. After a failed save, the previous save remains and the fit continues. */
+/* Runs steps until the end or a signal. After a failed save the fit continues. */
 static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
 {
     fxs_fit_report report;

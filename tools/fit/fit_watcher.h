@@ -17,7 +17,7 @@ typedef struct fit_watcher {
     int (*open)(const char *out, uint64_t port);
 
     /* Runs before the first step. `photos` stay valid until `written`. measures 1: the watcher measures the scene
-       itself, with the options of `frame`; 0: `measured` is called. */
+       itself; 0: `measured` is called. */
     void (*begin)(fxs_fit *fit, const fxs_photos *photos, const frame_options *frame, int measures,
                   const fit_now *now);
 

@@ -1,5 +1,5 @@
-/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG on all threads, finds
-   masks, and groups photographs by size and lens. */
+/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG, finds masks, and groups
+   photographs by size and lens. */
 #define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "photo_folder.h"
@@ -189,7 +189,7 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
     return error;
 }
 
-/* Checks a file name for COLMAP, which reads a list of names, one a line, and strips blanks at their ends. */
+/* COLMAP reads a list of names, one a line, and strips blanks at their ends. */
 static int check_name(const char *name, const char *path, fxs_message *why)
 {
     return strchr(" \t\v\f\r", *name) || strchr(name, '\n')

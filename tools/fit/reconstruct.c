@@ -1,6 +1,6 @@
-/* Structure from motion for `fixsplat fit`. Takes frames of a film, or lists photographs and masks, in the folder
-   OUT.cameras. Runs COLMAP for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model. An
-   interrupted run is continued. */
+/* Structure from motion for `fixsplat fit`. Prepares frames or photographs in the folder OUT.cameras. Runs COLMAP
+   for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model. An interrupted run is
+   continued. */
 #define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "reconstruct.h"
@@ -54,8 +54,8 @@ static int write_text(const char *path, fxs_printed *printed)
     return error ? fail_for(&why) : 0;
 }
 
-/* Parses numbers of up to nine digits from a line of a program's output, one for each % of the pattern. Returns 1 if
-   the line begins like the pattern, else 0. */
+/* Parses numbers from a line of a program's output, one for each % of the pattern. Returns 1 if the line begins like
+   the pattern, else 0. */
 static int take_numbers(const char *line, const char *pattern, uint32_t *numbers)
 {
     for (; *pattern; pattern++) {
@@ -205,8 +205,8 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* Runs COLMAP once for each lens. COLMAP assumes one camera per call, with the focal length from the first
-   photograph's EXIF data. */
+/* COLMAP assumes one camera per call, with the focal length from the first photograph's EXIF data. So each lens has
+   a call. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {

@@ -1,5 +1,4 @@
-/* Finds the cameras of photographs or of a film by structure from motion. External programs do the work: ffmpeg, and
-   COLMAP or GLOMAP. */
+/* Finds the cameras of photographs or of a film by structure from motion, with ffmpeg and COLMAP or GLOMAP. */
 #ifndef RECONSTRUCT_H
 #define RECONSTRUCT_H
 
@@ -21,8 +20,8 @@ int reconstruct_is_needed(const char *in);
 /* True if the folder or its subfolder images has photographs. */
 int reconstruct_is_photographs(const char *folder);
 
-/* Makes the folder OUT.cameras in COLMAP's layout (images, masks, sparse/0), and prints a report. An unfinished
-   OUT.cameras of the same photographs is continued; a finished one is used. The caller frees *folder. */
+/* Makes the folder OUT.cameras in COLMAP's layout (images, masks, sparse/0). An unfinished OUT.cameras of the same
+   photographs is continued; a finished one is used. The caller frees *folder. */
 int reconstruct(const reconstruct_options *options, char **folder);
 
 #endif

@@ -17,8 +17,8 @@ typedef struct scene_list {
     size_t count, room;
 } scene_list;
 
-/* Adds a scene, or all scenes of a folder in ascending order of name. A folder that is itself a scene, such as one
-   with a tileset.json, counts as a scene. */
+/* Adds a scene, or all scenes of a folder in ascending order of name. A folder with a tileset.json or the like is
+   itself a scene. */
 int scene_list_add(scene_list *list, const char *path);
 
 /* True if scene_list_add would add the scenes inside of the folder. */

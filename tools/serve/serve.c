@@ -135,7 +135,7 @@ static int add_list(site *s, int scenes)
     return status ? status : add_start(s, "/list.html");
 }
 
-/* True for a path of the command line. Such scenes are read before serving; scenes found in a folder are not. */
+/* True for a scene that the command line names, rather than its folder. Such scenes are read before serving. */
 static int is_named(const world_options *given, const char *path)
 {
     for (int i = 0; i < given->scene_count; i++)

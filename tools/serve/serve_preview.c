@@ -1,6 +1,5 @@
 /* `fixsplat fit --preview`: runs the fit and serves a page that shows its progress. Every few seconds the fit packs
-   its scene into a temporary file and writes its numbers to /fit.json. The server's thread sends both files to the
-   page. */
+   its scene into a temporary file and writes its numbers to /fit.json. */
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>

@@ -1,5 +1,5 @@
-/* Packs and serves the scenes of `fixsplat view --web`. A request of a page marks its scene as wanted, and
-   scenes_work packs wanted scenes into temporary files. A changed file is packed again once it is stable. */
+/* Packs and serves the scenes of `fixsplat view --web`. A request marks its scene as wanted, and scenes_work packs
+   wanted scenes into temporary files. A changed file is packed again once it is stable. */
 #include "serve_scenes.h"
 
 #include <ctype.h>
@@ -313,8 +313,7 @@ static void drop(served_scene *s)
     s->state = WAITS;
 }
 
-/* Frees packed scenes that no page shows, in ascending order of their last request, until at most KEPT_MOST bytes
-   remain. */
+/* Frees packed scenes that no page shows, the least recently requested first, until at most KEPT_MOST bytes remain. */
 static void make_room(served_scenes *all)
 {
     const uint64_t now = fxs_clock(0);

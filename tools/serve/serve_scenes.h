@@ -1,5 +1,5 @@
-/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller, and packed again when
-   their files change. A single thread packs scenes in scenes_work. The server's thread sends the ready files. */
+/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller. A single thread packs
+   scenes in scenes_work. The server's thread sends the ready files. */
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 

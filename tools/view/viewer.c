@@ -1,5 +1,5 @@
-/* The window's thread of `fixsplat view`. Opens scenes, turns keys, pointer and wheel into camera motion, adapts the
-   budget (Gaussians per frame) to the frame rate, and queues requests for the renderer's thread. */
+/* The window's thread of `fixsplat view`. Opens scenes, turns keys and pointer into camera motion, adapts the budget
+   (Gaussians per frame) to the frame rate, and queues requests for the renderer's thread. */
 #include "viewer.h"
 
 #include <math.h>
@@ -16,8 +16,7 @@
 enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
        FILM_NS = 1000000000 / FILM_RATE };
 
-/* Shows a view of v->views. The pivot is the --look point, or else the point ahead that is nearest to the scene's
-   middle. */
+/* Shows a view. The pivot is the --look point, or else the point ahead that is nearest to the scene's middle. */
 static void show_view(viewer *v, long index)
 {
     const double *low = v->world.inner_low, *high = v->world.inner_high;
@@ -386,7 +385,7 @@ static void toggle_levels(viewer *v, int key)
     v->changed = 1;
 }
 
-/* Changes the budget by a factor of 0.8 to 1.25 per frame. The budget grows only if it limits the frame. */
+/* The budget of Gaussians changes by a factor of 0.8 to 1.25 per frame, and grows only if it limits the frame. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
 {
     const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);

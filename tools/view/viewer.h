@@ -1,5 +1,5 @@
-/* State of the window of `fixsplat view`: its scene, view and camera motion. Three threads: the window's (viewer.c,
-   viewer_crop.c, viewer_panels.c), the renderer's (viewer_frame.c), and a loader of scenes. */
+/* State of the window of `fixsplat view`. Three threads: the window's (viewer.c, viewer_crop.c, viewer_panels.c),
+   the renderer's (viewer_frame.c), and a loader of scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
@@ -125,8 +125,8 @@ void viewer_step(viewer *v, int milliseconds);
 /* True if a scene is being opened, or a frame is being rendered or due. */
 int viewer_busy(const viewer *v);
 
-/* Each ask function queues a request for the renderer's thread, or does nothing if the queue is full. Requests run
-   in order of arrival. ask_install returns 1 if queued. */
+/* Each ask function queues a request for the renderer's thread, or does nothing if the queue is full. ask_install
+   returns 1 if queued. */
 void ask_open(viewer *v);
 void ask_frame(viewer *v);
 

@@ -1,5 +1,5 @@
-/* Jobs of the renderer's thread: frames, picks, screenshots, films, cropped scenes, changes of back end. Each ask
-   function queues a job. `work` runs on the renderer's thread, `done` on the window's thread. */
+/* Jobs of the renderer's thread, such as frames, picks and screenshots. Each ask function queues a job. `work` runs
+   on the renderer's thread, `done` on the window's thread. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

@@ -214,7 +214,7 @@ int viewer_project(const viewer *v, const double point[3], double pixel[2])
     return fabs(pixel[0]) < 1e5 && fabs(pixel[1]) < 1e5;
 }
 
-/* Adds the measured distance: a line with a dot at each end. The panel covers only the part inside of the window. */
+/* Draws the measured distance: a line with a dot at each end. */
 static void add_measure(panels *p, const viewer *v)
 {
     const int wide = 3 * p->scale, dot = 9 * p->scale;
