@@ -36,7 +36,6 @@ static int load(const char *path, char text[FILE_MOST + 1])
            : size > FILE_MOST ? fail(EXIT_FAILED, "%s: too long for the output of bench --json", path) : 0;
 }
 
-/* Returns the text of a string or number, else null. `room` stores the digits of a number. */
 static const char *words_of(const cJSON *item, char room[32])
 {
     if (cJSON_IsNumber(item))

@@ -7,7 +7,6 @@
 /* How a difference between two benchmarks is treated: ignored, shown beside the ratios, or an error. */
 enum { FACT_ASIDE, FACT_MARKED, FACT_SAME };
 
-/* A member of the JSON object: `number`, or `text` unless null. */
 typedef struct bench_fact {
     const char *name, *text;
     double number;
@@ -17,11 +16,10 @@ typedef struct bench_fact {
 #define MARKS_MOST 512
 
 typedef struct bench_earlier {
-    double stages[FXS_STAGES], frame;       /* median times, milliseconds */
-    char marks[MARKS_MOST];                 /* text about the differing facts */
+    double stages[FXS_STAGES], frame;       /* median times in milliseconds */
+    char marks[MARKS_MOST];
 } bench_earlier;
 
-/* Returns 0. On failure prints the reason and returns the exit status. */
 int bench_earlier_read(bench_earlier *earlier, const char *path, const bench_fact *facts, int count);
 
 #endif

@@ -3,7 +3,7 @@
 #define BESIDE_H
 
 typedef struct beside_program {
-    const char *ending;                     /* program's name after "fixsplat"; empty: not built */
+    const char *ending;                     /* ending of the program's name; empty: not built */
     const char *library;
 } beside_program;
 

@@ -12,15 +12,14 @@
 typedef struct bench_options {
     frame_options frame;
     int frames, path, json;
-    const char *compare;                    /* path of an earlier run's output, or null */
+    const char *compare;
     int draws;
 } bench_options;
 
 enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
 
-/* Statistics of a ring of a foveated picture, over both eyes. */
 typedef struct ring_picture {
-    uint64_t shaded, shown;                 /* numbers of pixels */
+    uint64_t shaded, shown;
     double psnr;
 } ring_picture;
 
@@ -84,7 +83,6 @@ static spread spread_of(double *values, int count)
     return (spread){values[0], (values[(count - 1) / 2] + values[count / 2]) / 2, values[count - 1]};
 }
 
-/* Returns the view of frame i: the given view, or a step of an orbit about the scene's middle. */
 static fxs_file_view view_of_frame(const bench_options *o, const world *w, const fxs_file_view *view, int i)
 {
     fxs_file_view turned = *view;
@@ -139,7 +137,7 @@ static int is_inside(int at, int first, int length, int whole, int band)
     return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
 }
 
-/* Returns the finest ring at a pixel; in a blending band, the coarser of two blended rings. */
+/* Returns the finest ring at a pixel. In a blending band, returns the coarser of the two blended rings. */
 static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
 {
     const fxs_foveated *f = &r->foveated;

@@ -11,7 +11,7 @@
 
 typedef struct compare_options {
     const char *path[2], *difference;
-    double least_psnr, least_ssim;          /* 0: no minimum is required */
+    double least_psnr, least_ssim;          /* least allowed PSNR and SSIM; 0: no minimum */
     int json;
 } compare_options;
 

@@ -28,8 +28,8 @@ typedef struct convert_options {
     world_options world;
     fxs_world placed;
     fxs_placement whole;
-    double degrees[3], up[3];               /* rotation angles; new up direction, all 0: unchanged */
-    double level[9];                        /* three points of the ground */
+    double degrees[3], up[3];               /* rotation angles, and a new up direction */
+    double level[9];
     int has_level;
     fxs_scene_filter filter;
     fxs_filter_shape shapes[SHAPES_MOST];
@@ -38,7 +38,7 @@ typedef struct convert_options {
     int spz_fine;
     int has_start;
     fxs_file_view start;
-    int start_is_level;                     /* 1: turns the start view upright */
+    int start_is_level;
     int refine_steps;
     int has_refine;
     const char *cameras;
@@ -110,7 +110,6 @@ static int take_cylinder(const option_row *row, void *field, const char *value)
     return add_shape(field, row, value, s, is_cylinder);
 }
 
-/* Parses a number of Gaussians, or a percentage. */
 static int take_decimate(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -323,7 +322,7 @@ static int read_options(convert_options *o, int argc, char **argv)
 /* Quality that each profile promises. */
 static const struct promise {
     double worst;                           /* PSNR in dB that most scenes reach in all views */
-    int views;                              /* number of compared views */
+    int views;
     const char *better;
 } promises[] = {
     [FXS_PROFILE_DEFAULT] = {52, 3, "no profile loses less"},
@@ -334,7 +333,7 @@ static const struct promise {
 /* Compares views of a packed scene with its floats. Notes views below the profile's promise. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
-    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* MOST: Gaussians, about 3 GB of floats */
+    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* limit of 8 million Gaussians, about 3 GB of floats */
     const enum fxs_profile profile = packed->scenes[0].opened->scene->profile;
     const struct promise *promise = &promises[profile];
     load_options again = *load;
@@ -478,7 +477,6 @@ static int set_start(void *argument, void *header, fxs_message *message)
     return o->has_start ? keep_start(o, header, message) : 0;
 }
 
-/* Refuses options that do not apply to merging parts of an .fxs. */
 static int check_options_of_parts(const convert_options *o)
 {
     for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
@@ -687,7 +685,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
-        files_force(FILES_REFUSE);          /* check_views reads the input again */
+        files_force(FILES_REFUSE);          /* the comparison of views reads the input again */
     return files_check();
 }
 

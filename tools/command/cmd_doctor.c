@@ -36,8 +36,8 @@ static const struct {
 };
 
 static const struct {
-    const char *name, *library, *package;      /* library is null for a program; Debian package */
-    int is_built;                              /* 1: this build uses the library */
+    const char *name, *library, *package;
+    int is_built;
     const char *gives;
 } helpers[] = {
     {"ffmpeg", 0, "ffmpeg", 1, "fit takes films"},

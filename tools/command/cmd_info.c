@@ -13,7 +13,7 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* PSNR in dB; views above need no nudged original */
+#define NUDGE_BELOW 65.0    /* views above this PSNR need no nudged original */
 
 typedef struct info_options {
     frame_options frame;
@@ -27,7 +27,7 @@ typedef struct info_options {
 /* Memory of a scene on a microcontroller board with a display. */
 typedef struct board {
     int width, height;
-    size_t strip;                           /* bytes of 16 rows of RGB565 pixels */
+    size_t strip;
     fxs_frame_memory memory;                /* memory of a frame with one thread */
     size_t rows, rows_most;                 /* bytes for unsliced rows of tiles: least and most */
 } board;
@@ -43,7 +43,7 @@ typedef struct findings {
     int has_stats;
     scene_stats stats;
     board board;
-    scene_levels *levels;                   /* levels of detail of each file */
+    scene_levels *levels;
 } findings;
 
 static int is_one(const world *w)
@@ -78,7 +78,6 @@ static int is_direction(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* Returns the vertical field of view in degrees. */
 static double fov_of(const fxs_start *s)
 {
     return atan(s->tangent) * (360 / 3.14159265358979324);
@@ -572,7 +571,7 @@ static int find(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
-    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* used for memory sizes only */
+    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_init(&context, &config);

@@ -11,7 +11,7 @@
 
 typedef struct make_options {
     const char *output;
-    uint64_t count, seed;                   /* count 0: default count of the scene */
+    uint64_t count, seed;                   /* number of Gaussians; 0: default of the scene */
 } make_options;
 
 #define OPTIONS make_options
@@ -60,7 +60,6 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     return result ? fail_for(&message) : 0;
 }
 
-/* True for the file ending of another format than .ply. */
 static int is_of_another_format(const char *name)
 {
     const fxs_scene_format *format = fxs_scene_format_of(name, 1);

@@ -23,9 +23,9 @@ typedef struct publish_options {
     const char *title, *site, *settings;
     char *const *words;
     int single;
-    char mark[TASK_PATH];          /* path of the file that marks the folder as unfinished */
+    char mark[TASK_PATH];          /* path of the file that marks an unfinished folder */
     scene_list list;
-    size_t bytes;                  /* size of all written files */
+    size_t bytes;
     made_list made;                /* new files and folders, removed on failure */
 } publish_options;
 
@@ -187,7 +187,7 @@ static int write_page(publish_options *o, const char *name, const listed_scene *
     if (fxs_print_begin(&printed))
         return fail(EXIT_FAILED, "out of memory");
     FILE *file = printed.file;
-    const int is_one = s && o->list.count > 1;     /* with several scenes, --title names the list */
+    const int is_one = s && o->list.count > 1;
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
         print_scene(file, title, s->name, o->settings);

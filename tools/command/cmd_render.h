@@ -13,8 +13,8 @@ typedef struct render_options {
     int has_expected_hash;
     uint64_t expected_hash;
     enum fxs_image_format encoding;         /* FXS_IMAGE_UNKNOWN: y4m for several views, else png */
-    int quality, rate;                      /* quality of .jpg and .webp, 0: best; frames per second */
-    int draws;                              /* targets to render, DRAW_* flags */
+    int quality, rate;                      /* quality of .jpg and .webp; frames per second of a film */
+    int draws;
     double depth_range;                     /* largest depth of the output; 0: largest in the picture */
     int has_pick, pick[2], has_scissor, scissor[4];
     int hash, stats, pairs, json;

@@ -77,7 +77,6 @@ static int is_for_page(const char *name)
     return 0;
 }
 
-/* Returns the first given option that --web does not accept; null: none. */
 static const char *given_of(const option_row *rows)
 {
     for (; rows->help; rows++)

@@ -8,13 +8,12 @@ typedef struct view_options {
     frame_options frame;
     const char *screenshot;
     double rate;                            /* wanted frames per second; 0: not given */
-    int web;                                /* 1: shows the scene in a browser */
+    int web;
     const char *bind, *host, *certificate, *key;
     uint64_t port;
     int no_open, qr;
 } view_options;
 
-/* Parses the command line. */
 int view_options_take(view_options *options, int argc, char **argv);
 
 /* Help text about the keys of the window. */

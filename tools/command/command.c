@@ -1,4 +1,4 @@
-/* Helpers of all commands: messages, --quiet, suggestions, quoting, the progress bar. */
+/* Helpers of all subcommands: messages, --quiet, suggestions, quoting, the progress bar. */
 #include "command.h"
 
 #include <inttypes.h>

@@ -17,7 +17,6 @@ void check_printed_at_exit(void);
 /* Prints "fixsplat: ..." to stderr and returns `status`. */
 int fail(int status, const char *format, ...) FXS_PRINTF(2, 3);
 
-/* Returns the last message of fail, without the program's name. */
 const char *last_failure(void);
 
 void note(const char *format, ...) FXS_PRINTF(1, 2);
@@ -37,10 +36,10 @@ typedef struct suggestion {
 } suggestion;
 void suggest(suggestion *s, const char *word, size_t length, const char *name);
 
-/* Describes the memory that a failed call needed, as an end of the error message; empty: unknown. */
+/* Describes how much memory a failed call needed, as text for an error message. */
 const char *needed_bytes(char text[64], const fxs_message *why);
 
-/* Prints an error and the memory that the failed call needed. Returns EXIT_FAILED. */
+/* Prints the message of a failed library call. Returns EXIT_FAILED. */
 int fail_for(const fxs_message *why);
 
 void write_json_string(FILE *file, const char *text);

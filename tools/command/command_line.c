@@ -13,7 +13,7 @@
 
 const command *const *all_commands;
 static const command *parsed;
-static char **words;                        /* words of the command line, ended by null */
+static char **words;
 
 /* Parses --help, --help=all and --help all. getopt_long leaves the separate word to the caller. */
 static int take_help(const option_row *row, void *field, const char *value)
@@ -52,7 +52,7 @@ const option_row common_rows[] = {
 
 enum { HELP_COLUMN = 22, HELP_WIDTH = 118, SHORT_ABOVE = 25, SHORT_EXAMPLES = 3 };
 
-/* Wraps a text at HELP_WIDTH. Lines begin in column `indent`, the cursor's position. */
+/* Wraps a text at HELP_WIDTH. Lines begin in column `indent`. */
 static void print_wrapped(const char *text, int indent)
 {
     int column = indent;
@@ -158,7 +158,7 @@ enum { ROWS_MOST = 96, LONG_OPTION = 256 };   /* getopt_long returns a letter, o
 
 static struct row_taken {
     const option_row *row;
-    char *options;                          /* base address of the row's field */
+    char *options;                          /* base address of the fields of an option row */
     int given;
 } taken[ROWS_MOST];
 
@@ -203,7 +203,6 @@ int is_given(const char *name)
     return t->given;
 }
 
-/* Returns the index of the word that getopt_long refused. */
 static int wrong_word(char **argv)
 {
     const char *before = argv[optind - 1];
@@ -221,11 +220,10 @@ static const command *command_with(const char *name, size_t length)
     return 0;
 }
 
-/* Prints why getopt_long refused an option. optopt identifies a known option with a missing or unexpected value. */
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
-    const char *own = parsed->name;          /* not argv[0], which may be a path */
+    const char *own = parsed->name;          /* argv[0] may be a path */
     const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
@@ -374,7 +372,7 @@ int choice_of(const option_row *row, const char *value)
 
 int take_bytes(const option_row *row, void *field, const char *value)
 {
-    static const char units[] = "KMG";      /* 2^10, 2^20, 2^30 */
+    static const char units[] = "KMG";
     char *end;
     errno = 0;
     const unsigned long long number = strtoull(value, &end, 10);

@@ -18,11 +18,11 @@ struct option_row {
     const char *value;                      /* placeholder in --help; null: the option has no value */
     take_option *take;
     size_t offset;
-    double low, high;                       /* allowed range of a number */
+    double low, high;
     const char *expected;                   /* expected value in words; null: derived from range or choices */
-    const char *const *choices;             /* allowed words, ended by null; null: any */
-    const char *help;                       /* help text; null: end of the table */
-    char letter;                            /* short name of the option or 0 */
+    const char *const *choices;
+    const char *help;                       /* help text; null marks the end of the table */
+    char letter;
     int basic;                              /* 1: the short help also lists the option */
 };
 
@@ -34,7 +34,7 @@ struct option_row {
 /* Each macro fills in the parser, offset and allowed values of an option row. */
 #define FLAG(member) take_flag, FIELD(int, member)
 #define TEXT(member) take_text, FIELD(const char *, member)
-#define OUTPUT(member) take_output, FIELD(const char *, member)                 /* the option may be given once */
+#define OUTPUT(member) take_output, FIELD(const char *, member)
 #define INT(member, low, high) take_int, FIELD(int, member), low, high
 #define UINT32(member, low, high) take_uint32, FIELD(uint32_t, member), low, high
 #define UINT64(member, low, high) take_uint64, FIELD(uint64_t, member), low, high
@@ -46,8 +46,7 @@ struct option_row {
 #define POINT(member) take_point, FIELD(point_option, member), .expected = "three numbers X,Y,Z"
 #define COLOUR(member) take_colour, FIELD(colour_option, member), .expected = "six hex digits RRGGBB"
 #define CHOICE_FROM(first, member, words) take_choice, FIELD_OF_INT_SIZE(member), first, .choices = words
-#define CHOICE(member, words) CHOICE_FROM(0, member, words)                     /* the first word of `words` stands for
-                                                                                   0 */
+#define CHOICE(member, words) CHOICE_FROM(0, member, words)
 #define WORDS(...) ((const char *const[]){__VA_ARGS__, 0})
 #define ABOVE_0 0x1p-1074
 
@@ -68,24 +67,24 @@ int choice_of(const option_row *row, const char *value);
 
 typedef struct option_table {
     const option_row *rows;
-    size_t offset;                          /* offset of the table's fields in the command's options */
+    size_t offset;                          /* offset of a table's fields in the struct of options */
 } option_table;
 
 enum { TABLES_MOST = 10 };
 
 typedef struct command {
-    const char *name, *does;                /* name and short description of the subcommand */
+    const char *name, *does;
     int (*run)(int argc, char **argv);
     const char *about;                      /* beginning of the help text */
-    void (*more)(void);                     /* prints more help after the options; may be null */
+    void (*more)(void);                     /* prints more help after the options */
     const char *examples;                   /* example commands at the end of the help */
-    option_table tables[TABLES_MOST];       /* the last table is COMMON_TABLE */
+    option_table tables[TABLES_MOST];
 } command;
 
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
                      command_publish, command_make_scene, command_bench, command_demo, command_doctor;
 
-/* All commands of the program, ended by null. */
+/* All subcommands, ended by null. */
 extern const command *const *all_commands;
 
 extern const option_row common_rows[];
@@ -110,7 +109,7 @@ void print_table(const command *c);
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
 int parse_counts(const char *text, int count, int low, int high, int *out);
 int parse_size(const char *text, int *width, int *height);
-#define SIZE_EXPECTED "WxH, each 1 to 16384"                                   /* FXS_MAX_SIZE */
+#define SIZE_EXPECTED "WxH, each 1 to 16384"
 int parse_vector(const char *text, int count, double *out);
 
 #endif

@@ -162,7 +162,7 @@ int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *ca
 static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
 {
     char needed[64];
-    if (error == FXS_ERR_STOPPED)      /* the caller reports an abort */
+    if (error == FXS_ERR_STOPPED)
         return EXIT_FAILED;
     if (error == FXS_ERR_MEMORY && why->bytes_needed && r->max_memory)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu%s", view->name,
@@ -310,7 +310,6 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 
-/* Picks with the CPU back end if the renderer's back end cannot pick. */
 static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_result *result, fxs_message *why)
 {
     static const fxs_backend_options how;

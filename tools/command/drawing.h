@@ -11,7 +11,7 @@ enum { DRAW_MEAN_DEPTH = 1, DRAW_MEDIAN_DEPTH = 2, DRAW_IDS = 4 };
 
 /* A rendered picture. A stereo picture has the left eye in its left half. */
 typedef struct picture {
-    uint8_t *pixels;                        /* RGBA */
+    uint8_t *pixels;
     uint32_t *depths;                       /* depths in fixed point with depth_bits fraction bits */
     fxs_id *ids;
     size_t pixel_room, depth_room, id_room; /* allocated bytes */
@@ -26,12 +26,12 @@ typedef struct renderer {
     double stereo;                          /* distance of the eyes in scene units; 0: mono */
     size_t max_memory;
     enum fxs_format format;
-    int draws;                              /* DRAW_* flags; at most one kind of depth */
+    int draws;                              /* DRAW_* flags of the render targets */
     int mirrored;                           /* 1: mirrors the left eye's field of view for the right eye */
-    int has_scissor, scissor[4];            /* rendered part of the picture: x, y, width, height */
+    int has_scissor, scissor[4];
     foveate_options foveate;
     int shows_part;                         /* 1: renders a paged scene without its missing chunks */
-    int lost;                               /* 1: part of the last picture's scene cannot be read */
+    int lost;                               /* 1: a chunk of the scene cannot be read */
     fxs_message why_lost;
     int divisor;                            /* reduction of the picture's size relative to `foveate` */
     void *rings;
@@ -52,7 +52,6 @@ void renderer_close(renderer *r);
 /* Frees the back end's copies of a world's scenes. Call renderer_forget before closing the world. */
 void renderer_forget(renderer *r, const world *w);
 
-/* Computes the camera of a view, cropped to the scissor. */
 int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera);
 
 /* Renders into *out, which grows as needed. `stats` may be null. */

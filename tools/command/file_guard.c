@@ -11,10 +11,9 @@
 #include "src/base/system.h"
 #include "command.h"
 
-/* Identity of a regular file, existing or not. */
 typedef struct file {
     uint64_t device, inode;                 /* ids of the file, or of the folder of a missing file */
-    char *place;                            /* name of a missing file; else null */
+    char *place;                            /* file name of a missing file; else null */
     char *name;                             /* path of the output as given */
     int is_given;                           /* 1: named on the command line; 0: opened by the library */
 } file;
@@ -25,9 +24,9 @@ typedef struct file_list {
 } file_list;
 
 static struct {
-    pthread_mutex_t lock;                   /* several threads open files */
+    pthread_mutex_t lock;
     file_list read, written;
-    int incomplete;                         /* 1: memory ran out, and the lists lack a file */
+    int incomplete;                         /* 1: memory ran out, and a file is not listed */
     enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
@@ -170,7 +169,7 @@ int files_check(void)
     fxs_message message;
     if (known.incomplete)
         return fail(EXIT_FAILED, "out of memory");
-    for (size_t i = 0; i < written->count; i++)        /* in order of registration */
+    for (size_t i = 0; i < written->count; i++)
         if (check_output(&written->files[i], written->files[i].name, &message))
             return fail(EXIT_USAGE, "%s", message.text);
     if (written->count)

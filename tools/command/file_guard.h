@@ -16,7 +16,6 @@ int files_same(const char *one, const char *other);
 enum files_force { FILES_REFUSE, FILES_REFUSE_UNFORCED, FILES_FORCED };
 void files_force(enum files_force force);
 
-/* Checks the registered outputs. */
 int files_check(void);
 
 /* Forgets the registered outputs, so that the command can read them. */

@@ -12,7 +12,6 @@
 #include <fixsplat/kernels.h>
 #endif
 
-/* Parses a level of detail, or a list with a level for each file. */
 static int take_lod(const option_row *row, void *field, const char *value)
 {
     load_options *o = field;
@@ -281,7 +280,6 @@ static long cpu_flag(const char *name, size_t length)
     return -1;
 }
 
-/* Sets the instruction sets that --cpu leaves out. */
 static int choose_cpu(const char *list, unsigned *without)
 {
     unsigned allowed = 0;

@@ -11,22 +11,22 @@
 
 typedef struct foveate_options {
     int on;
-    int given;                              /* how many `numbers` are given: 0 (defaults), 2, 4 or 5 */
+    int given;                              /* number of elements of `numbers`: 0 (defaults), 2, 4 or 5 */
     double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
 } foveate_options;
 
 typedef struct frame_options {
-    const char *cameras, *view;             /* path of a camera file; names of its views */
-    int orbit, frames;                      /* frames of an orbit; frames of a path through the views */
+    const char *cameras, *view;
+    int orbit, frames;                      /* frames of an orbit, and of a path through the views */
     point_option eye, look, up;
     int auto_up;                            /* 1: finds the up direction in the scene */
-    int framed;                             /* 1: frames the whole scene */
+    int framed;                             /* 1: the camera frames the whole scene */
     double fov;                             /* field of view in degrees; 0: default */
     double ortho;                           /* height of an orthographic view in scene units; 0: perspective */
     double near;                            /* near plane in scene units; 0: default */
-    int lens;                               /* 1: applies the lenses of a camera file */
-    int panorama;                           /* 1: renders a panorama */
-    int width, height;                      /* size of the picture in pixels; 0: default */
+    int lens;
+    int panorama;
+    int width, height;
     int has_tangents;
     double tangents[4];                     /* field of view as tangents: left, right, up, down */
     double stereo;                          /* distance of the eyes in scene units; 0: mono */
@@ -41,7 +41,7 @@ typedef struct frame_options {
     world_options world;
 } frame_options;
 
-/* Option rows by topic. FRAME_TABLES lists all of them, for options with a member `frame`. */
+/* Option rows by topic. FRAME_TABLES lists all of them. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
 extern const option_row pool_rows[];
@@ -51,7 +51,6 @@ extern const option_row pool_rows[];
     {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \
     {load_rows, offsetof(options, frame.load)}
 
-/* Parsers of --size, --device and --threads. */
 take_option take_frame_size, take_devices, take_threads;
 
 extern const char *const cutoff_names[];

@@ -16,9 +16,10 @@
 #include "src/base/system.h"
 #include "file_guard.h"
 
-#define LARGE ((size_t)64 << 20)    /* smallest .fxs to be paged, bytes */
+#define LARGE ((size_t)64 << 20)    /* smallest .fxs file to be paged, in bytes */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* pictures and spare chunks that an automatic pool holds */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic pool: pictures and spare chunks
+                                                              */
 
 static int is_standard_input(const char *path)
 {
@@ -30,7 +31,7 @@ static const char *shown(const char *path)
     return is_standard_input(path) ? "standard input" : path;
 }
 
-/* Notes the dropped Gaussians. From 0.3 % on, adds their share of the scene by opacity and area. */
+/* Notes the dropped Gaussians, and their share of the scene from 0.3 % on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
     const uint64_t dropped = d->not_finite + d->rotation;

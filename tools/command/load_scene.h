@@ -17,9 +17,9 @@ int is_packed(const loaded_scene *loaded);
 
 typedef struct load_options {
     int lod;                                /* level of detail to read; 0: finest */
-    const char *lods;                       /* level of detail to read of each file; null: `lod` for all */
+    const char *lods;                       /* level of detail for each file; null: `lod` for all */
     int is_one_of_several;                  /* 1: a file with a single level ignores `lod` */
-    enum fxs_axes axes;                     /* coordinate axes of an .spz file */
+    enum fxs_axes axes;
     uint32_t threads;                       /* threads of the import; 0: one per processor */
     enum fxs_profile profile;
     int tree;                               /* 1: packs with a tree of levels of detail */
@@ -31,8 +31,8 @@ typedef struct load_options {
     const fxs_scene_filter *filter;         /* filter of the Gaussians, except of an .fxs; may be null */
     uint64_t decimate_count;                /* merges Gaussians down to a number; 0: no merging */
     double decimate_share;                  /* merges Gaussians down to a share of 0 to 1; 0: no merging */
-    uint64_t max_gaussians;                 /* largest number of Gaussians in an imported file */
-    size_t import_memory;                   /* largest memory of an import in bytes */
+    uint64_t max_gaussians;
+    size_t import_memory;
     int again;                              /* 1: does not repeat notes on left-out Gaussians */
     fxs_progress_fn *progress;              /* null: shows a bar on stderr */
     void *progress_argument;
@@ -51,17 +51,15 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 
-/* Prints a note if a scene is too wide for the precision of floats. */
 void note_coarse(const char *path, const fxs_scene_file_info *info);
 
-/* Prints a note about Gaussians that packing left out or moved. */
 void note_packed(const char *path, const fxs_pack_report *report);
 
 /* Opens a scene file to read its Gaussians as floats, with the filter of the options. Close *file with
    fxs_scene_file_close. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 
-/* The two steps of open_scene. filter_scene closes the file on failure. */
+/* open_scene calls these two steps. filter_scene closes the file on failure. */
 int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
 

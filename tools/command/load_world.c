@@ -52,7 +52,6 @@ static int find_scene(const world_options *o, const char *place, size_t length)
     return parse_count(name, 0, (uint64_t)o->scene_count - 1, &number) ? (int)number : -1;
 }
 
-/* Parses the numbers after the colon of --place. */
 static int parse_placement(const char *text, fxs_placement *p)
 {
     double numbers[8];

@@ -15,17 +15,16 @@ typedef struct world_options {
     int place_count;
 } world_options;
 
-/* Stores the scene files given to the subcommand `name`. */
 int take_scenes(world_options *options, const char *name, int count, char *const *scenes);
 
 /* Reads the --scene file or applies --place, without opening scenes. Free *placed with fxs_world_free. */
 int place_scenes(fxs_world *placed, const world_options *options);
 
 typedef struct world {
-    fxs_world placed;                       /* scene files and their placements */
+    fxs_world placed;
     loaded_scene *scenes;
     fxs_object *objects;
-    fxs_crop *crops;                        /* FXS_MAX_CROPS crops for each object */
+    fxs_crop *crops;                        /* FXS_MAX_CROPS crop boxes for each object */
     uint32_t count, gaussians;              /* number of objects; Gaussians of all objects */
     double low[3], high[3];                 /* bounds of the Gaussians' centres in visible objects */
     double inner_low[3], inner_high[3];     /* bounds of the centres without outliers */
@@ -35,7 +34,6 @@ typedef struct world {
 /* Loads the scenes. On failure nothing is to be closed. */
 int world_open(world *w, const world_options *options, const load_options *load);
 
-/* Loads a world of one unplaced scene. */
 int world_open_file(world *w, const char *path, const load_options *load);
 
 /* Opens all files of a world as one scene file to read in floats, with objects placed. `name` stands for the files
@@ -66,7 +64,6 @@ fxs_want_fn world_want;
 int world_turn(const world *w, fxs_pager_state *sum, fxs_message *message);
 int world_wait(const world *w, uint64_t nanoseconds);
 
-/* Closes a world, even if opening it failed. */
 void world_close(world *w);
 
 #endif

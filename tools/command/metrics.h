@@ -5,10 +5,10 @@
 #include <fixsplat/message.h>
 
 struct fxs_metrics {
-    double mse;    /* mean squared error, in colour levels of 0..255 */
+    double mse;    /* mean squared error in colour levels of 0..255 */
     double psnr;   /* PSNR in dB; infinity for equal images */
     double ssim;   /* mean structural similarity; 1: equal images */
-    int largest;   /* largest absolute difference, in colour levels of 0..255 */
+    int largest;   /* largest absolute difference in colour levels of 0..255 */
 };
 
 /* Compares the red, green and blue of RGBA images. SSIM follows Wang et al. 2004, with a Gaussian window of 11x11

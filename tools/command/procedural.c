@@ -77,7 +77,6 @@ static uint64_t mix(uint64_t x)
     return x ^ (x >> 31);
 }
 
-/* Converts the upper 53 bits to a fraction in [0, 1). */
 static double unit(uint64_t bits) { return (double)(int64_t)(bits >> 11) / 9007199254740992.0; }
 
 /* Returns random number k of a key, in [0, 1). */
@@ -115,7 +114,6 @@ static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *en
     return part;
 }
 
-/* Returns a cheap hash in -1..1 for noise. */
 static double lattice(uint64_t corner)
 {
     return (double)(int64_t)((corner ^ (corner >> 32)) * UINT64_C(0x94D049BB133111EB)) / 9223372036854775808.0;
@@ -267,8 +265,6 @@ static void finish(const splat *s, fxs_gaussian *out)
     for (int k = 0; k < 15; k++)
         store(out->sh + 3 * k, s->sh[k + 1]);
 }
-
-/* ---- Scene knot ---- */
 
 #define KNOT_SIZE 0.80
 #define KNOT_TUBE 0.50
@@ -423,8 +419,6 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Scene landscape ---- */
-
 #define LAND_RADIUS 64.0
 #define LAND_OCTAVES 6
 #define SNOW_LINE 4.6
@@ -557,7 +551,7 @@ static void reflect_in_lake(splat *s)
     s->position.y = -s->position.y;
     for (int k = 0; k < 3; k++)
         s->axis[k].y = -s->axis[k].y;
-    s->axis[1] = times(s->axis[1], -1);   /* keeps the axes right-handed */
+    s->axis[1] = times(s->axis[1], -1);
     for (int k = 0; k < 16; k++)
         s->sh[k] = times(s->sh[k], odd_in_y[k] ? -0.85 : 0.85);
 }
@@ -658,8 +652,6 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
     lay[part_of(i, count, seed, ends, &p)](&p, &s);
     finish(&s, out);
 }
-
-/* ---- Scene meadow ---- */
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
@@ -870,7 +862,7 @@ static void meadow_sky(place *p, splat *s)
 
 enum { STRAYS = 256 };
 
-/* Returns the distance of an outlier, measured in a capture: `rank` Gaussians are at least that far away. */
+/* Returns the distance of an outlier: `rank` Gaussians are at least that far away, as in a captured scene. */
 static double stray_distance(uint64_t rank)
 {
     static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
@@ -925,10 +917,8 @@ static void meadow(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Scene fence ---- */
-
-#define FENCE_REACH 4.0     /* half width of the fence in units */
-#define FENCE_DEPTH 2.8     /* depth of the grass on each side in units */
+#define FENCE_REACH 4.0
+#define FENCE_DEPTH 2.8
 
 /* Stretches a flat, round Gaussian to 5 to 40 times its width, at constant area. */
 static void stretch(splat *s, uint64_t key)
@@ -1019,8 +1009,6 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     lay[part_of(i, count, seed, ends, &p)](&p, &s);
     finish(&s, out);
 }
-
-/* ---- Scene mirrors ---- */
 
 #define BENCH_Y 1.2
 
@@ -1137,8 +1125,6 @@ static void mirrors(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* ---- Scene discs ---- */
-
 static void discs_ground(place *p, splat *s)
 {
     double x, z, sigma;
@@ -1211,8 +1197,6 @@ static vec lay_on_house(const house *h, double face, double u, double v, double 
     lay_flat(s, add(h->at, turned(h, at)), turned(h, normalise(normal)), turned(h, along), sigma, 0.96);
     return colour;
 }
-
-/* ---- Scene haze ---- */
 
 /* The scene tests rounding losses: opacities are a few steps of 1/255, and hundreds of Gaussians overlap. */
 #define SHORE_Y 1.6
@@ -1309,8 +1293,6 @@ static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gauss
     finish(&s, out);
 }
 
-/* ---- Scene site ---- */
-
 #define SITE_X 400.0
 #define SITE_Z 300.0
 #define BLOCK_X 80.0     /* distance between roads in units */
@@ -1329,7 +1311,6 @@ static enum block site_block(double x, double z, double *dx, double *dz)
     return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.8 ? FIELD : WORKS;
 }
 
-/* Returns the distance from the middle of a river of 18 units width. */
 static double site_river(double x, double z)
 {
     return fabs(z - 0.25 * x - 28 * sine(x / 310) - 14);
@@ -1379,7 +1360,6 @@ static void site_ground(place *p, splat *s)
     add_site_light(s, site_colour(x, z, p->key), p->key);
 }
 
-/* Makes the house on a lot. Returns 0 for an empty lot. */
 static int site_house(uint64_t lot, uint64_t key, house *h)
 {
     static const vec tiles[] = {
@@ -1523,7 +1503,6 @@ static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Makes a lattice of balls, from 1/1000 of the spacing to more than the spacing. */
 static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t side = lattice_side(count, 3), key = key_of(seed, i);

@@ -13,14 +13,13 @@ typedef struct fxs_procedural_scene {
     const char *name;
     const char *description;
     int sh_degree;             /* degree of the spherical harmonics, 0 to 3 */
-    uint64_t count;            /* default number of Gaussians */
+    uint64_t count;
     /* Writes Gaussian i, 0 <= i < count, of a scene with `count` Gaussians, at most 2^40. */
     void (*gaussian)(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out);
 } fxs_procedural_scene;
 
 const fxs_procedural_scene *fxs_procedural_list(size_t *count);
 
-/* Returns the scene with a name; null: not found. */
 const fxs_procedural_scene *fxs_procedural_find(const char *name);
 
 #endif

@@ -35,8 +35,7 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
             return EXIT_FAILED;
     }
     if (anew || !was_packed)
-        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* a newly packed scene is
-                                                                                          writable */
+        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
     return 0;
 }
 

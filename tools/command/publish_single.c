@@ -33,7 +33,6 @@ static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
     }
 }
 
-/* Writes gzip in base64. */
 static int write_packed(FILE *file, const void *bytes, size_t size)
 {
     z_stream stream = {0};
@@ -93,7 +92,7 @@ static int carry_file(carrier *c, const char *name)
 }
 
 typedef struct carried {
-    const char *inside;            /* folder of the files: "" or "viewer/" */
+    const char *inside;
     char names[CARRIED_MOST][CARRIED_NAME];
     int count, fits;
 } carried;

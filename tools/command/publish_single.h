@@ -5,10 +5,10 @@
 #include "frame_options.h"
 
 typedef struct single_page {
-    const char *package;           /* path of the npm package */
+    const char *package;
     const char *title;
     const char *scene;
-    const char *name;              /* displayed name of the scene */
+    const char *name;
     char *const *words;
     int has_profile;               /* 1: packs an .fxs again in the options' profile */
 } single_page;

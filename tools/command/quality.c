@@ -17,7 +17,7 @@ typedef struct pair {
     fxs_float_scene *floats[2];             /* null for a scene that is rendered packed */
     enum fxs_cutoff original_cutoff;
     double nudge_below;
-    picture pictures[3];                    /* pictures of the scene, original and nudged original */
+    picture pictures[3];
 } pair;
 
 static int read_floats(fxs_float_scene **floats, const pair *p, const float_files *files, uint32_t threads)

@@ -7,7 +7,7 @@
 
 typedef struct quality_view {
     char name[128];
-    long index;                     /* number of the view in the camera file */
+    long index;
     int width, height;
     struct fxs_metrics metrics;
     double affine_psnr;             /* PSNR after an affine map of colours, valid with has_affine */
@@ -19,11 +19,11 @@ typedef struct quality {
     long count;
     double psnr, ssim;              /* mean PSNR of differing views; mean SSIM */
     double worst_psnr, worst_ssim;  /* lowest PSNR and SSIM of all views */
-    long worst_view;                /* index of the view with the lowest PSNR */
+    long worst_view;
     long nudged_view;               /* index of the view with the least nudged_psnr - psnr */
-    int has_nudged;                 /* 1: views have nudged_psnr */
-    int has_affine;                 /* 1: views show photographs, and have affine_psnr */
-    double affine_psnr, worst_affine_psnr; /* mean and lowest value over the views */
+    int has_nudged;
+    int has_affine;                 /* 1: views show photographs */
+    double affine_psnr, worst_affine_psnr;
 } quality;
 
 typedef struct float_files {

@@ -45,17 +45,17 @@ typedef struct drawn_view {
     fxs_message why;
     fxs_stats stats;
     uint64_t hash;
-    double range;                           /* largest depth in the written file */
+    double range;
     fxs_encoded encoded;
     char depth_name[4096];
 } drawn_view;
 
-enum { DRAWN_MOST = 64 };                   /* most views in a round */
+enum { DRAWN_MOST = 64 };
 
 /* A round has a picture for each thread. Its pictures are written while the next round is rendered. */
 typedef struct drawn_round {
     drawn_view *drawn;
-    long first, count;                      /* first view and number of views */
+    long first, count;
     pthread_t writer;
     int writing;                            /* 1: the writer thread must be joined */
 } drawn_round;
@@ -72,11 +72,11 @@ typedef struct batch {
     int devices;
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
-    long round_most;                        /* number of views in a round */
+    long round_most;
     enum fxs_image_format encoding;
     fxs_film *film;                         /* film output; null: a file for each view */
-    int failed;                             /* 1: a failure was reported */
-    int unexpected;                         /* 1: a view differed from its expected picture */
+    int failed;
+    int unexpected;                         /* 1: a view differs from its expected picture */
 } batch;
 
 typedef struct round_of_batch {
@@ -344,9 +344,9 @@ static void draw_round(batch *b, drawn_round *round, long first)
     round->first = first;
     round->count = b->view_count - first < b->round_most ? b->view_count - first : b->round_most;
     for (long i = 0; i < round->count; i++)
-        round->drawn[i].status = EXIT_FAILED;   /* status until the view is rendered */
+        round->drawn[i].status = EXIT_FAILED;
     if (b->devices == 1)
-        draw_views(&argument, 0);               /* on this thread, which owns the GL context */
+        draw_views(&argument, 0);               /* the GL context belongs to this thread */
     else
         fxs_pool_run(b->pool, draw_views, &argument, (uint32_t)(round->count < b->devices ? round->count : b->devices));
     for (long i = 0; i < round->count; i++)
@@ -397,7 +397,6 @@ static int check_patterns(const batch *b, int film)
     return 0;
 }
 
-/* Registers the input and output files of a view. */
 static void tell_files(const batch *b, int film, long index)
 {
     const render_options *o = b->o;

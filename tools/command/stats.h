@@ -9,7 +9,7 @@ enum { STATS_BINS = 40, STATS_MOST = 13 };
 typedef struct attribute_stats {
     const char *name;
     uint64_t count, not_finite;             /* numbers of finite values and of other values */
-    double least, median, mean, most;       /* statistics of the finite values */
+    double least, median, mean, most;
     uint64_t bins[STATS_BINS];              /* histogram with equal bins from `least` to `most` */
 } attribute_stats;
 

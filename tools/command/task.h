@@ -10,11 +10,11 @@
 
 enum { TASK_LINE = 512, TO_INSTALL = 64 };
 
-#define TO_PATH ", in a folder of PATH"      /* hint where to put a missing program */
+#define TO_PATH ", in a folder of PATH"
 
 typedef struct task task;
 struct task {
-    const char *of;                /* path of the input, for messages */
+    const char *of;
     const char *log_name;
     FILE *log;
     const char *doing;             /* name of the current step, such as "looking for features" */
@@ -22,7 +22,7 @@ struct task {
     void *argument;
     char line[TASK_LINE];
     size_t length;
-    uint64_t start, shown;         /* start of the step and last shown progress, nanoseconds */
+    uint64_t start, shown;         /* start of the step and last shown progress in nanoseconds */
 };
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));

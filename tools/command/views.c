@@ -10,7 +10,7 @@
 #include <fixsplat/renderer.h>
 #include "src/camera/lens_file.h"
 
-enum { VIEWS_MOST = 100000 };   /* longest list of views */
+enum { VIEWS_MOST = 100000 };
 
 /* Parses a number from 0 to count - 1. Returns the text after the number; null: invalid. */
 static const char *take_view(const char *text, long count, long *number)
@@ -22,7 +22,6 @@ static const char *take_view(const char *text, long count, long *number)
     return *number < count ? end : 0;
 }
 
-/* Parses a part of a list: 8, 8..40 or 40..8. */
 static const char *take_part(const char *text, long count, long *first, long *last)
 {
     text = take_view(text, count, first);
@@ -225,7 +224,7 @@ static long views_of_file(const frame_options *options, fxs_file_view **views, f
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
     const double *up = options->up.at;
-    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* a horizontal axis */
+    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;
     for (int i = 0; i < 3; i++)
         target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
 }
@@ -344,7 +343,6 @@ static int make_level(fxs_file_view *view, const frame_options *options, fxs_mes
     return 0;
 }
 
-/* Applies the options to a view. Checks that a camera file's view can be rendered. */
 static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
 {
     fxs_camera camera;

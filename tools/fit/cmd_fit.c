@@ -15,7 +15,7 @@ static const char *const qualities[] = {"draft", "good", "best", 0};
 static const struct {
     enum fxs_fit_recipe recipe;
     uint32_t steps;
-    int resolution;                 /* largest side of photographs in pixels; 0: default */
+    int resolution;
 } by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
 static const char *const exposures[] = {"none", "gain", "affine", 0};
 static const char *const alphas[] = {"compose", "ignore", 0};

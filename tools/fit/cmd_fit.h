@@ -13,17 +13,17 @@ typedef struct fit_command {
     fit_log *log;
     char *found;                    /* folder of reconstructed cameras, or null */
     uint32_t frames;
-    int quality;                    /* row of by_quality, if --quality is given */
+    int quality;
     int cameras_only, crops;
     char *saved;                    /* path of the saved fit, OUT.fit */
-    int saves_itself;               /* 1: --resume names OUT.fit itself */
+    int saves_itself;               /* 1: --resume names the fit's own save, OUT.fit */
     uint32_t block, blocks;         /* number of a block, and number of blocks; 0: no blocks */
     uint64_t save_every, metrics_every;   /* interval in steps; 0: never */
     int preview;
     uint64_t port;
     const fit_watcher *watcher;     /* shows the fit while it runs; null: no preview */
     int json;
-    char **argv;                    /* command line, for printing the command that resumes */
+    char **argv;
 } fit_command;
 
 extern const char *const fit_recipes[];

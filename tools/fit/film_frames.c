@@ -18,7 +18,7 @@ typedef struct frames {
     task *t;
     unsigned char grey[SIDE * SIDE];
     size_t filled;
-    uint64_t *sharpness;           /* sharpness of each frame */
+    uint64_t *sharpness;
     size_t count, room;
     int no_memory;
     int is_damaged;                /* 1: the film ends early */
@@ -89,7 +89,6 @@ static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_patte
     name[*path ? 0 : length] = 0;
 }
 
-/* Scores all frames, up to a damage of the film. */
 static int look_at_film(frames *f, const char *film)
 {
     char input[TASK_PATH];
@@ -201,7 +200,7 @@ int film_frames(task *t, const char *film, size_t wanted, const char *folder)
         return fail(EXIT_FAILED, "out of memory");
     f->t = t;
     int status = look_at_film(f, film);
-    /* every tenth frame, but 60 to 300 */
+    /* takes every tenth frame, but 60 to 300 frames */
     wanted = wanted ? wanted : f->count / 10 < 60 ? 60 : f->count / 10 > 300 ? 300 : f->count / 10;
     wanted = wanted < f->count ? wanted : f->count;
     char *filter = status ? 0 : select_frames(f, wanted);

@@ -9,7 +9,7 @@
 #include "src/base/system.h"
 #include "fit_result.h"
 
-/* Thresholds of the mean PSNR of held-out photographs, dB. */
+/* Least mean PSNR in dB of held-out photographs for each verdict. */
 static const struct {
     double least;
     const char *words;
@@ -20,10 +20,10 @@ static const struct {
     {-INFINITY, "Poor: from new places it does not look like the photographs"}
 };
 
-/* Differences in dB above which a sentence names the cause. */
+/* Differences of PSNR in dB above which a sentence names the cause. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
-#define LEAST_OF_EXPOSED 22        /* PSNR after the affine map, dB; below, exposure is not the cause */
+#define LEAST_OF_EXPOSED 22        /* least PSNR in dB at which exposure may be the cause */
 
 static const char *words_for(double psnr)
 {
@@ -109,7 +109,6 @@ static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_pho
     return 0;
 }
 
-/* Prints milliseconds per step, averaged over the reported steps. */
 static void print_json_stages(const fit_progress *p)
 {
     static const char *const names[FIT_STAGES] = {"project", "bin", "blend", "loss", "back", "update"};

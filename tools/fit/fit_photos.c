@@ -23,7 +23,6 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
          photos->held_out_count, width, height, begins);
 }
 
-/* Notes a photograph that was left out, unless the reconstruction has already reported it. */
 static void say_left_out(void *argument, const char *why)
 {
     const fit_command *c = argument;
@@ -247,7 +246,7 @@ static int find_cameras(fit_command *c)
         return status;
     c->in = c->found;
     if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* masks of the found folder replace the given masks */
+        c->reading.masks = 0;      /* masks of the reconstructed folder replace the given masks */
     c->reading.invert_masks = 0;
     return 0;
 }

@@ -11,9 +11,9 @@ enum { FIT_STAGES = 6 };
 
 typedef struct fit_progress {
     uint32_t first, steps;          /* first step of this run; number of all steps */
-    uint32_t counted, reports;      /* last counted step; number of reports */
+    uint32_t counted, reports;
     uint32_t saved;                 /* step of the saved fit; 0: not saved */
-    uint64_t start, last, shown;    /* start of the run, last step and last output, nanoseconds */
+    uint64_t start, last, shown;    /* nanoseconds at the start, last step and last output */
     size_t gaussians;
     double pace, loss;              /* running means of seconds per step and of the loss */
     uint64_t stages[FIT_STAGES];    /* nanoseconds per stage, summed over the reports */
@@ -29,9 +29,9 @@ double fit_progress_seconds(const fit_progress *progress);
 /* A log of a fit, with a tab-separated line at every hundredth of the steps and at every measurement. A failed write
    ends the log. */
 typedef struct fit_log {
-    const char *name;              /* path; null: no log */
+    const char *name;              /* path of the log; null: no log */
     FILE *file;
-    uint32_t every;                /* steps between two lines */
+    uint32_t every;
 } fit_log;
 
 /* Opens a log without emptying it. */
@@ -40,7 +40,6 @@ int fit_log_open(fit_log *log, const char *name);
 /* Call before the first of `steps` steps. goes_on 1: appends to the log of a resumed fit; 0: empties the file. */
 void fit_log_begin(fit_log *log, int goes_on, uint32_t steps);
 
-/* True if the log needs a line for the step. */
 int fit_log_wants(const fit_log *log, uint32_t step);
 
 /* Writes a line for the last counted step. `measured` may be null. */

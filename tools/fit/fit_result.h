@@ -8,13 +8,12 @@
 /* Checks that an output's file ending is known, and that the output can be written. */
 int result_check(const char *out);
 
-/* Checks that an output can be written. */
 int result_check_place(const char *out);
 
 typedef struct fit_result {
     fxs_packed_scene packed;
     fxs_pack_report report;
-    size_t bytes;                           /* size of the written file */
+    size_t bytes;
     quality quality;                        /* quality against the held-out photographs, or against all */
 } fit_result;
 

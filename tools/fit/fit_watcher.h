@@ -13,7 +13,6 @@ typedef struct fit_now {
 
 /* All callbacks run on one thread, starting with open and begin. A failure after open does not stop the fit. */
 typedef struct fit_watcher {
-    /* Runs before photographs are read. */
     int (*open)(const char *out, uint64_t port);
 
     /* Runs before the first step. `photos` stay valid until `written`. measures 1: the watcher measures the scene
@@ -23,7 +22,6 @@ typedef struct fit_watcher {
 
     void (*look)(fxs_fit *fit, const fit_now *now);
 
-    /* Runs after a measurement of the scene against its photographs. */
     void (*measured)(uint32_t step, const quality *q);
 
     /* Runs after the scene was written. `measured` is the scene, uncropped. The callback sets the start views and

@@ -65,7 +65,7 @@ int photographs_list(photographs *p, const char *path)
 }
 
 typedef struct conversion {
-    const char *folder, *to, *const *names;        /* source folder, target folder, file names */
+    const char *folder, *to, *const *names;
     fxs_message messages[BATCH];
     int errors[BATCH];
 } conversion;

@@ -25,7 +25,7 @@ int photo_folder_make(task *t, const photographs *p, const char *from, const cha
 int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PATH]);
 
 typedef struct photograph_look {
-    const char *masks;             /* folder of the masks, or empty */
+    const char *masks;
     int masks_are_inverse, skip_bad;
 } photograph_look;
 

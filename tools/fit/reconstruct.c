@@ -33,7 +33,7 @@ typedef struct work {
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
-    uint64_t looked_at;            /* number of photographs with features */
+    uint64_t looked_at;
     uint32_t points;               /* points of the model; mean error in pixels; 0: unknown */
     double error;
 } work;
@@ -114,7 +114,6 @@ static int link_photographs(work *w)
     return status;
 }
 
-/* Writes an inverted mask in black and white: white where the photograph counts. */
 static int write_inverse(const char *from, const char *to)
 {
     uint8_t *rgba;
@@ -282,7 +281,6 @@ static int map_cameras(work *w, const char *models)
     return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
 }
 
-/* Returns the number of photographs in a model, from the head of images.bin. */
 static uint64_t size_of_model(const char *models, const char *name)
 {
     char path[TASK_PATH], folder[TASK_PATH];

@@ -5,11 +5,11 @@
 #include <stdint.h>
 
 typedef struct reconstruct_options {
-    const char *in;                /* path of a film, or of a folder of photographs */
+    const char *in;
     const char *out;               /* output of the fit; cameras go to the folder OUT.cameras */
     uint32_t frames;               /* number of frames to take of a film; 0: automatic */
     uint32_t threads;
-    int skip_bad;                  /* 1: leaves out unreadable photographs */
+    int skip_bad;
     const char *masks;             /* folder of masks; empty: none; null: IN/masks if it exists */
     int invert_masks;              /* 1: masks are white where a photograph is ignored */
 } reconstruct_options;

@@ -1,4 +1,4 @@
-/* The files and folders that a command has made, to be removed if the command fails. */
+/* Files and folders that a command has made, to be removed if the command fails. */
 #ifndef MADE_LIST_H
 #define MADE_LIST_H
 

@@ -80,7 +80,6 @@ int is_folder_of_scenes(const char *path)
     return is_folder(path) && !fxs_scene_format_of(path, 0) && !is_scene_of_files(path);
 }
 
-/* Suggests fixsplat fit for a folder of photographs. */
 static int fail_without_scene(const char *path)
 {
     fxs_printed command;

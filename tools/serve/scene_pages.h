@@ -7,7 +7,6 @@
 /* Prints a format with %s conversions only. The inserted texts are escaped for HTML. */
 void print_html(FILE *file, const char *format, ...);
 
-/* Prints the page up to the start of its body. */
 void print_page_head(FILE *file, const char *title);
 
 /* Print a list of scenes: print_list_head once, then print_listed for each scene. `picture` may be null. */

@@ -19,7 +19,7 @@
 typedef struct site {
     fxs_http_site served;
     fxs_http_file *files;
-    const char **starts;                    /* start pages of the list and of each scene */
+    const char **starts;
     scene_list list;
     served_options how;
     served_scenes *scenes;
@@ -202,7 +202,6 @@ static void tell(void *self, const char *address, int is_local)
     printf("%s/\n", address);
 }
 
-/* Opens a browser and prints a QR code if standard output is a terminal. */
 static void tell_people(const told *t, const view_options *o)
 {
     const int is_terminal = fxs_is_terminal(stdout);

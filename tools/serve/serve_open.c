@@ -16,7 +16,6 @@ static int is_dark(const QRcode *code, int x, int y)
     return x >= 0 && y >= 0 && x < code->width && y < code->width && (code->data[y * code->width + x] & 1);
 }
 
-/* Prints two rows of modules per line of text, white on black. */
 static void print_code(const QRcode *code)
 {
     const int is_coloured = fxs_terminal_takes_codes(stdout);

@@ -24,16 +24,16 @@
 enum {
     SCENE_SECONDS = 3,              /* least time between two packed scenes */
     SHARE = 40,                     /* packing and measuring take at most 1/SHARE of the time each */
-    POINTS = 20,                    /* number of points of the quality curve */
-    MEASURED_MOST = 4,              /* number of photographs that measure a point of the curve */
+    POINTS = 20,
+    MEASURED_MOST = 4,              /* most photographs that measure a point of the quality curve */
     PAGE_SECONDS = 3,               /* a page without requests for that long is closed */
     GOODBYE_SECONDS = 5             /* longest wait at the end for a page to load the last scene */
 };
 
 /* A served file that is replaced from time to time. */
 typedef struct live_file {
-    int descriptor;                 /* descriptor of the current version; -1: no version yet */
-    uint32_t asked;                 /* number of requests for the current version */
+    int descriptor;
+    uint32_t asked;
     uint64_t asked_at;
 } live_file;
 
@@ -49,21 +49,21 @@ static struct preview {
     fxs_http_site site;
     fxs_http_file files[FILES];
     char folder[PAGE_PATH];
-    pthread_mutex_t lock;           /* guards `live` */
+    pthread_mutex_t lock;           /* the lock guards `live` */
     live_file live[FILES];
 
     const char *out, *state;
     int has_failed;
     int is_written;
-    const fxs_photos *photos;       /* valid until the final scene is written */
+    const fxs_photos *photos;       /* photographs are valid until the final scene is written */
     int held_out;
     frame_options frame;
     fxs_photos few;                 /* photographs measured for each point of the quality curve */
     fit_now now;
-    uint64_t began, told, packed;   /* start of the fit, last served numbers, last served scene, ns */
+    uint64_t began, told, packed;   /* nanoseconds: start of the fit, last numbers, last scene */
     uint64_t spent_on_scenes, spent_on_points;
     uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
-    uint32_t measured;              /* last measured step */
+    uint32_t measured;
     point *points;
     size_t point_count, point_room;
     quality result;                 /* final quality over all photographs, without single views */
@@ -359,7 +359,6 @@ static void tell_stopped(void)
     tell(&preview);
 }
 
-/* Waits until an open page has loaded the last scene. */
 static void wait_for_page(struct preview *p)
 {
     const uint64_t end = fxs_clock(0) + GOODBYE_SECONDS * SECOND;

@@ -15,8 +15,8 @@
 #include "serve.h"
 
 #define SECOND ((uint64_t)1000000000)
-#define SETTLED (SECOND * 3 / 4)            /* a file unchanged for that long is complete */
-#define LOOKS (5 * SECOND)                  /* a page with a request within that time is open */
+#define SETTLED (SECOND * 3 / 4)            /* nanoseconds without a change after which a file is complete */
+#define LOOKS (5 * SECOND)                  /* nanoseconds since the last request of a page that is open */
 #define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes of packed scenes that no page shows */
 enum { SMALL = 64 };                        /* files of fewer bytes per Gaussian are sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
@@ -33,19 +33,19 @@ static const char *const state_names[] = {"waits", "packs", "ready", "failed", "
 typedef struct served_scene {
     served_scenes *all;
     const char *given;
-    char *path;                             /* absolute path with links resolved */
+    char *path;
     char *names[FILES];                     /* addresses of the versions, the facts and the picture */
     int number, is_twice;                   /* 1: another scene has the same file name */
     fxs_file_facts taken, seen;             /* file facts when served, and at the last check */
     uint64_t seen_at;
 
-    /* Guarded by the lock: */
+    /* Fields that the lock guards: */
     enum scene_state state;
     int descriptors[VERSIONS];              /* descriptors of the versions, NONE or AS_IT_LIES */
     int picture;                            /* descriptor of the picture or NONE */
     uint64_t kept;                          /* bytes of the packed temporary file */
     uint32_t version;                       /* version from 1; 0: none yet */
-    double done;                            /* progress of packing, 0 to 1 */
+    double done;
     uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
     char words[256];
 } served_scene;
@@ -195,7 +195,7 @@ static int is_one_file(const char *path)
 }
 
 typedef struct first_look {
-    int is_fxs, is_sent;                    /* 1: the file is sent unpacked */
+    int is_fxs, is_sent;                    /* 1: the scene's file is sent unpacked */
 } first_look;
 
 static int look_first(const char *path, const load_options *o, first_look *look)
@@ -263,8 +263,7 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
         t->picture = picture_of(s, scene);
     if (look->is_sent)
         return 0;
-    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* a newly packed scene is writable
-                                                                                      */
+    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
     t->kept = scene->opened->bytes;
     t->descriptor = keep(scene->opened->data, scene->opened->bytes);
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
@@ -480,8 +479,7 @@ int scenes_add(served_scenes *all, const char *path, int is_sure)
     find_twins(all, s);
     if (name_scene(s, look.is_sent))
         return EXIT_FAILED;
-    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* a scene that is sent unpacked is
-                                                                                        ready at once */
+    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;
 }
 
 const char *scenes_address(const served_scenes *all, int scene)

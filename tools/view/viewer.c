@@ -101,7 +101,7 @@ static void keep_recent(loading *l)
         note("recent scenes are not kept: %s", message.text);
 }
 
-/* Runs on the thread that loads chunks. */
+/* Runs on the thread that loads chunks of the scene. */
 static void note_arrived(void *viewer_)
 {
     viewer *v = viewer_;
@@ -109,7 +109,6 @@ static void note_arrived(void *viewer_)
         fxs_window_wake();
 }
 
-/* Stores the error message, with the path shortened to its last component. */
 static void note_why(loading *l)
 {
     const world_options *given = &l->options.world;
@@ -416,7 +415,7 @@ static void leave(viewer *v, int key)
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key, of_scene;                  /* 1: ignored without a scene */
+        int key, of_scene;                  /* 1: the key is ignored without a scene */
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
                 {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
@@ -703,7 +702,8 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* before the window, which pagers wake */
+    world_close(&v->world);                             /* closed before the window, since its threads wake the window
+                                                           */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

@@ -10,7 +10,7 @@
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };
-enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames per second; largest number of frames in a film */
+enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames per second of a film; most frames of a film */
 
 /* A crop box in world units. While `on`, only Gaussians with their centre inside are drawn. */
 typedef struct crop_box {
@@ -27,11 +27,11 @@ typedef struct request {
     fxs_file_view view;
     fxs_options render;
     int divisor, x, y;
-    int moves, shows_part;                  /* 1: the camera moves; 1: renders without missing chunks */
+    int moves, shows_part;                  /* flags: the camera moves; missing chunks are left out */
     enum viewer_picture shown;
     crop_box crop;
     int status;
-    char path[4096];                        /* path of the written file */
+    char path[4096];
     int unwritten;
     fxs_message message;
     fxs_stats stats;
@@ -43,41 +43,41 @@ enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024, BUDGET_LEAST = 4096 };
 /* A scene being opened by the loader's thread. The results are valid once that thread is idle. */
 typedef struct loading {
     int on;
-    char *path, *next;                      /* dropped file or null; file to open next */
+    char *path, *next;                      /* path of a dropped file or null; path of the file after it */
     char why[256];
     frame_options options;
     world world;
     fxs_file_view *views;
     long count, index;
     int status;
-    int unkept;                             /* number of failures to store the list of recent scenes */
+    int unkept;
 } loading;
 
 struct viewer {
-    frame_options options;                  /* options of the command line, changed by keys */
+    frame_options options;
     const char *screenshot;                 /* output path; null: fixsplat-001.png and so on */
     fxs_window *window;
     fxs_words *words;                       /* text renderer; null: no font */
     fxs_worker *drawer, *loader;
 
     request requests[REQUESTS_MOST];
-    int request_count, given;               /* queued requests; 1: the first is in progress */
+    int request_count, given;               /* length of the queue; 1: the first request is in progress */
     renderer renderer;                      /* owned by the renderer's thread while requests wait */
-    frame_options opened;                   /* options that `renderer` was opened with */
-    int cropped;                            /* 1: a crop box is applied to the objects */
+    frame_options opened;
+    int cropped;
     picture drawn;
-    picture picture;                        /* last rendered frame */
+    picture picture;
     fxs_file_view seen;                     /* view of the last frame; width 0: no frame yet */
 
     loading loading;
     int installing;                         /* 1: loaded scenes will replace the current scenes */
-    fxs_recent recent;                      /* scenes that the empty window lists */
-    int recent_marked;                      /* recent scene under the pointer; -1: none */
+    fxs_recent recent;
+    int recent_marked;                      /* index of the recent scene under the pointer; -1: none */
     char *path;                             /* path of the scene; null: no scene */
     world world;
-    fxs_file_view *views;                   /* views of the camera file, or the start view */
-    long view_count, index;                 /* number of views; the view that the camera started from */
-    double (*points)[3];                    /* sample of the scene's positions */
+    fxs_file_view *views;
+    long view_count, index;                 /* number of views; view that the camera started from */
+    double (*points)[3];
     int point_count;
 
     fxs_file_view view;
@@ -85,32 +85,32 @@ struct viewer {
     double distance;                        /* distance from the camera to its pivot, scene units */
     double radius, speed;                   /* radius of the scene in units; relative speed of flight */
 
-    int changed, moving, exposed;           /* 1: needs a frame; 1: the camera moves; 1: needs a repaint */
-    int flying, coarse;                     /* 1: a flight key is down; 1: the last frame was reduced */
+    int changed, moving, exposed;           /* flags: needs a frame; the camera moves; needs a repaint */
+    int flying, coarse;                     /* flags: a flight key is down; the last frame was reduced */
     int divisor;                            /* reduction of the picture while the camera moves */
     enum viewer_picture shown;
-    uint64_t clock, moved;                  /* times of the last step and the last motion, nanoseconds */
-    uint64_t hint;                          /* time when the hint disappears; 0: no hint */
+    uint64_t clock, moved;                  /* times of the last step and the last motion in nanoseconds */
+    uint64_t hint;                          /* time when the hint disappears in nanoseconds; 0: no hint */
 
     enum viewer_film film;
     fxs_file_view *way;                     /* recorded path of the camera, at most FILM_MOST views */
     int way_count;
-    uint64_t filmed;                        /* time of the next film frame, nanoseconds */
+    uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 
     crop_box crop;
-    int face, dragged;                      /* face under the pointer or CROP_NONE; 1: being dragged */
-    int crop_written;                       /* 1: a cropped scene is being written */
+    int face, dragged;                      /* face under the pointer or CROP_NONE; dragging flag */
+    int crop_written;
 
     int graph, help, rate, light, quit, status;
-    int measuring, ends;                    /* 1: measures distances; number of picked ends */
+    int measuring, ends;                    /* flag of measuring distances; number of picked ends */
     double end[2][3];
     fxs_frame_times times;
     uint32_t gaussians, missing;            /* Gaussians of the last frame; chunks not loaded yet */
     int arrived;                            /* 1: chunks were loaded; set atomically by another thread */
-    int lost;                               /* 1: a read error was reported */
+    int lost;
     double rate_wanted;                     /* wanted frames per second; 0: fixed budget of Gaussians */
-    uint64_t slider;                        /* time when the budget's slider disappears; 0: hidden */
-    char note[256];                         /* message shown in the window; empty: none */
+    uint64_t slider;                        /* time when the slider disappears in nanoseconds; 0: hidden */
+    char note[256];
 };
 
 /* Opens a window that shows the scenes of the options, or waits for a dropped scene. `screenshot` may be null. *v
@@ -136,9 +136,9 @@ void ask_screenshot(viewer *v);
 void ask_backend(viewer *v);
 void ask_focus(viewer *v, double x, double y);
 void ask_film(viewer *v);
-void ask_end(viewer *v, double x, double y);         /* picks an end of the measured distance */
+void ask_end(viewer *v, double x, double y);
 void ask_crop(viewer *v);
-int ask_install(viewer *v);                          /* replaces the current scenes by the loaded scenes */
+int ask_install(viewer *v);
 
 /* Finishes the request that the renderer's thread has completed, and starts the next request. */
 void viewer_collect(viewer *v);
@@ -181,7 +181,6 @@ const char *viewer_file_name(const char *path);
 /* Returns the recent scene listed at a window position; -1: none. */
 int viewer_recent_at(const viewer *v, double x, double y);
 
-/* Shows the last frame with panels over it. */
 int viewer_show(viewer *v);
 
 #endif

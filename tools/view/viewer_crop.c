@@ -90,7 +90,6 @@ static int intersect(fxs_world_crop *crop, const fxs_world_crop *box)
     return common;
 }
 
-/* Cuts the crops of a placement by the box. Hides the object if nothing is left. */
 static void crop_placement(fxs_placement *p, const crop_box *crop)
 {
     const fxs_world_crop box = box_in(p, crop);

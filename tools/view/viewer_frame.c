@@ -30,7 +30,6 @@ static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int hei
     return view;
 }
 
-/* Returns the view of an eye, at the window's size divided by `divisor`. */
 static fxs_file_view fit_view(const viewer *v, int divisor)
 {
     int width, height;
@@ -104,7 +103,6 @@ void ask_open(viewer *v)
     ask(v, open_renderer, end_without, 1);
 }
 
-/* Opens the next available back end, possibly the current one. */
 static void open_next(viewer *v, request *r)
 {
     int now = 0, count = 0;
@@ -178,7 +176,7 @@ static void render(viewer *v, request *r)
 
 static void take_frame(viewer *v, request *r)
 {
-    if (r->status && fxs_worker_stopped(v->drawer))     /* aborted in favour of the next frame */
+    if (r->status && fxs_worker_stopped(v->drawer))     /* a newer frame has stopped this one */
         return;
     if (r->status) {
         tell(v, "not rendered: see the terminal");
@@ -283,7 +281,6 @@ static void print_eyes(const viewer *v)
         printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
 }
 
-/* True if the view is a camera file's view, apart from its size. */
 static int is_of_file(const viewer *v, const fxs_file_view *view)
 {
     const fxs_file_view *start = &v->views[v->index];
@@ -504,7 +501,7 @@ static void ask_pick(viewer *v, void (*done)(viewer *, request *), double x, dou
     request *r = ask(v, pick, done, 1);
     if (!r)
         return;
-    x = fmod(x, r->view.width);              /* maps both eyes to the same view */
+    x = fmod(x, r->view.width);
     r->x = (int)fmax(x, 0);
     r->y = (int)fmin(fmax(y, 0), r->view.height - 1);
 }

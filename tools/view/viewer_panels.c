@@ -8,7 +8,7 @@
 #include "tools/command/cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: font size in pixels */
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: smallest font size in pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
@@ -48,12 +48,10 @@ typedef struct key_line {
     char key[32], does[96];
 } key_line;
 
-/* Layout of a list on a panel in pixels. */
 typedef struct key_table {
     int size, line, pad, rows, columns, key_width, column_width, width, height, left, top;
 } key_table;
 
-/* Uses the fewest columns that fit the window's height. */
 static key_table lay_out(const panels *p, const key_line *lines, int count, int size)
 {
     key_table t = {.size = size, .pad = size};
@@ -296,7 +294,7 @@ static void add_crop(panels *p, const viewer *v)
     const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
     double point[3], pixel[2];
     for (int i = 0; i < 48 && panel; i++) {
-        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* shadows are drawn first */
+        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* shadows of the lines are drawn first */
         if (!(corner & 1 << axis))
             draw_edge(&panel->picture, v, corner, axis, (is_line ? 1 : 3) * p->scale,
                       is_line ? 0xffffffff : 0x00000080);
