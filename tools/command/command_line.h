@@ -94,7 +94,6 @@ extern const option_row common_rows[];
    option. --help and --version end the program. */
 int take_options(const command *c, void *options, int argc, char **argv);
 
-/* True if the command line had the option. */
 int is_given(const char *name);
 
 void print_rows(const option_row *rows);

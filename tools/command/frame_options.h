@@ -57,13 +57,11 @@ extern const char *const cutoff_names[];
 
 void frame_options_default(frame_options *options);
 
-/* Rejects contradicting options. */
 int frame_options_check(const frame_options *options);
 
 /* Finds the back end that the options name, and its options for a device. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
-/* Lists the devices that the options ask for. Returns the number of devices. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
 #endif

@@ -18,8 +18,7 @@
 
 #define LARGE ((size_t)64 << 20)    /* smallest .fxs file to be paged, in bytes */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic pool: pictures and spare chunks
-                                                              */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic pool */
 
 static int is_standard_input(const char *path)
 {
@@ -53,7 +52,6 @@ void note_packed(const char *path, const fxs_pack_report *report)
              report->brought_in);
 }
 
-/* Prints a message, after the scene's name if the message lacks it. */
 static int fail_scene(const char *path, const fxs_message *message)
 {
     const char *name = shown(path);

@@ -16,38 +16,38 @@ typedef struct loaded_scene {
 int is_packed(const loaded_scene *loaded);
 
 typedef struct load_options {
-    int lod;                                /* level of detail to read; 0: finest */
+    int lod;                                /* number of the level of detail to read; 0: finest */
     const char *lods;                       /* level of detail for each file; null: `lod` for all */
     int is_one_of_several;                  /* 1: a file with a single level ignores `lod` */
     enum fxs_axes axes;
     uint32_t threads;                       /* threads of the import; 0: one per processor */
     enum fxs_profile profile;
     int tree;                               /* 1: packs with a tree of levels of detail */
-    int pages;                              /* 1: an .fxs may be paged, with parts in memory */
+    int pages;                              /* 1: an .fxs may be paged, with only parts in memory */
     size_t pool;                            /* memory of a paged scene in bytes; 0: not given */
     uint32_t budget;                        /* Gaussians per picture; 0: no limit */
     void (*arrived)(void *argument);        /* callback when parts of a paged scene have been loaded */
     void *arrived_argument;
     const fxs_scene_filter *filter;         /* filter of the Gaussians, except of an .fxs; may be null */
-    uint64_t decimate_count;                /* merges Gaussians down to a number; 0: no merging */
-    double decimate_share;                  /* merges Gaussians down to a share of 0 to 1; 0: no merging */
+    uint64_t decimate_count;                /* merges Gaussians until this many are left; 0: no merging */
+    double decimate_share;                  /* merges Gaussians until this share is left, 0 to 1; 0: no merging */
     uint64_t max_gaussians;
     size_t import_memory;
     int again;                              /* 1: does not repeat notes on left-out Gaussians */
-    fxs_progress_fn *progress;              /* null: shows a bar on stderr */
+    fxs_progress_fn *progress;              /* progress callback; null: shows a bar on stderr */
     void *progress_argument;
 } load_options;
 
 /* Returns the progress callback of the options, or else a progress bar after `label`. */
 fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
 
-/* Copies the options for file i of `count`, with its level of detail. */
+/* Copies the options for file i of `count`, with the level of detail for the file. */
 int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);
 
 /* Opens a scene for rendering. On failure nothing is to be freed. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
-/* Loads a scene from a file of open_scene or open_merged, and closes the file. Returns like load_scene. */
+/* Loads a scene from a file of open_scene or open_merged, and closes the file. */
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 
@@ -55,8 +55,7 @@ void note_coarse(const char *path, const fxs_scene_file_info *info);
 
 void note_packed(const char *path, const fxs_pack_report *report);
 
-/* Opens a scene file to read its Gaussians as floats, with the filter of the options. Close *file with
-   fxs_scene_file_close. */
+/* Opens a scene file to read its Gaussians as floats. Close *file with fxs_scene_file_close. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 
 /* open_scene calls these two steps. filter_scene closes the file on failure. */
@@ -65,7 +64,6 @@ int filter_scene(const char *path, const load_options *options, fxs_scene_file *
 
 extern const char *const profile_names[];
 
-/* Checks that an .fxs file is unchanged since loading. */
 int check_scene(const loaded_scene *loaded);
 
 void free_scene(loaded_scene *loaded);

@@ -87,7 +87,6 @@ static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *ar
     return sum;
 }
 
-/* Marks the SSIM windows without ignored pixels. Returns their number. */
 static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t height, size_t *below, uint8_t *are_whole)
 {
     double weights[WINDOW];
@@ -97,8 +96,7 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
             below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* length of the run of counting pixels upwards */
-            beside = below[x] >= taps_y ? beside + 1 : 0;          /* number of consecutive columns with long runs to
-                                                                      the left */
+            beside = below[x] >= taps_y ? beside + 1 : 0;          /* length of the run of long columns to the left */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }

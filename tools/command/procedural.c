@@ -62,7 +62,6 @@ static double logarithm(double x)
     return e * 0.69314718055994531 + 2 * s * sum;
 }
 
-/* Returns 2^-(least + (most - least) t), linear between powers of two. */
 static double power_of_half(double t, double least, double most)
 {
     double exponent = blend(least, most, t), halvings = whole(exponent);
@@ -85,7 +84,7 @@ static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * U
 static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
 
 typedef struct place {
-    uint64_t index, count;   /* index in the part; size of the part */
+    uint64_t index, count;   /* index of the Gaussian in its part; size of the part */
     uint64_t total, key;
     uint32_t seed;
     double u, v;
@@ -98,7 +97,7 @@ static void spread_evenly(place *p, uint64_t index, uint64_t count)
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* Finds the part of Gaussian i. `ends` has the ends of all parts in thousandths of the count. */
+/* `ends` has the ends of all parts of a scene in thousandths of the count. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {
     int part = 0;
@@ -146,7 +145,7 @@ typedef struct splat {
     vec sh[16];
 } splat;
 
-/* Computes the 16 real SH basis functions at the unit vector d, with the signs of KHR_gaussian_splatting. */
+/* The 16 real SH basis functions at the unit vector d, with the signs of KHR_gaussian_splatting. */
 static void sh_basis(vec d, double y[16])
 {
     double xx = d.x * d.x, yy = d.y * d.y, zz = d.z * d.z;
@@ -182,8 +181,9 @@ static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
             s->sh[k] = add(s->sh[k], times(colour, scale * y[k]));
 }
 
-static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre series of a bright spot of 70 degrees */
-static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* Legendre series of 1 - x^2 */
+static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre coefficients of a bright spot of 70 degrees
+                                                                    */
+static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* Legendre coefficients of 1 - x^2 */
 
 /* Lays a flat disc perpendicular to `normal`. Its first axis is nearest to `along`. */
 static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma, double opacity)
@@ -205,7 +205,6 @@ static void lay_round(splat *s, vec position, double sigma, double opacity, vec 
     add_constant(s, colour);
 }
 
-/* Lays a disc on a surface, sized by the surface's derivatives. */
 static void lay_surface(const place *p, vec (*surface)(double u, double v), double opacity, splat *s)
 {
     const double step = 1.0 / 4096;
@@ -290,7 +289,7 @@ static const struct marble {
 };
 #define MARBLES (sizeof marbles / sizeof marbles[0])
 
-/* Trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from s = sin t and c = cos t. */
+/* Trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) from s = sin t and c = cos t. */
 static vec trefoil(double s, double c)
 {
     return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
@@ -444,7 +443,6 @@ static double land_height(double x, double z, int octaves)
     return -0.24 + ring * (1.3 + 1.2 * sum) + ring * ring * 11 * sum;
 }
 
-/* Returns the share of the sun that reaches a point, from the smallest gap between sun ray and ground. */
 static double sun_reach(vec p)
 {
     double reach = 1;
@@ -655,7 +653,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
-#define THIN 1e-9       /* sigma of flat discs */
+#define THIN 1e-9       /* thickness of flat discs (sigma) */
 
 static const vec noon = { -0.48, -0.80, -0.36 };
 
@@ -839,7 +837,6 @@ static vec sky_colour(vec d)
     return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
 }
 
-/* Lays a shell of discs that face the centre, between two distances. */
 static void lay_sky(const place *p, double height, double nearest, double farthest, splat *s)
 {
     double y = 0.06 - height * p->u, r = sqrt(1 - y * y), far = blend(nearest, farthest, draw(p->key, 1));
@@ -873,7 +870,6 @@ static double stray_distance(uint64_t rank)
     return blend(units[k - 1], units[k], (far - 1 / (double)rank) / (far - near));
 }
 
-/* Makes flat, faint discs far above the sky, seen edge-on. */
 static void meadow_stray(const place *p, splat *s)
 {
     double y = -0.2 - 0.6 * draw(p->key, 1), r = sqrt(1 - y * y), far = stray_distance(p->index + 1);
@@ -1012,7 +1008,8 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 
 #define BENCH_Y 1.2
 
-static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre series of a half-space: 1 for x > 0 */
+static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre coefficients of a half-space, 1 for x > 0
+                                                                    */
 
 static const struct lobe {
     vec axis;
@@ -1167,14 +1164,13 @@ static void discs(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 
 typedef struct house {
     vec at;
-    double c, s;             /* cosine and sine of the rotation about y */
+    double c, s;
     double width, depth, wall, roof;
     vec paint, tiles;
 } house;
 
 static vec turned(const house *h, vec v) { return v3(h->c * v.x + h->s * v.z, v.y, h->c * v.z - h->s * v.x); }
 
-/* Lays a Gaussian on the roof or walls, at a point from three numbers in 0..1. Returns the colour. */
 static vec lay_on_house(const house *h, double face, double u, double v, double sigma, splat *s)
 {
     double side = face < 0.5 ? -1 : 1, part = 2 * (face < 0.5 ? face : face - 0.5), w = h->width / 2, d = h->depth / 2;
@@ -1295,7 +1291,7 @@ static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gauss
 
 #define SITE_X 400.0
 #define SITE_Z 300.0
-#define BLOCK_X 80.0     /* distance between roads in units */
+#define BLOCK_X 80.0
 #define BLOCK_Z 75.0
 
 enum block { HOUSES, PARK, FIELD, WORKS };
@@ -1437,7 +1433,6 @@ static void site(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Returns the smallest side with side^power >= count. */
 static uint64_t lattice_side(uint64_t count, int power)
 {
     uint64_t side = 1;
@@ -1487,7 +1482,7 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Makes ten cards of equal depths. Every position occurs at least twice. */
+/* Ten cards of equal depths. Every position occurs at least twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };

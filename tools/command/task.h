@@ -49,10 +49,9 @@ void join_path(char path[TASK_PATH], const char *folder, const char *name);
 
 int is_folder(const char *path);
 
-/* Makes a folder unless it exists. */
 int make_folder(const char *path);
 
-/* Makes a folder and its missing parent folders, like make_folder. */
+/* Makes a folder and its missing parent folders. */
 int make_folders(const char *path);
 
 /* Removes a folder and its files, but no subfolders. A link is removed without its target. */

@@ -121,7 +121,6 @@ static void turn(const frame_options *o, const world *w, const fxs_file_view *fi
     }
 }
 
-/* Interpolates from the first view to the last, at the size of the first view. */
 static void pass_through(const frame_options *o, fxs_file_view *keys, long count, fxs_file_view *frames)
 {
     for (long i = 1; i < count; i++)
@@ -162,7 +161,7 @@ static int height_of(const frame_options *options)
     return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
-/* Keeps the views that --view names, in new arrays. Returns their number, or prints the reason and returns -1. */
+/* Keeps the views that --view names, in new arrays. Returns their number; -1: failure. */
 static long keep_named(const frame_options *options, fxs_file_view **views, fxs_lens **lenses, long count)
 {
     long *chosen;
@@ -186,7 +185,6 @@ static long keep_named(const frame_options *options, fxs_file_view **views, fxs_
     return count;
 }
 
-/* Notes how many views have a lens but are drawn as pinhole views. */
 static void say_bent(const frame_options *options, const fxs_file_view *views, long count)
 {
     long bent = 0;
@@ -257,7 +255,8 @@ static int choose_first(frame_options *o, const world *w, int is_up, const fxs_o
                           o->up.at, message);
 }
 
-/* Chooses the first view of a paged world, with its files mapped meanwhile. The choice needs whole scenes. */
+/* A paged world is only partly in memory. The choice of a view needs whole scenes, so their files are mapped
+   meanwhile. */
 static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
@@ -324,7 +323,6 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
     return result;
 }
 
-/* Turns a panorama upright, with its y axis down. The heading stays. */
 static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
 {
     const double *forward = view->rotation + 6, *up = options->up.at, *eye = view->position;

@@ -113,7 +113,6 @@ static int look_at_film(frames *f, const char *film)
                 f->count == 1 ? "" : "s", LEAST);
 }
 
-/* Returns ffmpeg's filter that selects the frames. Null: out of memory. */
 static char *select_frames(const frames *f, size_t wanted)
 {
     char *text = malloc(32 * wanted + 16), *to = text;
@@ -177,13 +176,12 @@ static int write_frames(const frames *f, const char *film, const char *filter, c
     return check_frames(f->t, part, !status, count);
 }
 
-/* Writes to a temporary folder, and renames the folder when all frames are complete. */
 static int make_frames(const frames *f, const char *film, const char *filter, const char *folder, size_t *count)
 {
     char part[TASK_PATH];
     if (snprintf(part, sizeof part, "%s.part", folder) >= TASK_PATH)
         *part = 0;
-    remove_folder(part);           /* remains of a stopped command */
+    remove_folder(part);           /* a stopped command may have left frames */
     int status = make_folder(part);
     status = status ? status : write_frames(f, film, filter, part, count);
     if (!status && fxs_file_rename(part, folder))

@@ -27,7 +27,7 @@ typedef struct work {
     const reconstruct_options *options;
     task t;
     int is_film;
-    char source[TASK_PATH];        /* path of the film, or of the folder of photographs */
+    char source[TASK_PATH];
     char masked[TASK_PATH];        /* folder of the user's masks, or empty; `masks` has links to them */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
     char log_name[TASK_PATH];
@@ -69,8 +69,6 @@ static int take_numbers(const char *line, const char *pattern, uint32_t *numbers
     return 1;
 }
 
-/* Finds photographs in `in` or its subfolder images. `folder` gets the path of the found folder. Returns the number
-   of photographs. */
 static size_t find_photographs(char folder[TASK_PATH], const char *in)
 {
     photographs p = {0};
@@ -204,8 +202,7 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* COLMAP assumes one camera per call, with the focal length from the first photograph's EXIF data. So each lens has
-   a call. */
+/* COLMAP assumes one camera per call, so each lens has a call. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {
@@ -225,7 +222,6 @@ static int find_features(work *w)
     return status ? status : write_list(w, EVERY_LENS);
 }
 
-/* Exhaustive matching reports blocks with about equally many pairs; sequential matching reports photographs. */
 static void look_at_matches(task *t, const char *line)
 {
     enum { ROW, ROWS, COLUMN, COLUMNS };
@@ -338,7 +334,7 @@ static int find_cameras(work *w)
     join_path(models, w->folder, "models");
     int status = find_features(w);
     status = status ? status : find_matches(w);
-    remove_models(models);         /* remains of a stopped mapper */
+    remove_models(models);         /* a stopped mapper may have left models */
     status = status ? status : make_folder(models);
     if (status)
         return status;
@@ -407,7 +403,6 @@ static int report(work *w)
     return 0;
 }
 
-/* Computes the FNV-1a hash of the names and sizes of the input files. */
 static uint64_t number_of(const work *w, const photographs *p)
 {
     fxs_file_facts facts;
@@ -424,7 +419,6 @@ static uint64_t number_of(const work *w, const photographs *p)
     return number;
 }
 
-/* Finds the folder of masks, if any. Refuses OUT.cameras/masks, where masks are written. */
 static int find_masks(work *w)
 {
     const char *given = w->options->masks;
@@ -476,7 +470,6 @@ static int claim_folder(const work *w)
     return write_text(path, &text);
 }
 
-/* Locks the folder for the life of this process, since the fit reads its photographs. */
 static int lock_folder(const work *w)
 {
     char path[TASK_PATH];

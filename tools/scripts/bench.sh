@@ -92,7 +92,6 @@ scenes() {
     fi
 }
 
-# import_row NAME FILE: prints median import times with one and two threads, milliseconds.
 import_row() {
     for threads in 1 $two; do
         for run in 1 2 3; do
@@ -118,7 +117,6 @@ imports() {
     fi
 }
 
-# cutoff_rows NAME FILE OPTION...: compares two cut-offs in a view.
 cutoff_rows() {
     name=$1 file=$2
     shift 2
@@ -147,7 +145,6 @@ cutoffs() {
         --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
-# gles_rows NAME FILE OPTION...: compares the OpenGL ES back ends with the CPU in a view.
 gles_rows() {
     name=$1 file=$2
     shift 2
@@ -178,7 +175,6 @@ gles() {
     fi
 }
 
-# Prints rows for rendering in 1, 1/2, 1/4 and 1/8 of the memory of an unlimited frame.
 limit_rows() {
     name=$1 file=$2 all=
     shift 2
@@ -242,7 +238,6 @@ stereo() {
     fi
 }
 
-# Compares the whole with the foveated picture.
 foveated_row() {
     name=$1 backend=$2 size=$3
     shift 3
@@ -279,7 +274,6 @@ foveated() {
     done
 }
 
-# Prints rows for a scene and its decimated versions.
 level_rows() {
     name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
     for share in $shares; do
@@ -341,7 +335,6 @@ fit_stages() {
     done
 }
 
-# Fits with each cut-off.
 fit() {
     printf 'snowmiku at %s pixels, %s steps of the reference recipe, %s threads; 13 photographs held out.\n\n' \
         "${FIT_SIZE:-600}" "${FIT_STEPS:-3000}" $two
@@ -393,7 +386,6 @@ measure() {
     cat "$work/$1"
 }
 
-# put PART: inserts the text between the part's marker lines.
 put() {
     awk -v text="$work/$1" -v begin="<!-- $1: begin" -v end="<!-- $1: end" '
         index($0, begin) == 1 { print; print ""; while ((getline line < text) > 0) print line; skip = 1 }

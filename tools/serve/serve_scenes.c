@@ -35,15 +35,15 @@ typedef struct served_scene {
     const char *given;
     char *path;
     char *names[FILES];                     /* addresses of the versions, the facts and the picture */
-    int number, is_twice;                   /* 1: another scene has the same file name */
-    fxs_file_facts taken, seen;             /* file facts when served, and at the last check */
+    int number, is_twice;
+    fxs_file_facts taken, seen;             /* file facts when the scene was served, and at the last check */
     uint64_t seen_at;
 
     /* Fields that the lock guards: */
     enum scene_state state;
     int descriptors[VERSIONS];              /* descriptors of the versions, NONE or AS_IT_LIES */
     int picture;                            /* descriptor of the picture or NONE */
-    uint64_t kept;                          /* bytes of the packed temporary file */
+    uint64_t kept;
     uint32_t version;                       /* version from 1; 0: none yet */
     double done;
     uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
@@ -180,7 +180,6 @@ static int is_same(const fxs_file_facts *a, const fxs_file_facts *b)
     return a->device == b->device && a->inode == b->inode && a->size == b->size && a->modified == b->modified;
 }
 
-/* True for a scene of a single file. A JSON file refers to other files. */
 static int is_one_file(const char *path)
 {
     if (fxs_file_kind(path) != FXS_FILE_REGULAR)
@@ -195,7 +194,7 @@ static int is_one_file(const char *path)
 }
 
 typedef struct first_look {
-    int is_fxs, is_sent;                    /* 1: the scene's file is sent unpacked */
+    int is_fxs, is_sent;
 } first_look;
 
 static int look_first(const char *path, const load_options *o, first_look *look)
@@ -213,7 +212,6 @@ static int look_first(const char *path, const load_options *o, first_look *look)
     return 0;
 }
 
-/* Reports progress to the terminal and to pages. A shutdown request ends the program. */
 static int tell_progress(void *scene, double done)
 {
     served_scene *s = scene;
@@ -269,7 +267,7 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
 }
 
-/* Prepares a scene's file and picture for the server. Also loads a scene that is sent unpacked, to find errors. */
+/* Also loads a scene that is sent unpacked, to find errors. */
 static int take_file(served_scene *s, taken *t)
 {
     load_options o;

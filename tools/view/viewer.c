@@ -36,7 +36,6 @@ static void show_view(viewer *v, long index)
     v->changed = 1;
 }
 
-/* Finds the up direction from --up, the scene's file, the mean of the camera file's views, or the default. */
 static void find_up(viewer *v)
 {
     double mean[3];
@@ -432,7 +431,6 @@ static void press(viewer *v, int pressed)
         }
 }
 
-/* Drags or marks a handle of the crop box. Returns 1 while dragging. */
 static int point_at_handle(viewer *v, const fxs_window_event *event)
 {
     v->dragged = v->dragged && event->left;
@@ -585,7 +583,7 @@ static void move(viewer *v, int milliseconds)
     v->clock = now;
     if (v->moving)
         v->moved = now;
-    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* undoes the motion */
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* undoes a motion out of range */
         v->view = view;
         v->distance = distance;
     }
@@ -702,8 +700,7 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* closed before the window, since its threads wake the window
-                                                           */
+    world_close(&v->world);                             /* its threads wake the window */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

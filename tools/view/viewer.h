@@ -87,7 +87,7 @@ struct viewer {
 
     int changed, moving, exposed;           /* flags: needs a frame; the camera moves; needs a repaint */
     int flying, coarse;                     /* flags: a flight key is down; the last frame was reduced */
-    int divisor;                            /* reduction of the picture while the camera moves */
+    int divisor;                            /* reduction of the picture's size while the camera moves */
     enum viewer_picture shown;
     uint64_t clock, moved;                  /* times of the last step and the last motion in nanoseconds */
     uint64_t hint;                          /* time when the hint disappears in nanoseconds; 0: no hint */
@@ -122,11 +122,9 @@ void viewer_close(viewer *v);
    v->quit and v->status. */
 void viewer_step(viewer *v, int milliseconds);
 
-/* True if a scene is being opened, or a frame is being rendered or due. */
 int viewer_busy(const viewer *v);
 
-/* Each ask function queues a request for the renderer's thread, or does nothing if the queue is full. ask_install
-   returns 1 if queued. */
+/* Each ask function queues a request for the renderer's thread, or does nothing if the queue is full. */
 void ask_open(viewer *v);
 void ask_frame(viewer *v);
 
@@ -143,7 +141,7 @@ int ask_install(viewer *v);
 /* Finishes the request that the renderer's thread has completed, and starts the next request. */
 void viewer_collect(viewer *v);
 
-/* Returns 2 for stereo, with the eyes side by side in the window; otherwise 1. */
+/* Returns the number of eyes: 1, or 2 side by side in the window. */
 int eyes_of(const viewer *v);
 
 enum { CROP_FACES = 6, CROP_NONE = -1 };
@@ -155,7 +153,6 @@ void crop_toggle(viewer *v);
 /* Returns the middle of a face of the box. The axis is face / 2. Even faces are low sides, odd faces high sides. */
 void crop_handle(const crop_box *crop, int face, double point[3]);
 
-/* Returns the face with a handle at the window position x, y, or CROP_NONE. */
 int crop_face_at(const viewer *v, double x, double y);
 
 /* Moves the handle of v->face as near as possible to the window position x, y. */
@@ -170,7 +167,6 @@ void viewer_install(viewer *v);
 int viewer_has_levels(const viewer *v);
 uint32_t viewer_budget_most(const viewer *v);
 
-/* Adapts the budget of Gaussians towards the wanted frame rate, after a frame with `drawn` Gaussians. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn);
 
 /* Projects a point to window pixels, with the view of the last frame. Returns 0 for a point behind the camera. */
@@ -178,7 +174,6 @@ int viewer_project(const viewer *v, const double point[3], double pixel[2]);
 
 const char *viewer_file_name(const char *path);
 
-/* Returns the recent scene listed at a window position; -1: none. */
 int viewer_recent_at(const viewer *v, double x, double y);
 
 int viewer_show(viewer *v);
