@@ -35,14 +35,14 @@ DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ 
                  zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
-# Cache of library sources for the web port, filled by `make setup web`. WEB_SOURCES= disables the cache.
+# Cache folder for library sources of the web port, filled by `make setup web`.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Cache of Windows libraries, filled by `make setup windows`.
+# Cache folder for Windows libraries, filled by `make setup windows`.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check
 
-# As many jobs as processors, unless -j is given.
+# make runs as many jobs as processors, unless -j is given.
 PROCESSORS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(PROCESSORS)

@@ -53,7 +53,7 @@ SHARED_win32 := $(B)/libfixsplat-$(MAJOR).dll
 SHARED_LIBRARY := $(if $(SHARED),$(SHARED_$(SYSTEM)))
 
 
-# Prints a line per file; V=1 prints whole commands.
+# Prints a line per compiled file; V=1 prints whole commands.
 ifeq ($(V),)
 say = @$(if $(findstring s,$(firstword -$(MAKEFLAGS))),,printf '  %-4s %s\n' $(1) $(2) &&)
 endif
@@ -84,7 +84,7 @@ $(B)/fixsplat-web$(EXE): $(call objects,$(SERVER) $(filter-out tools/command/mai
                    $(B)/commands/link
 	$(call link,$(foreach name,$(LINKED_WEB),$(LIBS_$(name))) $(SOCKETS_$(SYSTEM)))
 
-# A changed command rebuilds the files made by it.
+# A changed compiler command rebuilds the files made by it.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
 $(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(foreach name,$(LINKED_VIEW) $(LINKED_WEB),$(LIBS_$(name))) $(AR) \
@@ -93,7 +93,7 @@ $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
-# An object depends on the optional libraries that its source and headers name.
+# An object file depends on the optional libraries that its source names.
 features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
            sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
 
@@ -108,7 +108,7 @@ $(B)/%.o: %.cu $(B)/commands/nvcc
 	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
 	    $(if $(findstring fit,$*),$(CUDA_FIT_FLAGS)) -MMD -MP -c -o $@ $<
 
-# Source files that need an optional library, and do not test FXS_WITH_*.
+# Source files that are compiled only with an optional library.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard $(SOURCES_GLES))): $(B)/with/GLES

@@ -1,4 +1,4 @@
-# Packages for installation (docs/install.md).
+# Makes packages for installation (docs/install.md).
 
 DIST := dist
 

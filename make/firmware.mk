@@ -1,4 +1,4 @@
-# Programs for microcontroller boards (docs/boards.md).
+# Builds programs for microcontroller boards (docs/boards.md).
 
 # Compiler options, memory map and sources of each board. BOARD_HZ: clock in Hz.
 memory = $(foreach pair,$(1),-Wl,--defsym=$(pair))
@@ -33,7 +33,8 @@ $(B)/firmware/knot.fxs: $(B)/fixsplat
 	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
 	$(B)/fixsplat convert $(@:.fxs=.ply) $@
 
-# With its scheduler, GCC 12 spills vector registers. With a frame pointer (r7), GCC addresses memory faster.
+# Flags of fast code: with its scheduler, GCC 12 spills vector registers; with a frame pointer, it addresses memory
+# faster.
 arm_flags_of = $(if $(filter -O2,$(ARM_CFLAGS)),$(if $(filter src/core/project.c src/core/shade.c %project_mve.c,$(1)),-O3)) \
                $(if $(findstring _mve,$(1)),-fno-schedule-insns -fno-omit-frame-pointer)
 objects_of = $(addprefix $(B)/firmware/$(1)/,$(addsuffix .o,$(basename $(2))))

@@ -1,4 +1,4 @@
-# Installation, and lists of installed files.
+# Rules for installation.
 
 SONAME_LINKS := $(SONAME) libfixsplat.so
 PAGE := $(PREFIX)/share/fixsplat/web
@@ -38,7 +38,7 @@ install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
 	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
-# Builds in a copy of the sources, so that the source folder stays clean.
+# Builds the wheel in a copy of the sources, so that the source folder stays clean.
 wheel: $(SHARED_LIBRARY) ## build/wheel/*.whl: the Python package with the library, for pip install; PYTHON (python3)
 	@rm -rf $(B)/wheel && mkdir -p $(B)/wheel/source
 	@cp -r port/python/pyproject.toml port/python/setup.py port/python/fixsplat $(B)/wheel/source

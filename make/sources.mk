@@ -12,7 +12,7 @@ SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
 SOURCES_PORT := port/backend/*.c port/board/*.c
-# Sources with POSIX threads, which mingw-w64 provides, but no other POSIX functions.
+# Sources that need POSIX threads, which mingw-w64 provides, but no other POSIX functions.
 THREADED_win32 := port/posix/open.c port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
 STAGES_x86 := kernels/fit/fit_sse41.c kernels/fit/fit_avx2.c kernels/fit/fit_avx512.c kernels/pack/*_avx2.c
 STAGES_arm := kernels/fit/fit_neon.c
@@ -21,12 +21,12 @@ SOURCES_CUDA := kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu
 SOURCES_EGL := port/gl/egl.c
 SOURCES_OSMESA := port/gl/osmesa.c
 
-# Shaders, which tools/scripts/shaders.sh converts to the file shaders.h of their folder.
+# Shaders, which tools/scripts/shaders.sh converts to C arrays in a file shaders.h.
 SHADERS_gles := src/include/fixsplat/pixel.h kernels/gl/*.vert kernels/gles/*.vert kernels/gl/*.frag kernels/gles/*.frag
 SHADERS_compute := kernels/compute/generated/*.comp kernels/compute/*.frag kernels/compute/*.glsl \
                    kernels/gl/*.vert kernels/gl/*.frag
 
-# The command. The programs of the window and of the server contain the command except main.c.
+# Sources of the command, fixsplat. The programs of the window and of the server also contain these files except main.c.
 SOURCES_TOOL := tools/*/*.c
 NOT_TOOL := tools/view/% tools/serve/serve%
 SOURCES_VIEW := port/window/*.c tools/view/*.c
@@ -34,10 +34,10 @@ SOURCES_WEB := tools/serve/serve*.c port/http/*.c
 SOURCES_WEB_posix := port/posix/http/*.c
 SOURCES_WEB_win32 := port/win32/http/*.c
 
-# Without contraction of a * b + c, procedural scenes and imports are identical on all machines.
+# Without contraction of a * b + c, results are identical on all machines.
 STANDARD := -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-# gcc wrongly assumes a Windows stack aligned to more than 16 bytes (gcc bug 54412).
+# gcc wrongly assumes that the Windows stack is aligned to more than 16 bytes (gcc bug 54412).
 FLAGS_win32 := -Wa,-muse-unaligned-vector-move -Wno-float-conversion
 PIC_posix := -fPIC -fno-semantic-interposition -fvisibility=hidden
 CUDA_FLAGS := -diag-suppress 177 -gencode arch=compute_90,code=sm_90 -gencode arch=compute_80,code=compute_80 \
@@ -48,10 +48,10 @@ CUDA_FIT_FLAGS := -fmad=false
 # Kinds of files with special compiler flags. FILES_kind: sources without .c; FLAGS_kind: flags. Later kinds take
 # precedence.
 KINDS := WRAPS ALIGNED FAST SSE41 AVX2 AVX512 VECTORISED SINGLES
-# Unused vector lanes may overflow.
+# Wrapping arithmetic, because unused vector lanes may overflow.
 FILES_WRAPS := src/image/image_encode kernels/%
 FLAGS_WRAPS := -fwrapv
-# Speed depends on the alignment in the cache line.
+# Aligned functions, because the speed depends on their position in the cache line.
 FILES_ALIGNED := kernels/simd/x86/%
 FLAGS_ALIGNED := -falign-functions=64
 # Hot code uses -O3 instead of -O2.
@@ -72,7 +72,7 @@ FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% 
                  src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
 
-# LIBRARY_name: a header, and linker options. Libraries with -ldl are loaded at run time.
+# LIBRARY_name: the header and the linker options of an optional library. Libraries with -ldl are loaded at run time.
 LIBRARY_CJSON := cjson/cJSON.h -lcjson
 LIBRARY_EXPAT := expat.h -lexpat
 LIBRARY_ZIP := zip.h -lzip
@@ -94,7 +94,6 @@ LIBRARY_GLES := GLES3/gl3.h -ldl
 LIBRARY_EGL := EGL/egl.h
 LIBRARY_OSMESA := GL/osmesa.h
 
-# Optional libraries of the library, the window and the server.
 LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL
 LINKED_VIEW := TTF SDL
 LINKED_WEB := MICROHTTPD QRENCODE

@@ -1,7 +1,7 @@
-# Runs the tests.
+# Rules that run the tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-# Tests that Windows programs exclude: they fork, limit resources, create links or FIFOs, or use a shell.
+# Tests that are left out on Windows: they fork, limit resources, create links or FIFOs, or use a shell.
 NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
 TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
 
@@ -53,13 +53,13 @@ test-all: ## the same, with every compiler, processor, board and sanitizer at ha
 
 test-programs: $(patsubst %,$(B)/tests/%$(EXE),$(TESTS_HERE)) ## build the test programs
 
-# Tests that need a GPU.
+# Test programs that need a GPU.
 $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
 $(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
 $(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-# Tests the CUDA kernels without a GPU, compiled as C++ with an emulation of CUDA.
+# Test program of the CUDA kernels that needs no GPU: compiled as C++ with an emulation of CUDA.
 EMULATED := tests/gpu/emulated
 $(B)/tests/gpu/emulated_cuda: $(B)/tests/gpu/test_cuda.o $(B)/tests/gpu/emulated_peek.o $(B)/tests/gpu/emulated_runtime.o \
                               $(B)/libfixsplat.a $(B)/commands/link

@@ -3,13 +3,13 @@
 #define BESIDE_H
 
 typedef struct beside_program {
-    const char *ending;                     /* ending of the program's name; empty: not built */
+    const char *ending;                     /* last part of the program's name; empty: not built */
     const char *library;
 } beside_program;
 
 extern const beside_program window_program, server_program;
 
-/* Replaces this process by the program, with the same arguments. On failure prints that `shown` cannot be shown. */
+/* Replaces this process by another program, with the same arguments. On failure prints that `shown` cannot be shown. */
 int run_beside(const beside_program *program, const char *shown, char **argv);
 
 #endif

@@ -28,7 +28,7 @@ typedef struct convert_options {
     world_options world;
     fxs_world placed;
     fxs_placement whole;
-    double degrees[3], up[3];               /* rotation angles, and a new up direction */
+    double degrees[3], up[3];
     double level[9];
     int has_level;
     fxs_scene_filter filter;
@@ -685,7 +685,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
-        files_force(FILES_REFUSE);          /* the comparison of views reads the input again */
+        files_force(FILES_REFUSE);          /* the comparison of views reads the input file again */
     return files_check();
 }
 

@@ -1,4 +1,4 @@
-/* Writes scenes as a file of another format. */
+/* Converts scenes to a file of another format. */
 #ifndef CMD_CONVERT_H
 #define CMD_CONVERT_H
 

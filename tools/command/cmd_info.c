@@ -24,12 +24,12 @@ typedef struct info_options {
     int json, stats, backends;
 } info_options;
 
-/* Memory of a scene on a microcontroller board with a display. */
+/* Memory needs of a scene on a microcontroller board with a display. */
 typedef struct board {
     int width, height;
     size_t strip;
-    fxs_frame_memory memory;                /* memory of a frame with one thread */
-    size_t rows, rows_most;                 /* bytes for unsliced rows of tiles: least and most */
+    fxs_frame_memory memory;
+    size_t rows, rows_most;                 /* least and most bytes for an unsliced row of tiles */
 } board;
 
 typedef struct findings {
@@ -171,7 +171,7 @@ static void print_limit_json(const fxs_frame_memory *m, size_t limit)
         printf("null}, ");
 }
 
-/* A single unplaced scene is an object. Several scenes are lists of scenes and of objects. */
+/* Prints a single unplaced scene as a JSON object; several scenes as lists of scenes and of objects. */
 static void print_json(const findings *f)
 {
     const world *w = &f->world;
@@ -483,7 +483,7 @@ static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
     return FXS_ERR_UNSUPPORTED;
 }
 
-/* Plans the memory of 16 frames around a scene. */
+/* Plans the memory of 16 frames, turning the camera around the scene. */
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;

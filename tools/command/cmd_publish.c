@@ -180,7 +180,7 @@ static void print_list(FILE *file, const char *title, const scene_list *list)
     }
 }
 
-/* Writes the page of a scene, or of the list if `s` is null. */
+/* Writes the page of a scene, or of the list of scenes if `s` is null. */
 static int write_page(publish_options *o, const char *name, const listed_scene *s)
 {
     fxs_printed printed;
@@ -216,8 +216,8 @@ static void count_file(void *files, const char *name)
     *(int *)files += strcmp(name, ".") && strcmp(name, "..");
 }
 
-/* Accepts a folder that is missing, empty, or from an earlier publish. A marker file exists until the folder is
-   complete. */
+/* Accepts an output folder that is missing, empty, or from an earlier publish. A marker file exists until the folder
+   is complete. */
 static int take_site(publish_options *o)
 {
     char page[TASK_PATH];

@@ -12,10 +12,10 @@ typedef struct render_options {
     const char *expect, *diff;
     int has_expected_hash;
     uint64_t expected_hash;
-    enum fxs_image_format encoding;         /* FXS_IMAGE_UNKNOWN: y4m for several views, else png */
-    int quality, rate;                      /* quality of .jpg and .webp; frames per second of a film */
+    enum fxs_image_format encoding;
+    int quality, rate;                      /* quality of .jpg and .webp files; frames per second of a film */
     int draws;
-    double depth_range;                     /* largest depth of the output; 0: largest in the picture */
+    double depth_range;                     /* largest depth of a depth picture; 0: automatic */
     int has_pick, pick[2], has_scissor, scissor[4];
     int hash, stats, pairs, json;
 } render_options;

@@ -7,7 +7,7 @@
 typedef struct view_options {
     frame_options frame;
     const char *screenshot;
-    double rate;                            /* wanted frames per second; 0: not given */
+    double rate;
     int web;
     const char *bind, *host, *certificate, *key;
     uint64_t port;

@@ -48,7 +48,7 @@ void print_json_string(const char *text);
 /* Writes a space and a word, quoted for a shell. */
 void write_shell_word(FILE *file, const char *word);
 
-/* True if a file name has the ending, in any case, after at least one character. */
+/* True if a file name has the ending, in upper or lower case. */
 int ends_with(const char *name, const char *ending);
 
 /* Draws a progress bar if stderr is a terminal. Call progress_end before other output and before a new label. */

@@ -223,7 +223,7 @@ static const command *command_with(const char *name, size_t length)
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
-    const char *own = parsed->name;          /* argv[0] may be a path */
+    const char *own = parsed->name;          /* argv[0] may be a path instead of the command's name */
     const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
@@ -242,7 +242,7 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
-/* Converts paths from the operating system's form. */
+/* Converts file paths from the operating system's form. */
 static void take_path(const option_row *r, char *value)
 {
     if (value && strcmp(r->value, "TEXT"))

@@ -15,11 +15,11 @@ typedef int take_option(const option_row *row, void *field, const char *value);
 
 struct option_row {
     const char *name;                       /* long name of the option; null: the row is a heading */
-    const char *value;                      /* placeholder in --help; null: the option has no value */
+    const char *value;                      /* placeholder of the value in --help; null: no value */
     take_option *take;
     size_t offset;
     double low, high;
-    const char *expected;                   /* expected value in words; null: derived from range or choices */
+    const char *expected;                   /* description of the expected value, for error messages; null: automatic */
     const char *const *choices;
     const char *help;                       /* help text; null marks the end of the table */
     char letter;
@@ -75,7 +75,7 @@ enum { TABLES_MOST = 10 };
 typedef struct command {
     const char *name, *does;
     int (*run)(int argc, char **argv);
-    const char *about;                      /* beginning of the help text */
+    const char *about;
     void (*more)(void);                     /* prints more help after the options */
     const char *examples;                   /* example commands at the end of the help */
     option_table tables[TABLES_MOST];

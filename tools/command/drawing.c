@@ -1,5 +1,5 @@
 /* Renders views for the commands: sets up back end, cameras and targets, foveates, and picks. For scenes partly in
-   memory, loads missing chunks and renders again. */
+   memory, loads missing chunks (256 Gaussians each) and renders again. */
 #include "drawing.h"
 
 #include <inttypes.h>
@@ -233,7 +233,7 @@ static int read_wanted(const world *w, const fxs_options *options, uint32_t *cam
     return error;
 }
 
-/* Counts chunks that a frame needs and a world lacks. */
+/* Counts chunks that a frame needs and that are not in memory. */
 typedef struct wanting {
     const world *w;
     const fxs_options *options;
@@ -254,8 +254,8 @@ static int stop(void *argument)
     return FXS_SHARED_READ(g->missing) || is_stopped(g->options);
 }
 
-/* Renders a paged world. If r->shows_part is 0, loads missing chunks and renders again. Fails after TRIES attempts
-   without progress. */
+/* Renders a scene partly in memory. If r->shows_part is 0, loads missing chunks and renders again. Fails after TRIES
+   attempts without progress. */
 static int draw_in_part(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     wanting g = {.w = w, .options = &request->options};

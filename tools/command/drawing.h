@@ -14,7 +14,7 @@ typedef struct picture {
     uint8_t *pixels;
     uint32_t *depths;                       /* depths in fixed point with depth_bits fraction bits */
     fxs_id *ids;
-    size_t pixel_room, depth_room, id_room; /* allocated bytes */
+    size_t pixel_room, depth_room, id_room;
     int width, height, depth_bits;
 } picture;
 
@@ -33,7 +33,7 @@ typedef struct renderer {
     int shows_part;                         /* 1: renders a paged scene without its missing chunks */
     int lost;                               /* 1: a chunk of the scene cannot be read */
     fxs_message why_lost;
-    int divisor;                            /* reduction of the picture's size relative to `foveate` */
+    int divisor;                            /* factor by which the picture is smaller than `foveate` expects */
     void *rings;
     size_t ring_room;
     fxs_pool *pool;

@@ -12,7 +12,7 @@
 #include "command.h"
 
 typedef struct file {
-    uint64_t device, inode;                 /* ids of the file, or of the folder of a missing file */
+    uint64_t device, inode;                 /* device and inode of the file, or of a missing file's folder */
     char *place;                            /* file name of a missing file; else null */
     char *name;                             /* path of the output as given */
     int is_given;                           /* 1: named on the command line; 0: opened by the library */
@@ -26,7 +26,7 @@ typedef struct file_list {
 static struct {
     pthread_mutex_t lock;
     file_list read, written;
-    int incomplete;                         /* 1: memory ran out, and a file is not listed */
+    int incomplete;
     enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 

@@ -2,14 +2,14 @@
 #ifndef FILE_GUARD_H
 #define FILE_GUARD_H
 
-/* Call first in main. */
+/* Starts to watch files. Call first in main. */
 void files_begin(void);
 
-/* Register an input or output of the command. "-" is standard input or output; null is ignored. */
+/* Register an input or output file. "-" is standard input or output; null is ignored. */
 void files_read(const char *name);
 void files_write(const char *name);
 
-/* True if the names of an input and an output denote the same file. */
+/* True if two file names denote the same file. */
 int files_same(const char *one, const char *other);
 
 /* Policy for an output that is also an input: refuse (default), refuse with a hint to --force, or replace. */

@@ -12,12 +12,12 @@
 typedef struct foveate_options {
     int on;
     int given;                              /* number of elements of `numbers`: 0 (defaults), 2, 4 or 5 */
-    double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
+    double numbers[5];                      /* foveation: gaze x, y; radii of full and half rate; band; pixels */
 } foveate_options;
 
 typedef struct frame_options {
     const char *cameras, *view;
-    int orbit, frames;                      /* frames of an orbit, and of a path through the views */
+    int orbit, frames;                      /* numbers of frames of an orbit and of a path through the views */
     point_option eye, look, up;
     int auto_up;                            /* 1: finds the up direction in the scene */
     int framed;                             /* 1: the camera frames the whole scene */
@@ -36,7 +36,7 @@ typedef struct frame_options {
     int devices[DEVICES_MOST];
     int device_count;
     uint32_t threads;
-    size_t max_memory;                      /* bytes for rendering a frame; 0: no limit */
+    size_t max_memory;                      /* most bytes for rendering a frame; 0: no limit */
     load_options load;
     world_options world;
 } frame_options;

@@ -18,7 +18,7 @@
 
 #define LARGE ((size_t)64 << 20)    /* smallest .fxs file to be paged, in bytes */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic pool */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic memory pool */
 
 static int is_standard_input(const char *path)
 {
@@ -254,7 +254,7 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-/* Returns the bytes of a pool for PICTURES_HELD pictures. 0: map the whole file. */
+/* Returns the size in bytes of a memory pool for the chunks of several pictures. 0: map the whole file instead. */
 static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 {
     const fxs_scene *scene = opened->scene;

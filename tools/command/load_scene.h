@@ -22,18 +22,18 @@ typedef struct load_options {
     enum fxs_axes axes;
     uint32_t threads;                       /* threads of the import; 0: one per processor */
     enum fxs_profile profile;
-    int tree;                               /* 1: packs with a tree of levels of detail */
+    int tree;                               /* 1: packs a scene with a tree of levels of detail */
     int pages;                              /* 1: an .fxs may be paged, with only parts in memory */
     size_t pool;                            /* memory of a paged scene in bytes; 0: not given */
-    uint32_t budget;                        /* Gaussians per picture; 0: no limit */
+    uint32_t budget;                        /* Gaussians per picture; 0: does not page by size */
     void (*arrived)(void *argument);        /* callback when parts of a paged scene have been loaded */
     void *arrived_argument;
     const fxs_scene_filter *filter;         /* filter of the Gaussians, except of an .fxs; may be null */
-    uint64_t decimate_count;                /* merges Gaussians until this many are left; 0: no merging */
-    double decimate_share;                  /* merges Gaussians until this share is left, 0 to 1; 0: no merging */
+    uint64_t decimate_count;                /* number of Gaussians to reduce a scene to; 0: no reduction */
+    double decimate_share;                  /* share of Gaussians to reduce a scene to; 0: no reduction */
     uint64_t max_gaussians;
     size_t import_memory;
-    int again;                              /* 1: does not repeat notes on left-out Gaussians */
+    int again;
     fxs_progress_fn *progress;              /* progress callback; null: shows a bar on stderr */
     void *progress_argument;
 } load_options;

@@ -27,11 +27,11 @@ typedef struct world {
     fxs_crop *crops;                        /* FXS_MAX_CROPS crop boxes for each object */
     uint32_t count, gaussians;              /* number of objects; Gaussians of all objects */
     double low[3], high[3];                 /* bounds of the Gaussians' centres in visible objects */
-    double inner_low[3], inner_high[3];     /* bounds of the centres without outliers */
+    double inner_low[3], inner_high[3];     /* bounds of the Gaussians' centres without outliers */
     uint64_t load_nanoseconds;
 } world;
 
-/* Loads the scenes. On failure nothing is to be closed. */
+/* Loads the scenes of the world. On failure nothing is to be closed. */
 int world_open(world *w, const world_options *options, const load_options *load);
 
 int world_open_file(world *w, const char *path, const load_options *load);
@@ -41,7 +41,6 @@ int world_open_file(world *w, const char *path, const load_options *load);
 int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
                 fxs_scene_file_info *info);
 
-/* Loads all files of `placed` as one scene, with open_merged. */
 int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load);
 
 /* Makes a world of a packed scene. The scene stays the caller's, and must not move before world_close. */

@@ -12,7 +12,7 @@
 #define WINDOW 11
 #define SIGMA 1.5
 
-/* Local means that SSIM needs. */
+/* Local means of two images that SSIM needs. */
 enum { A, B, SQUARES, PRODUCT, MAPS };
 
 /* Computes Gaussian weights of sum 1 over at most WINDOW pixels. Returns their number. */
@@ -95,8 +95,8 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     memset(below, 0, width * sizeof *below);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
-            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* length of the run of counting pixels upwards */
-            beside = below[x] >= taps_y ? beside + 1 : 0;          /* length of the run of long columns to the left */
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* run of unmasked pixels upwards */
+            beside = below[x] >= taps_y ? beside + 1 : 0;          /* run of tall enough columns to the left */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }

@@ -97,7 +97,7 @@ static void spread_evenly(place *p, uint64_t index, uint64_t count)
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* `ends` has the ends of all parts of a scene in thousandths of the count. */
+/* Finds the part of a Gaussian. `ends` has the ends of all parts of a scene in thousandths of the count. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {
     int part = 0;
@@ -140,7 +140,7 @@ static double plain_noise(double x, double z, uint64_t salt)
 
 /* A Gaussian under construction. Its colour along the unit vector d is the sum of sh[k] Y_k(d). */
 typedef struct splat {
-    vec position, axis[3];   /* orthonormal, right-handed axes */
+    vec position, axis[3];   /* axes are orthonormal and right-handed */
     double sigma[3], opacity;
     vec sh[16];
 } splat;
@@ -181,8 +181,7 @@ static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
             s->sh[k] = add(s->sh[k], times(colour, scale * y[k]));
 }
 
-static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre coefficients of a bright spot of 70 degrees
-                                                                    */
+static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre coefficients of a bright spot */
 static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* Legendre coefficients of 1 - x^2 */
 
 /* Lays a flat disc perpendicular to `normal`. Its first axis is nearest to `along`. */
@@ -653,7 +652,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
-#define THIN 1e-9       /* thickness of flat discs (sigma) */
+#define THIN 1e-9       /* thickness (sigma) of flat discs */
 
 static const vec noon = { -0.48, -0.80, -0.36 };
 
@@ -859,7 +858,7 @@ static void meadow_sky(place *p, splat *s)
 
 enum { STRAYS = 256 };
 
-/* Returns the distance of an outlier: `rank` Gaussians are at least that far away, as in a captured scene. */
+/* Returns the distance of an outlier. `rank` Gaussians are at least that far away, as in a captured scene. */
 static double stray_distance(uint64_t rank)
 {
     static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
@@ -1008,8 +1007,7 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 
 #define BENCH_Y 1.2
 
-static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre coefficients of a half-space, 1 for x > 0
-                                                                    */
+static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre coefficients of a half-space */
 
 static const struct lobe {
     vec axis;
@@ -1482,7 +1480,7 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Ten cards of equal depths. Every position occurs at least twice. */
+/* Ten cards of Gaussians with equal depths. Every position occurs at least twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };

@@ -9,12 +9,12 @@
 #include "src/fit/float_scene.h"
 #include "views.h"
 
-#define FARTHEST 134000000.0        /* below the limit of camera positions, 2^27 units */
+#define FARTHEST 134000000.0        /* farthest camera, below the limit of 2^27 units */
 
 typedef struct pair {
     const world *scene;
     fxs_pool *pool;
-    fxs_float_scene *floats[2];             /* null for a scene that is rendered packed */
+    fxs_float_scene *floats[2];             /* a null entry stands for a scene that is rendered packed */
     enum fxs_cutoff original_cutoff;
     double nudge_below;
     picture pictures[3];

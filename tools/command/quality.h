@@ -11,13 +11,13 @@ typedef struct quality_view {
     int width, height;
     struct fxs_metrics metrics;
     double affine_psnr;             /* PSNR after an affine map of colours, valid with has_affine */
-    double nudged_psnr;             /* PSNR of the nudged original in dB; infinity: not measured */
+    double nudged_psnr;             /* PSNR in dB of the randomly moved original; infinity: not measured */
 } quality_view;
 
 typedef struct quality {
     quality_view *views;
     long count;
-    double psnr, ssim;              /* mean PSNR of differing views; mean SSIM */
+    double psnr, ssim;              /* mean PSNR over the differing views; mean SSIM */
     double worst_psnr, worst_ssim;  /* lowest PSNR and SSIM of all views */
     long worst_view;
     long nudged_view;               /* index of the view with the least nudged_psnr - psnr */

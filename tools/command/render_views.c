@@ -67,7 +67,7 @@ typedef struct batch {
     const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
     long view_count;
     renderer renderers[DEVICES_MOST];
-    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* cube faces of a panorama, or the unwarped picture */
+    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* cube faces of a panorama */
     int devices;
     fxs_pool *pool, *writers;
     drawn_round rounds[2];

@@ -42,7 +42,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Measures the finite values; sorts them in place. */
+/* Measures the finite values of an attribute, and sorts them in place. */
 static void measure(attribute_stats *a, float *values, uint64_t count)
 {
     double sum = 0;

@@ -10,7 +10,7 @@ typedef struct attribute_stats {
     const char *name;
     uint64_t count, not_finite;             /* numbers of finite values and of other values */
     double least, median, mean, most;
-    uint64_t bins[STATS_BINS];              /* histogram with equal bins from `least` to `most` */
+    uint64_t bins[STATS_BINS];              /* histogram with bins of equal width from `least` to `most` */
 } attribute_stats;
 
 typedef struct scene_stats {
@@ -18,7 +18,7 @@ typedef struct scene_stats {
     int count;
 } scene_stats;
 
-/* Reads a scene file to its end. Returns 0, or an error code and a message. */
+/* Reads a scene file to its end. */
 int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_message *message);
 
 void stats_print_text(const scene_stats *s);

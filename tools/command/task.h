@@ -51,7 +51,6 @@ int is_folder(const char *path);
 
 int make_folder(const char *path);
 
-/* Makes a folder and its missing parent folders. */
 int make_folders(const char *path);
 
 /* Removes a folder and its files, but no subfolders. A link is removed without its target. */

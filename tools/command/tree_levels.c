@@ -58,7 +58,7 @@ static void add_node(scene_levels *l, const fxs_scene *scene, uint32_t i, uint64
     s->chunks++;
     s->gaussians += gaussians_in(scene, scene->chunk_count + i);
     s->error += exp2(node.gain_q8 / 256.0);
-    s->size += node.size_q8 / 256.0;                       /* sum of log2 until the mean is computed */
+    s->size += node.size_q8 / 256.0;                       /* sum of binary logarithms until the mean is computed */
     l->count = level + 1 > l->count ? level + 1 : l->count;
 }
 

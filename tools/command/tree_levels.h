@@ -11,7 +11,7 @@ typedef struct scene_level {
     uint32_t chunks;
     uint64_t gaussians;
     double error;                  /* squared error that the nodes' children remove, colours^2 units^2 */
-    double size;                   /* geometric mean of the sigma of left-out details, scene units */
+    double size;                   /* geometric mean of the sigma of omitted details, scene units */
 } scene_level;
 
 typedef struct scene_levels {

@@ -237,7 +237,8 @@ static double fov_of(const frame_options *o)
     return o->fov > 0 ? o->fov : 50;
 }
 
-/* Computes the start view of a single scene. Returns 0 if the scene has none or an option asks for another camera. */
+/* Computes the start view of a single scene. Returns 0 if the scene has no start view or an option asks for another
+   camera. */
 static int has_start(const frame_options *o, const world *w, fxs_file_view *view)
 {
     return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&

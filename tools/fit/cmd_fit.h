@@ -18,10 +18,10 @@ typedef struct fit_command {
     char *saved;                    /* path of the saved fit, OUT.fit */
     int saves_itself;               /* 1: --resume names the fit's own save, OUT.fit */
     uint32_t block, blocks;         /* number of a block, and number of blocks; 0: no blocks */
-    uint64_t save_every, metrics_every;   /* interval in steps; 0: never */
+    uint64_t save_every, metrics_every;   /* steps between saves, and between measurements; 0: never */
     int preview;
     uint64_t port;
-    const fit_watcher *watcher;     /* shows the fit while it runs; null: no preview */
+    const fit_watcher *watcher;     /* callbacks that show the running fit; null: no preview */
     int json;
     char **argv;
 } fit_command;
@@ -31,10 +31,10 @@ extern const char *const fit_recipes[];
 /* Fits a scene to the photographs or to those of a block. With --measure, measures a scene instead. */
 int fit_photos(fit_command *c);
 
-/* Runs the remaining steps of a fit. A signal saves the fit and ends the program. Returns like fit_photos. */
+/* Runs the remaining steps of a fit. A signal saves the fit and ends the program. */
 int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *progress);
 
-/* Saves the fit in OUT.fit, and prints the command that resumes the fit, after `why`. */
+/* Saves the fit in OUT.fit, and prints `why` and the command that resumes the fit. */
 int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);
 
 /* Writes the scene, measures it and prints the result. A scene that cannot be written is saved as OUT.fit. `block`

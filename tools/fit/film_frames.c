@@ -21,7 +21,7 @@ typedef struct frames {
     uint64_t *sharpness;
     size_t count, room;
     int no_memory;
-    int is_damaged;                /* 1: the film ends early */
+    int is_damaged;                /* 1: the film file is damaged and ends early */
 } frames;
 
 int film_is_named(const char *path)
@@ -198,7 +198,7 @@ int film_frames(task *t, const char *film, size_t wanted, const char *folder)
         return fail(EXIT_FAILED, "out of memory");
     f->t = t;
     int status = look_at_film(f, film);
-    /* takes every tenth frame, but 60 to 300 frames */
+    /* default: a tenth of the film's frames, clamped to 60..300 */
     wanted = wanted ? wanted : f->count / 10 < 60 ? 60 : f->count / 10 > 300 ? 300 : f->count / 10;
     wanted = wanted < f->count ? wanted : f->count;
     char *filter = status ? 0 : select_frames(f, wanted);

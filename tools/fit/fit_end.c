@@ -23,7 +23,7 @@ static const struct {
 /* Differences of PSNR in dB above which a sentence names the cause. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
-#define LEAST_OF_EXPOSED 22        /* least PSNR in dB at which exposure may be the cause */
+#define LEAST_OF_EXPOSED 22        /* least PSNR in dB, after the affine map, at which exposure may be the cause */
 
 static const char *words_for(double psnr)
 {

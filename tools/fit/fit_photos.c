@@ -149,7 +149,7 @@ static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_bloc
     fit_progress progress;
     if (c->compare)
         result_tell_pictures(photos, c->compare);
-    int status = files_check();     /* names of all photographs are known now */
+    int status = files_check();     /* checked again, since the photographs' names are known now */
     if (!status)
         status = open_fit(c, photos, block, &fit);
     if (!status) {

@@ -13,13 +13,13 @@ typedef struct fit_progress {
     uint32_t first, steps;          /* first step of this run; number of all steps */
     uint32_t counted, reports;
     uint32_t saved;                 /* step of the saved fit; 0: not saved */
-    uint64_t start, last, shown;    /* nanoseconds at the start, last step and last output */
+    uint64_t start, last, shown;    /* times of the start, last step and last output in nanoseconds */
     size_t gaussians;
     double pace, loss;              /* running means of seconds per step and of the loss */
     uint64_t stages[FIT_STAGES];    /* nanoseconds per stage, summed over the reports */
 } fit_progress;
 
-/* Counts the steps up to `step`, which has a report, and shows progress. */
+/* Counts the steps up to `step`, and shows progress. */
 void fit_progress_count(fit_progress *progress, uint32_t step, const fxs_fit_report *report);
 
 fit_now fit_progress_now(const fit_progress *progress, uint32_t step, size_t gaussians);
@@ -37,12 +37,12 @@ typedef struct fit_log {
 /* Opens a log without emptying it. */
 int fit_log_open(fit_log *log, const char *name);
 
-/* Call before the first of `steps` steps. goes_on 1: appends to the log of a resumed fit; 0: empties the file. */
+/* Begins a log of `steps` steps. goes_on 1: appends to the log of a resumed fit; 0: empties the file. */
 void fit_log_begin(fit_log *log, int goes_on, uint32_t steps);
 
 int fit_log_wants(const fit_log *log, uint32_t step);
 
-/* Writes a line for the last counted step. `measured` may be null. */
+/* Writes a log line for the last counted step. `measured` may be null. */
 void fit_log_write(fit_log *log, const fit_progress *progress, const quality *measured);
 
 void fit_log_close(fit_log *log);

@@ -22,7 +22,7 @@ static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t ste
         return;
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat fit", why, step, steps);
-    for (char **word = c->argv + 1; *word; word++)   /* argv[0] may be a path */
+    for (char **word = c->argv + 1; *word; word++)   /* argv[0] may be a path instead of the command's name */
         write_shell_word(stderr, *word);
     if (!c->saves_itself) {
         fputs(" --resume", stderr);

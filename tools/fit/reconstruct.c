@@ -28,7 +28,7 @@ typedef struct work {
     task t;
     int is_film;
     char source[TASK_PATH];
-    char masked[TASK_PATH];        /* folder of the user's masks, or empty; `masks` has links to them */
+    char masked[TASK_PATH];        /* folder of the user's masks, or empty; `masks` has links to the masks */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
     char log_name[TASK_PATH];
     photographs photos;
@@ -202,7 +202,7 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* COLMAP assumes one camera per call, so each lens has a call. */
+/* Finds features, with a call of COLMAP per lens, because COLMAP assumes one camera per call. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {
@@ -334,7 +334,7 @@ static int find_cameras(work *w)
     join_path(models, w->folder, "models");
     int status = find_features(w);
     status = status ? status : find_matches(w);
-    remove_models(models);         /* a stopped mapper may have left models */
+    remove_models(models);         /* a stopped mapper may have left camera models */
     status = status ? status : make_folder(models);
     if (status)
         return status;

@@ -14,7 +14,7 @@ typedef struct reconstruct_options {
     int invert_masks;              /* 1: masks are white where a photograph is ignored */
 } reconstruct_options;
 
-/* True for a film, or a folder without cameras. */
+/* True if the input is a film, or a folder without cameras. */
 int reconstruct_is_needed(const char *in);
 
 /* True if the folder or its subfolder images has photographs. */

@@ -211,7 +211,8 @@ sizes() {
     FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|' | grep -v 'pixel stage alone'
 }
 
-# Prints times of one eye and both eyes. Takes the fastest of alternating runs, because a busy machine only slows them.
+# Prints render times of one eye and both eyes. Takes the fastest of alternating runs, because a busy machine only slows
+# them.
 stereo_row() {
     name=$1 file=$2 apart=$3
     shift 3
@@ -311,7 +312,7 @@ budgets() { detail budgets; }
 steps() { detail steps; }
 boards() { detail boards; }
 
-# Times the stages of a step over 40 steps on one thread, after a fit of FIT_STEPS steps.
+# Times the stages of a fit's step over 40 steps on one thread, after FIT_STEPS steps.
 fit_stages() {
     steps=${FIT_STEPS:-3000}
     set -- fit "$PHOTOS/snowmiku" -o "$work/stages.ply" --resolution "${FIT_SIZE:-600}"

@@ -118,7 +118,7 @@ esac
 fit=$(words "$FIXSPLAT" fit "$(whole "$photos")" "$@")
 parts=$(seq 0 "$blocks" | sed "s/.*/part-&.ply/" | tr '\n' ' ')
 
-# Refuses results made with other options.
+# Refuses results of jobs with other options.
 settings="blocks $blocks, coarse fit $coarse_steps steps at $coarse_resolution, $steps steps,$fit"
 if [ -e "$work/settings" ] && [ "$(cat "$work/settings")" != "$settings" ]; then
     stop "$work: the jobs there are of other options: $(cat "$work/settings"); remove it, or choose another --work"

@@ -10,7 +10,7 @@ packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev 
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
     *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb
-               # libraries of the window; Linux uses shared libraries instead
+               # libraries of the window program; Linux uses shared libraries instead
                names="$names freetype libsdl2 libsdl2-ttf"
                packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
@@ -116,7 +116,7 @@ build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
 build_freetype() {
     made_by_cmake "$1" -DFT_REQUIRE_ZLIB=ON $(printf -- '-DFT_DISABLE_%s=ON ' BZIP2 PNG HARFBUZZ BROTLI)
 }
-# SDL with windows, events and pixels only, without C++.
+# Builds SDL with windows, events and pixels only, without C++.
 build_libsdl2() {
     sed -i 's/^project(SDL2 C CXX)/project(SDL2 C)/' "$1/CMakeLists.txt" &&
         made_by_cmake "$1" -DSDL_SHARED=OFF -DSDL_STATIC=ON -DSDL_TEST=OFF -DSDL2_DISABLE_SDL2MAIN=ON \

@@ -7,7 +7,6 @@ trap 'rm -rf "$stripped" "$objects"' EXIT
 
 row() { printf '%-24s %9s %9s %9s\n' "$@"; }
 
-# part NAME SIZE FILE...: prints the sum over the existing files.
 part() {
     name=$1 size=$2
     shift 2

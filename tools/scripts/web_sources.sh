@@ -14,7 +14,7 @@ apt() {
         -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
 }
 
-# Reverse order prefers a suite to its security updates if both have the same version.
+# Reverse order prefers a Debian suite to its security updates if both have the same version.
 fetch() {
     mkdir -p "$work/lists/partial" "$work/none" &&
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
@@ -33,7 +33,7 @@ name_errors() {
     echo '};'
 }
 
-# An interrupted replacement invalidates FOLDER/versions.
+# A removed FOLDER/versions marks an interrupted replacement.
 take() {
     rm -f ../versions
     for name in $names; do

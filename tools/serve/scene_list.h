@@ -8,8 +8,8 @@ enum { LISTED_NAME = 80 };
 
 typedef struct listed_scene {
     char *path;
-    char name[LISTED_NAME];        /* unique name for addresses: letters, digits and dashes */
-    char title[LISTED_NAME];       /* file name without its ending */
+    char name[LISTED_NAME];        /* unique name for web addresses: letters, digits and dashes */
+    char title[LISTED_NAME];       /* file name without its ending, shown as the title */
 } listed_scene;
 
 typedef struct scene_list {

@@ -190,7 +190,7 @@ static int fill_site(site *s, const frame_options *o)
 }
 
 typedef struct told {
-    char near[128], far[128];               /* first local and first public address; empty: none */
+    char near[128], far[128];               /* first local and first public web address; empty: none */
 } told;
 
 static void tell(void *self, const char *address, int is_local)

@@ -55,18 +55,18 @@ static struct preview {
     const char *out, *state;
     int has_failed;
     int is_written;
-    const fxs_photos *photos;       /* photographs are valid until the final scene is written */
+    const fxs_photos *photos;       /* photographs stay valid until the final scene is written */
     int held_out;
     frame_options frame;
     fxs_photos few;                 /* photographs measured for each point of the quality curve */
     fit_now now;
-    uint64_t began, told, packed;   /* nanoseconds: start of the fit, last numbers, last scene */
+    uint64_t began, told, packed;   /* times of the start, last numbers and last scene in nanoseconds */
     uint64_t spent_on_scenes, spent_on_points;
     uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
     uint32_t measured;
     point *points;
     size_t point_count, point_room;
-    quality result;                 /* final quality over all photographs, without single views */
+    quality result;
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
 
 static int open_live(void *file)
@@ -81,7 +81,7 @@ static int open_live(void *file)
     return descriptor;
 }
 
-/* Replaces a served file and takes ownership of the descriptor. -1: reports errno once. */
+/* Replaces a served file and takes ownership of the descriptor. A descriptor of -1 reports errno. */
 static void give(struct preview *p, int which, int descriptor)
 {
     live_file *live = &p->live[which];

@@ -15,10 +15,10 @@
 #include "serve.h"
 
 #define SECOND ((uint64_t)1000000000)
-#define SETTLED (SECOND * 3 / 4)            /* nanoseconds without a change after which a file is complete */
-#define LOOKS (5 * SECOND)                  /* nanoseconds since the last request of a page that is open */
+#define SETTLED (SECOND * 3 / 4)            /* a scene file unchanged for that long is complete */
+#define LOOKS (5 * SECOND)                  /* a page with a request within that time is open */
 #define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes of packed scenes that no page shows */
-enum { SMALL = 64 };                        /* files of fewer bytes per Gaussian are sent unpacked */
+enum { SMALL = 64 };                        /* bytes per Gaussian; smaller scene files are sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
 /* Versions of a scene alternate between two addresses, so that a page can continue to read its version. */
@@ -34,17 +34,17 @@ typedef struct served_scene {
     served_scenes *all;
     const char *given;
     char *path;
-    char *names[FILES];                     /* addresses of the versions, the facts and the picture */
+    char *names[FILES];                     /* web addresses of the versions, the facts and the picture */
     int number, is_twice;
-    fxs_file_facts taken, seen;             /* file facts when the scene was served, and at the last check */
+    fxs_file_facts taken, seen;             /* size, time and inode when the file was served and last checked */
     uint64_t seen_at;
 
-    /* Fields that the lock guards: */
+    /* Fields guarded by the lock: */
     enum scene_state state;
-    int descriptors[VERSIONS];              /* descriptors of the versions, NONE or AS_IT_LIES */
-    int picture;                            /* descriptor of the picture or NONE */
+    int descriptors[VERSIONS];
+    int picture;
     uint64_t kept;
-    uint32_t version;                       /* version from 1; 0: none yet */
+    uint32_t version;                       /* version of the scene, from 1; 0: none yet */
     double done;
     uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
     char words[256];
@@ -242,7 +242,7 @@ static int picture_of(const served_scene *s, const loaded_scene *scene)
     return descriptor;
 }
 
-/* Call with the lock held if the descriptor belongs to a scene. */
+/* Closes and replaces a descriptor. Call with the lock held if the descriptor belongs to a scene. */
 static void replace(int *descriptor, int by)
 {
     if (*descriptor >= 0)
@@ -267,7 +267,7 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
 }
 
-/* Also loads a scene that is sent unpacked, to find errors. */
+/* Loads a scene for the server, even if it is sent unpacked, to find errors. */
 static int take_file(served_scene *s, taken *t)
 {
     load_options o;
@@ -301,7 +301,7 @@ static void set_state(served_scene *s, enum scene_state state, const char *words
     pthread_mutex_unlock(&s->all->lock);
 }
 
-/* Call with the lock held. */
+/* Frees the versions of a scene. Call with the lock held. */
 static void drop(served_scene *s)
 {
     for (int i = 0; i < VERSIONS; i++)

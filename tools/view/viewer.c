@@ -46,7 +46,7 @@ static void find_up(viewer *v)
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 
-/* Computes a chunk's origin in the world: p = R o s + t. */
+/* Computes the origin of a chunk (256 Gaussians) in the world: p = R o s + t. */
 static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
 {
     fxs_chunk header;
@@ -100,7 +100,6 @@ static void keep_recent(loading *l)
         note("recent scenes are not kept: %s", message.text);
 }
 
-/* Runs on the thread that loads chunks of the scene. */
 static void note_arrived(void *viewer_)
 {
     viewer *v = viewer_;
@@ -342,7 +341,7 @@ int viewer_has_levels(const viewer *v)
     return 0;
 }
 
-/* Half of each pool is left for prefetched and recently visible chunks. */
+/* Half of each memory pool is left for prefetched and recently visible chunks. */
 uint32_t viewer_budget_most(const viewer *v)
 {
     uint64_t most = 0;
@@ -352,7 +351,7 @@ uint32_t viewer_budget_most(const viewer *v)
     return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
 }
 
-/* The largest budget stands for no budget, unless scenes are partly in memory. */
+/* The largest budget of Gaussians stands for no budget, unless scenes are partly in memory. */
 static void set_budget(viewer *v, double gaussians)
 {
     const uint32_t most = viewer_budget_most(v);
@@ -414,7 +413,7 @@ static void leave(viewer *v, int key)
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key, of_scene;                  /* 1: the key is ignored without a scene */
+        int key, of_scene;
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
                 {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
@@ -583,7 +582,7 @@ static void move(viewer *v, int milliseconds)
     v->clock = now;
     if (v->moving)
         v->moved = now;
-    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* undoes a motion out of range */
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* the camera is out of range */
         v->view = view;
         v->distance = distance;
     }
@@ -700,7 +699,7 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* its threads wake the window */
+    world_close(&v->world);                             /* threads of the world wake the window */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

@@ -27,7 +27,7 @@ typedef struct request {
     fxs_file_view view;
     fxs_options render;
     int divisor, x, y;
-    int moves, shows_part;                  /* flags: the camera moves; missing chunks are left out */
+    int moves, shows_part;
     enum viewer_picture shown;
     crop_box crop;
     int status;
@@ -57,11 +57,11 @@ struct viewer {
     frame_options options;
     const char *screenshot;                 /* output path; null: fixsplat-001.png and so on */
     fxs_window *window;
-    fxs_words *words;                       /* text renderer; null: no font */
+    fxs_words *words;
     fxs_worker *drawer, *loader;
 
     request requests[REQUESTS_MOST];
-    int request_count, given;               /* length of the queue; 1: the first request is in progress */
+    int request_count, given;               /* number of queued requests; 1: the first is in progress */
     renderer renderer;                      /* owned by the renderer's thread while requests wait */
     frame_options opened;
     int cropped;
@@ -85,8 +85,8 @@ struct viewer {
     double distance;                        /* distance from the camera to its pivot, scene units */
     double radius, speed;                   /* radius of the scene in units; relative speed of flight */
 
-    int changed, moving, exposed;           /* flags: needs a frame; the camera moves; needs a repaint */
-    int flying, coarse;                     /* flags: a flight key is down; the last frame was reduced */
+    int changed, moving, exposed;
+    int flying, coarse;
     int divisor;                            /* reduction of the picture's size while the camera moves */
     enum viewer_picture shown;
     uint64_t clock, moved;                  /* times of the last step and the last motion in nanoseconds */
@@ -98,11 +98,11 @@ struct viewer {
     uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 
     crop_box crop;
-    int face, dragged;                      /* face under the pointer or CROP_NONE; dragging flag */
+    int face, dragged;                      /* face under the pointer or CROP_NONE; 1: being dragged */
     int crop_written;
 
     int graph, help, rate, light, quit, status;
-    int measuring, ends;                    /* flag of measuring distances; number of picked ends */
+    int measuring, ends;                    /* 1: measures distances; number of picked ends */
     double end[2][3];
     fxs_frame_times times;
     uint32_t gaussians, missing;            /* Gaussians of the last frame; chunks not loaded yet */
@@ -150,7 +150,8 @@ void crop_begin(viewer *v);
 
 void crop_toggle(viewer *v);
 
-/* Returns the middle of a face of the box. The axis is face / 2. Even faces are low sides, odd faces high sides. */
+/* Returns the middle of a face of the crop box. The axis is face / 2. Even faces are low sides, odd faces high
+   sides. */
 void crop_handle(const crop_box *crop, int face, double point[3]);
 
 int crop_face_at(const viewer *v, double x, double y);
@@ -158,7 +159,7 @@ int crop_face_at(const viewer *v, double x, double y);
 /* Moves the handle of v->face as near as possible to the window position x, y. */
 void crop_drag(viewer *v, double x, double y);
 
-/* Cuts the original crops of all objects by the box. Runs on the renderer's thread. */
+/* Crops all objects by the box. Runs on the renderer's thread. */
 void crop_world(world *w, const crop_box *crop);
 
 /* Replaces the current scenes by the loaded scenes. No frame may be in progress. */

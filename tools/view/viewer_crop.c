@@ -63,7 +63,7 @@ void crop_toggle(viewer *v)
     v->exposed = 1;
 }
 
-/* Converts a box in the world to the units of a placement: w_i = s r_k o_k + t_i. */
+/* Converts a box in the world to the units of an object's placement: w_i = s r_k o_k + t_i. */
 static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
 {
     fxs_world_crop box = {.outside = 0};
@@ -109,7 +109,7 @@ static void crop_placement(fxs_placement *p, const crop_box *crop)
         p->visible = 0;
 }
 
-/* Starts from the original placements, so repeated calls do not accumulate. */
+/* Starts from the original placements of the objects, so repeated crops do not accumulate. */
 void crop_world(world *w, const crop_box *crop)
 {
     fxs_message message;

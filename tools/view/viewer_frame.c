@@ -40,7 +40,7 @@ static fxs_file_view fit_view(const viewer *v, int divisor)
     return fit(v, v->view, width, height);
 }
 
-/* Queues a request with the current view. Returns null if the queue is full. */
+/* Queues a request for the renderer's thread. Returns null if the queue is full. */
 static request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor)
 {
     if (v->request_count == REQUESTS_MOST)

@@ -115,7 +115,7 @@ const char *viewer_file_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* Lists a heading, then a line for each recent scene: key, name, end of its folder. */
+/* Lists recent scenes: a heading, then a line with key, name and folder for each scene. */
 static int list_recent(const viewer *v, key_line lines[FXS_RECENT_MOST + 1])
 {
     enum { FOLDER = 40 };
@@ -294,7 +294,7 @@ static void add_crop(panels *p, const viewer *v)
     const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
     double point[3], pixel[2];
     for (int i = 0; i < 48 && panel; i++) {
-        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* shadows of the lines are drawn first */
+        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;
         if (!(corner & 1 << axis))
             draw_edge(&panel->picture, v, corner, axis, (is_line ? 1 : 3) * p->scale,
                       is_line ? 0xffffffff : 0x00000080);
