@@ -319,7 +319,7 @@ static int read_options(convert_options *o, int argc, char **argv)
     return 0;
 }
 
-/* Quality that each profile promises. */
+/* Quality that each compression profile promises. */
 static const struct promise {
     double worst;                           /* PSNR in dB that most scenes reach in all views */
     int views;
@@ -330,7 +330,7 @@ static const struct promise {
     [FXS_PROFILE_SMALL] = {38, 6, "profile compact loses less"},
 };
 
-/* Compares views of a packed scene with its floats. Notes views below the profile's promise. */
+/* Compares views of a packed scene with its floats. Notes views below the promised quality. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
     enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* limit of 8 million Gaussians, about 3 GB of floats */

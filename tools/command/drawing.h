@@ -30,8 +30,8 @@ typedef struct renderer {
     int mirrored;                           /* 1: mirrors the left eye's field of view for the right eye */
     int has_scissor, scissor[4];
     foveate_options foveate;
-    int shows_part;                         /* 1: renders a paged scene without its missing chunks */
-    int lost;                               /* 1: a chunk of the scene cannot be read */
+    int shows_part;                         /* 1: renders a paged scene without its missing parts */
+    int lost;                               /* 1: a part of the scene cannot be read */
     fxs_message why_lost;
     int divisor;                            /* factor by which the picture is smaller than `foveate` expects */
     void *rings;

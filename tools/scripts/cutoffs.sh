@@ -1,5 +1,5 @@
 #!/bin/sh
-# cutoffs.sh SCENE[@PHOTOS]...: prints a Markdown table of two cut-offs for each scene. Every eighth photograph in
+# cutoffs.sh SCENE[@PHOTOS]...: prints a Markdown table of two cut-off radii for each scene. Every eighth photograph in
 # PHOTOS/images is compared with the rendered scene. B: build folder. VIEWS: views per scene (8). SIZE: size of timed
 # frames.
 set -eu

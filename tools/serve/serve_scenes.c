@@ -165,7 +165,7 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
     *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
 }
 
-/* Returns 0; -1: the path cannot be a scene, being missing, a link or a FIFO. */
+/* Returns -1 if the path cannot be a scene: missing, a link or a FIFO. */
 static int look_at_file(const char *path, fxs_file_facts *facts)
 {
     const enum fxs_file_kind kind = fxs_file_look_at_name(path, facts);

@@ -46,7 +46,8 @@ static void find_up(viewer *v)
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 
-/* Computes the origin of a chunk (256 Gaussians) in the world: p = R o s + t. */
+/* Computes the origin of a chunk (256 Gaussians) in the world: p = R o s + t, with rotation R,
+   origin o, scale s and translation t. */
 static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
 {
     fxs_chunk header;
@@ -305,7 +306,7 @@ static void toggle_measure(viewer *v, int key)
         snprintf(v->note, sizeof v->note, "measure: click one end");
 }
 
-/* Starts to record the camera's path; then writes the film; then cancels the writing. */
+/* Starts to record the camera's path. The next call writes the film, and the third call cancels the writing. */
 static void toggle_film(viewer *v, int key)
 {
     (void)key;
@@ -699,7 +700,7 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* threads of the world wake the window */
+    world_close(&v->world);                             /* before the window: the world's threads wake it */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

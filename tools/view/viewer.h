@@ -105,8 +105,8 @@ struct viewer {
     int measuring, ends;                    /* 1: measures distances; number of picked ends */
     double end[2][3];
     fxs_frame_times times;
-    uint32_t gaussians, missing;            /* Gaussians of the last frame; chunks not loaded yet */
-    int arrived;                            /* 1: chunks were loaded; set atomically by another thread */
+    uint32_t gaussians, missing;            /* Gaussians of the last frame; missing parts of the scene */
+    int arrived;                            /* 1: missing parts were loaded; set by another thread */
     int lost;
     double rate_wanted;                     /* wanted frames per second; 0: fixed budget of Gaussians */
     uint64_t slider;                        /* time when the slider disappears in nanoseconds; 0: hidden */

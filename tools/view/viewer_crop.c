@@ -63,7 +63,8 @@ void crop_toggle(viewer *v)
     v->exposed = 1;
 }
 
-/* Converts a box in the world to the units of an object's placement: w_i = s r_k o_k + t_i. */
+/* Converts a box in the world to the units of an object: w_i = s r_k o_k + t_i, with scale s, rotation r and
+   translation t. */
 static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
 {
     fxs_world_crop box = {.outside = 0};
