@@ -62,6 +62,7 @@ int frame_options_check(const frame_options *options);
 /* Finds the back end that the options name, and its options for a device. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
+/* Returns the number of devices that the options ask for. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct scene_stats {
     int count;
 } scene_stats;
 
-/* Reads a scene file to its end. */
+/* Reads a scene file to its end. Returns 0, or an error code and a message. */
 int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_message *message);
 
 void stats_print_text(const scene_stats *s);
