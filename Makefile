@@ -1,4 +1,4 @@
-# fixsplat. `make help` lists the targets.
+# Builds fixsplat. `make help` lists the targets.
 CC ?= cc
 CFLAGS ?= -O2 -g
 NVCC ?= nvcc
@@ -8,7 +8,6 @@ SCENES ?= ../shared/scenes
 PYTHON ?= python3
 B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
-# Libraries of the same major version are interchangeable.
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
 # Public headers <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
@@ -39,14 +38,14 @@ DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ 
                  zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
-# Folder for library sources of `make setup web` (tools/scripts/web_sources.sh), shared by all clones; WEB_SOURCES= disables it.
+# Cache folder for library sources of the web port, filled by `make setup web`.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Folder for the Windows libraries of `make setup windows` (tools/scripts/libraries.sh), shared by all clones.
+# Cache folder for Windows libraries, filled by `make setup windows`.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check
 
-# As many jobs as processors, unless -j is given.
+# make runs as many jobs as processors, unless -j is given.
 PROCESSORS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(PROCESSORS)
@@ -55,7 +54,6 @@ endif
 all: ## the command and the libraries (the default)
 
 ifneq ($(filter setup,$(GOALS)),)
-# ---- Setup ---------------------------------------------------------------------------------------------------------
 
 setup: ## install the Debian packages that are missing (and what goals behind it need: setup test, web, windows)
 	@sh tools/scripts/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
@@ -75,8 +73,6 @@ rest: setup
 	@$(if $(REST),$(MAKE) --no-print-directory $(REST),:)
 .PHONY: setup rest $(REST)
 else
-
-# ---- Everything else ------------------------------------------------------------------------------------------------
 
 include $(addprefix make/,build.mk firmware.mk web.mk windows.mk install.mk dist.mk test.mk measure.mk)
 

@@ -1,9 +1,8 @@
-# Builds the command and the libraries: finds compilers and libraries, and has the rules.
+# Builds the command and the libraries.
 
 include make/sources.mk
 
-# tools/scripts/probe.sh finds the compiler, the kernels for its processors and the optional libraries. It runs again when one
-# of them changes. Without its library, a feature reports a clear message.
+# probe.sh finds the target of the compiler and the optional libraries, and runs again when they change.
 quoted = '$(subst ','\'',$(1))'
 ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
@@ -25,7 +24,7 @@ PIC := $(if $(SHARED),$(PIC_$(SYSTEM)))
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) $(CUDA_FLAGS)
 LIBS := $(foreach name,$(LINKED) CUDA,$(LIBS_$(name))) -lm -lpthread
 
-# flags_of SOURCE: those of its kinds. clang 14 crashes on the debug information of AVX-512 masks.
+# clang 14 crashes on debug information of AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 FLAGS_AVX512 += $(CLANG_14)
 FLAGS_FAST := $(if $(filter -O2,$(CFLAGS)),$(FLAGS_FAST))
@@ -54,9 +53,7 @@ SHARED_win32 := $(B)/libfixsplat-$(MAJOR).dll
 SHARED_LIBRARY := $(if $(SHARED),$(SHARED_$(SYSTEM)))
 
 
-# ---- Rules ---------------------------------------------------------------------------------------------------------
-
-# Prints one line per file; V=1 prints whole commands.
+# Prints a line per compiled file; V=1 prints whole commands.
 ifeq ($(V),)
 say = @$(if $(findstring s,$(firstword -$(MAKEFLAGS))),,printf '  %-4s %s\n' $(1) $(2) &&)
 endif
@@ -87,7 +84,7 @@ $(B)/fixsplat-web$(EXE): $(call objects,$(SERVER) $(filter-out tools/command/mai
                    $(B)/commands/link
 	$(call link,$(foreach name,$(LINKED_WEB),$(LIBS_$(name))) $(SOCKETS_$(SYSTEM)))
 
-# Records the commands and their options: a change rebuilds the files made by them.
+# A changed compiler command rebuilds the files made by it.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
 $(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(foreach name,$(LINKED_VIEW) $(LINKED_WEB),$(LIBS_$(name))) $(AR) \
@@ -96,7 +93,7 @@ $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
-# An object depends on the optional libraries named in its source and headers; these dependencies are added to its .d.
+# An object file depends on the optional libraries that its source names.
 features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
            sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
 
@@ -105,14 +102,13 @@ $(B)/%.o: %.c $(B)/commands/compile
 	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(if $(filter tests/%,$*),$(FOR_TESTS_$(SYSTEM))) $(call flags_of,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
-# nvcc puts a hash of the source's path into names. The relative path is used, so that the bytes do not depend on the
-# folder.
+# nvcc puts a hash of the source's path into names. A relative path makes the result independent of the folder.
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
 	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
 	    $(if $(findstring fit,$*),$(CUDA_FIT_FLAGS)) -MMD -MP -c -o $@ $<
 
-# These files are built only with their library and do not test FXS_WITH_*.
+# Source files that are compiled only with an optional library.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard $(SOURCES_GLES))): $(B)/with/GLES
@@ -128,7 +124,6 @@ WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
 $(WITH_SHADERS): INCLUDES += -I$(@D)
 
-# The declarations of the headers, as a text inside the library.
 $(B)/declarations.c: $(HEADERS) tools/scripts/declarations.sh $(B)/commands/compile
 	@CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/scripts/declarations.sh -c $(HEADERS) >$@
 

@@ -1,4 +1,4 @@
-# Packages for installation: tarballs, wheels, a zip for Windows, Debian packages, the npm package (docs/install.md).
+# Makes packages for installation (docs/install.md).
 
 DIST := dist
 

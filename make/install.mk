@@ -1,4 +1,4 @@
-# Installation, and lists of installed files.
+# Rules for installation.
 
 SONAME_LINKS := $(SONAME) libfixsplat.so
 PAGE := $(PREFIX)/share/fixsplat/web
@@ -15,7 +15,7 @@ fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME
            -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 
-# Man pages and completions, generated from the program's help if the program runs here.
+# Man pages and shell completions, generated from the program's help if the program can run here.
 $(B)/share/made: $(B)/fixsplat tools/scripts/man.sh tools/scripts/completions.sh
 	@rm -rf $(@D) && mkdir -p $(@D)
 	$(call say,MAN,$(@D))if $(B)/fixsplat --version >/dev/null 2>&1; then \
@@ -39,7 +39,7 @@ install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
 	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
-# Builds in a copy of the sources, so that the source folder stays clean.
+# Builds the wheel in a copy of the sources, so that the source folder stays clean.
 wheel: $(SHARED_LIBRARY) ## build/wheel/*.whl: the Python package with the library, for pip install; PYTHON (python3)
 	@rm -rf $(B)/wheel && mkdir -p $(B)/wheel/source
 	@cp -r port/python/pyproject.toml port/python/setup.py port/python/fixsplat $(B)/wheel/source

@@ -1,14 +1,11 @@
-# The whole library and the command, for CMakeLists.txt.
+# CMake rules for the whole library and the command.
 find_package(Threads REQUIRED)
 find_program(FIXSPLAT_SH sh HINTS "$ENV{PROGRAMFILES}/Git/bin")
 if(NOT FIXSPLAT_SH)
     message(FATAL_ERROR "fixsplat: no sh, which Git for Windows has; FIXSPLAT_CORE_ONLY does without it")
 endif()
 
-# ---- Optional libraries --------------------------------------------------------------------------------------------
-
-# fixsplat_look_for NAME HEADER -lLIBRARY...: FOUND, INCLUDES and LIBS_NAME, if a program with the library links.
-# FIXSPLAT_WITH_NAME=OFF does without it.
+# fixsplat_look_for NAME HEADER -lLIBRARY...: sets FOUND, INCLUDES and LIBS_NAME if a program links with the library.
 function(fixsplat_look_for name header)
     set(LIBS_${name} "" PARENT_SCOPE)
     option(FIXSPLAT_WITH_${name} "use <${header}>, if it is found" ON)
@@ -41,9 +38,8 @@ foreach(name ${LIBRARIES})
     fixsplat_look_for(${name} ${LIBRARY_${name}})
 endforeach()
 
-# ---- Files that are made -------------------------------------------------------------------------------------------
-
-# fixsplat_made FILE SCRIPT ARGUMENT...: a file of the build folder, as a script prints it; its arguments are files.
+# fixsplat_made FILE SCRIPT ARGUMENT...: makes a file of the build folder from the output of a script. The arguments are
+# files.
 function(fixsplat_made file script)
     get_filename_component(folder ${PROJECT_BINARY_DIR}/${file} DIRECTORY)
     file(MAKE_DIRECTORY ${folder})
@@ -76,7 +72,6 @@ if(FXS_WITH_GLES IN_LIST FOUND)
     endforeach()
 endif()
 
-# fixsplat_cuda SOURCE: its object, by nvcc.
 function(fixsplat_cuda source)
     string(REPLACE .cu .o object ${PROJECT_BINARY_DIR}/${source})
     get_filename_component(folder ${object} DIRECTORY)
@@ -105,8 +100,6 @@ if(FIXSPLAT_CUDA)
     endforeach()
 endif()
 add_custom_target(fixsplat-cuda DEPENDS ${cuda})
-
-# ---- Libraries -----------------------------------------------------------------------------------------------------
 
 foreach(name ${LINKED} CUDA)
     list(APPEND LIBS ${LIBS_${name}})
@@ -137,9 +130,7 @@ target_link_libraries(fixsplat-fixsplat INTERFACE ${linked})
 list(APPEND libraries fixsplat-fixsplat)
 list(APPEND packages fixsplat.pc)
 
-# ---- The command ---------------------------------------------------------------------------------------------------
-
-# fixsplat_program NAME LIBRARIES SOURCE...: a program that contains the command except main.c.
+# fixsplat_program NAME LIBRARIES SOURCE...: makes a program that contains the command except main.c.
 function(fixsplat_program name libraries)
     fixsplat_compiled(${name}-main-objects ${ARGN})
     add_executable(${name}-command $<TARGET_OBJECTS:${name}-main-objects> $<TARGET_OBJECTS:fixsplat-tool-objects>)

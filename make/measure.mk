@@ -1,4 +1,4 @@
-# Measurements.
+# Rules that run benchmarks.
 
 peers: web ## measure the page beside other viewers in Chromium (npm, some minutes); ROUNDS=3
 	B=$(B) SCENES=$(SCENES) sh tools/scripts/peers.sh $(or $(ROUNDS),3)

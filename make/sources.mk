@@ -1,21 +1,18 @@
-# Sources, their flags and optional libraries, read by make, CMakeLists.txt and tools/scripts/probe.sh. Each line is
-# NAME := WORDS, without references to other names, because CMake and sh read it as text.
+# Sources, compiler flags and optional libraries, read by make, CMakeLists.txt and tools/scripts/probe.sh. Each line is
+# NAME := WORDS without references to other names, because CMake and sh read the file as text.
 
-# ---- Sources -------------------------------------------------------------------------------------------------------
-
-# The core, and its kernels for a processor (make/target.txt).
 SOURCES_CORE := src/core/*.c kernels/*.c
 KERNELS_x86 := kernels/simd/x86/*.c
 KERNELS_arm := kernels/simd/arm/*.c
 KERNELS_wasm := kernels/simd/wasm/*.c
 
-# The rest of the library: on every system, on one, for a processor, with an optional library.
+# Sources of the library: for every system, for an operating system, for a processor, for an optional library.
 SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.c src/scene/write/*.c \
                    src/scene/edit/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
 SOURCES_PORT := port/backend/*.c port/board/*.c
-# These use POSIX threads, which mingw-w64 provides, and no other POSIX functions.
+# Sources that need POSIX threads, which mingw-w64 provides, but no other POSIX functions.
 THREADED_win32 := port/posix/open.c port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
 STAGES_x86 := kernels/fit/fit_sse41.c kernels/fit/fit_avx2.c kernels/fit/fit_avx512.c kernels/pack/*_avx2.c
 STAGES_arm := kernels/fit/fit_neon.c
@@ -29,7 +26,7 @@ SHADERS_gles := src/include/fixsplat/internal/pixel.h kernels/gl/*.vert kernels/
 SHADERS_compute := kernels/compute/generated/*.comp kernels/compute/*.frag kernels/compute/*.glsl \
                    kernels/gl/*.vert kernels/gl/*.frag
 
-# The command, and the programs of the window and of the server, which contain the command except main.c.
+# Sources of the command, fixsplat. The programs of the window and of the server also contain these files except main.c.
 SOURCES_TOOL := tools/*/*.c
 NOT_TOOL := tools/view/% tools/serve/serve%
 SOURCES_VIEW := port/window/*.c tools/view/*.c
@@ -37,53 +34,45 @@ SOURCES_WEB := tools/serve/serve*.c port/http/*.c
 SOURCES_WEB_posix := port/posix/http/*.c
 SOURCES_WEB_win32 := port/win32/http/*.c
 
-# ---- Flags ---------------------------------------------------------------------------------------------------------
-
-# -ffp-contract=off: without contraction of a * b + c, procedural scenes and imports are identical everywhere.
+# Without contraction of a * b + c, results are identical on all machines.
 STANDARD := -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-# gcc assumes that the Windows stack is aligned to more than 16 bytes, which is wrong (gcc bug 54412), so vectors
-# are moved as unaligned. Its isfinite gives a warning.
+# gcc wrongly assumes that the Windows stack is aligned to more than 16 bytes (gcc bug 54412).
 FLAGS_win32 := -Wa,-muse-unaligned-vector-move -Wno-float-conversion
-# Static and shared libraries use the same objects. The shared library exports only FXS_API declarations.
 PIC_posix := -fPIC -fno-semantic-interposition -fvisibility=hidden
 CUDA_FLAGS := -diag-suppress 177 -gencode arch=compute_90,code=sm_90 -gencode arch=compute_80,code=compute_80 \
               -gencode arch=compute_75,code=compute_75 \
               -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
 CUDA_FIT_FLAGS := -fmad=false
 
-# Kinds of files, which have flags of their own, in this order. FILES_kind: sources without .c; FLAGS_kind: their flags.
+# Kinds of files with special compiler flags. FILES_kind: sources without .c; FLAGS_kind: flags. Later kinds take
+# precedence.
 KINDS := WRAPS ALIGNED FAST SSE41 AVX2 AVX512 VECTORISED SINGLES
-# Unused lanes may overflow, and so may the bits of a .jpg in stb_image_write; this makes overflow defined.
+# Wrapping arithmetic, because unused vector lanes may overflow.
 FILES_WRAPS := src/image/image_encode kernels/%
 FLAGS_WRAPS := -fwrapv
-# Without it, project took up to 25 % longer, depending on its alignment in the cache line, which any earlier change
-# shifts.
+# Aligned functions, because the speed depends on their position in the cache line.
 FILES_ALIGNED := kernels/simd/x86/%
 FLAGS_ALIGNED := -falign-functions=64
-# In place of -O2: project takes 9 % less time, an import 10 %.
+# Hot code uses -O3 instead of -O2.
 FILES_FAST := kernels/% src/pack/%
 FLAGS_FAST := -O3
-# Faster versions of the stages have their instruction set in their file name.
 FILES_SSE41 := %_sse41
 FLAGS_SSE41 := -msse4.1
 FILES_AVX2 := %_avx2
 FLAGS_AVX2 := -mavx2
 FILES_AVX512 := %_avx512
 FLAGS_AVX512 := -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi
-# src/pack/coarsen and the packing stages do not read errno or traps, so their loops can be vectorised, with the same
-# bytes.
+# Code that reads neither errno nor floating-point traps, so its loops can be vectorised with identical results.
 FILES_VECTORISED := src/pack/coarsen src/pack/pack_c kernels/pack/%
 FLAGS_VECTORISED := -O3 -fno-math-errno -fno-trapping-math
-# No excess precision of floats, for i686 and s390x: no flags if FLT_EVAL_METHOD is 0, else the first of SINGLES_BY with
-# which it is (a comma stands for a space).
+# Floats without excess precision (i686, s390x). No flags if FLT_EVAL_METHOD is 0, else the first of SINGLES_BY that
+# makes it 0. A comma stands for a space.
 FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% \
                  src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
 
-# ---- Optional libraries --------------------------------------------------------------------------------------------
-
-# A header, and what to link. Those with -ldl are loaded at run time.
+# LIBRARY_name: the header and the linker options of an optional library. Libraries with -ldl are loaded at run time.
 LIBRARY_CJSON := cjson/cJSON.h -lcjson
 LIBRARY_EXPAT := expat.h -lexpat
 LIBRARY_ZIP := zip.h -lzip
@@ -105,7 +94,6 @@ LIBRARY_GLES := GLES3/gl3.h -ldl
 LIBRARY_EGL := EGL/egl.h
 LIBRARY_OSMESA := GL/osmesa.h
 
-# Those that the library itself is linked with, and those of the window and the server.
 LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL
 LINKED_VIEW := TTF SDL
 LINKED_WEB := MICROHTTPD QRENCODE

@@ -1,26 +1,26 @@
-# Tests.
+# Rules that run the tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-# Windows programs exclude tests that fork, limit resources or memory, create links or FIFOs, or use a shell.
+# Tests that are left out on Windows: they fork, limit resources, create links or FIFOs, or use a shell.
 NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
 TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
 
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# Processor seconds of each test when it was measured last, the longest first; `make seconds` writes them. Long tests
-# start first, and `make check` omits those of 10 seconds or more and the other scripts.
+# Long tests start first. `make check` omits tests of 10 seconds or more. tests/seconds has the processor seconds of
+# each test.
 LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
-# These need a window or measure time, so they run one at a time, at the end.
+# Tests that need a window or measure time run one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
 
-# T=name: the test of that name, with or without test_ or .sh; else all tests with names that contain it.
+# T=name selects the test of that name, or all tests with names that contain it.
 EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# One job more than processors, because browser tests mostly wait.
+# Browser tests mostly wait, so one more job runs than processors.
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
@@ -30,7 +30,7 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
                    $(B)/commands/link
 	$(call link)
 
-# The test replaces a function of SDL, which is linked statically on Windows.
+# A test replaces a function of SDL, which is linked statically on Windows.
 FOR_WINDOW_win32 := -Wl,--allow-multiple-definition
 $(B)/tests/test_window$(EXE): $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
                         port/window/words.c $(WINDOW) \
@@ -53,13 +53,13 @@ test-all: ## the same, with every compiler, processor, board and sanitizer at ha
 
 test-programs: $(patsubst %,$(B)/tests/%$(EXE),$(TESTS_HERE)) ## build the test programs
 
-# These need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
+# Test programs that need a GPU.
 $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
 $(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
 $(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-# Needs no GPU: compiles the kernels as C++, with tests/gpu/emulated instead of CUDA.
+# Test program of the CUDA kernels that needs no GPU: compiled as C++ with an emulation of CUDA.
 EMULATED := tests/gpu/emulated
 $(B)/tests/gpu/emulated_cuda: $(B)/tests/gpu/test_cuda.o $(B)/tests/gpu/emulated_peek.o $(B)/tests/gpu/emulated_runtime.o \
                               $(B)/libfixsplat.a $(B)/commands/link

@@ -1,8 +1,8 @@
-# The npm package (docs/web.md).
+# Builds the npm package (docs/web.md).
 
 # WebAssembly modules. Renderer: core (without simd128), simd, threads (simd128 and threads). Packing and readers:
-# import (all formats except .sog), import_threads (the same with threads), import_sog (the .sog reader), import_core
-# (all formats, without simd128).
+# import (all formats except .sog), import_threads (import with threads), import_sog (the .sog reader), import_core (all
+# formats, without simd128).
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
@@ -26,10 +26,11 @@ sources_of_import := $(WEB_IMPORT)
 sources_of_import_sog := $(WEB_IMPORT)
 sources_of_import_core := $(WEB_IMPORT)
 sources_of_import_threads := $(WEB_IMPORT) port/web/web_pool.c
-# Readers excluded from a module are compiled without their libraries: they recognise their files and report an error.
+# File readers that a WebAssembly module leaves out are compiled without their libraries. They recognise their files and
+# report an error.
 not_in_import := %/sog.c %/zip.c
 not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c
-# Code that takes little of the frame time is optimised for size. -O3 makes kernels a seventh faster for 2 KB.
+# Code that takes little of the time is optimised for size.
 # --low-memory-unused: the lowest 1024 bytes are the end of the stack, and no pointer refers to them.
 # <GLES3/gl3.h> comes from the host.
 wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not_in_$(1)),$(2)),,$(WEB_READERS_FLAGS))) \
@@ -43,8 +44,7 @@ WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/s
              import/src/base/foreign.c import/src/base/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
-# threads and import_threads use the objects of simd and import. Only web_pool.c uses threads, and the linked functions
-# of wasi-libc (memcpy, qsort, exp) are thread-safe. fixsplat.js creates the memory, initially 16 pages.
+# Threads: the linked functions of wasi-libc are thread-safe. fixsplat.js creates the shared memory.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
 wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
@@ -53,8 +53,7 @@ wasm_opt_of_import_threads := $(wasm_opt_of_threads)
 objects_for_threads := simd
 objects_for_import_threads := import
 web_objects_of = $(patsubst %.c,$(B)/web/$(or $(objects_for_$(1)),$(1))/%.o,$(sources_of_$(1)))
-# Libraries of the readers, with sources from `make setup web`: decompressors and cJSON. From libwebp only the lossless
-# decoder, which .sog uses.
+# Libraries of the file readers, with sources from `make setup web`.
 not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \
                    get_encryption_implementation.c mkstempm.c libzip_version.c algorithm_bzip2.c algorithm_xz.c)
 WEB_LIBS_C := cjson/cJSON.c $(patsubst %,zlib/%.c,adler32 inflate inftrees inffast zutil) \
@@ -82,7 +81,6 @@ endif
 
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-# Building the packages with inlined files requires a bundler (esbuild).
 ESBUILD ?= esbuild
 WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,with_files.js viewer_with_files.js files.js worker.js package.json viewer/package.json))
 WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js placed.js playcanvas.js three.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
@@ -128,14 +126,13 @@ $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VE
 $(WEB)/package.json: port/web/package.json src/include/fixsplat/fixsplat.h
 	@mkdir -p $(@D)
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@
-# Includes the licences of the compiled-in libraries.
 WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwebp/COPYING libwebp/PATENTS \
                                                              libzip/LICENSE libzstd/LICENSE zlib/LICENSE))
 $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
 	@mkdir -p $(@D)
 	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
-# File endings of readable formats, from the table in formats.c: a row, and a 1 at the start of its next line of
-# numbers.
+# File endings of readable formats, from the table in formats.c. A 1 at the start of a row's line of numbers marks a
+# readable format.
 FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quoted[4] } \
     /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
     /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
@@ -153,7 +150,7 @@ $(WEB)/inline/worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(addprefix $(W
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --outfile=$(B)/web/worker.js \
 	    $(WEB)/viewer/worker_whole.js && node $< files viewer/worker.js=$(B)/web/worker.js >$@
-# For tools that resolve a folder by its name instead of "exports".
+# Some bundlers resolve a folder by its name instead of "exports" in package.json.
 $(WEB)/viewer/package.json: main_is := ./element.js", "types": "./viewer.d.ts
 $(WEB)/inline/package.json: main_is := ./with_files.js", "types": "../fixsplat.d.ts
 $(WEB)/inline/viewer/package.json: main_is := ../viewer_with_files.js", "types": "../../viewer/viewer.d.ts
@@ -161,14 +158,13 @@ $(WEB)/viewer/package.json $(WEB)/inline/package.json $(WEB)/inline/viewer/packa
 	@mkdir -p $(@D) && echo '{ "type": "module", "main": "$(main_is)" }' >$@
 $(WEB)/CHANGELOG.md: NEWS.md
 	@mkdir -p $(@D) && cp $< $@
-# Removes comments and indentation: a sixth less to download.
 $(WEB)/%.js: port/web/%.js
 	@mkdir -p $(@D)
 	@sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e '/^\/\*\*/,/\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 
-# tests/test_kernels.c as a WASI program, run by node tests/web/wasi.mjs.
+# The kernels' test as a WASI program, for tests/web/wasi.mjs.
 $(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/core/*.c kernels/simd/wasm/*.c) kernels/kernels.c \
                                                             tests/test_kernels.c)
 	$(call say,LD,$@)$(WASM_CC) --target=wasm32-wasi -Wl,-z,stack-size=1048576 -o $@ $^

@@ -1,10 +1,9 @@
-# Builds the command and the libraries for Windows with Debian's mingw-w64 (docs/install.md), by the same rules.
+# Builds the command and the libraries for Windows with Debian's mingw-w64 (docs/install.md).
 
 WINDOWS_CC ?= x86_64-w64-mingw32-gcc
 WINDOWS_GOALS ?= all
 WINDOWS := $(B)/windows
-# SDL2 and the Windows libraries that it names. -lmingw32 and -mwindows are removed: main stays unchanged, and the
-# program is a console program.
+# SDL2 and the Windows libraries that it needs. -lmingw32 and -mwindows are removed, to make a console program.
 SDL_PC = $(wildcard $(WINDOWS_LIBRARIES)/lib/pkgconfig/sdl2.pc)
 WINDOWS_SDL = $(filter-out -L% -lmingw32 -mwindows,$(if $(SDL_PC),$(shell sed -n 's/^Libs: *//p' $(SDL_PC))))
 
@@ -16,7 +15,6 @@ windows: ## the command and the libraries for Windows, x86-64, in build/windows 
 	    LIBS_SDL='$(WINDOWS_SDL)' LIBS_TTF='-lSDL2_ttf -lfreetype' \
 	    LDFLAGS='-L$(WINDOWS_LIBRARIES)/lib -static -s $(LDFLAGS)'
 
-# The icon of the window and its program.
 ifneq ($(and $(filter win32,$(SYSTEM)),$(shell command -v rsvg-convert)),)
 $(B)/fixsplat-view$(EXE): $(B)/icon.o
 endif

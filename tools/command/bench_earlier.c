@@ -1,5 +1,4 @@
-/* Reads the JSON of an earlier `fixsplat bench --json`, checks that it measured the same, and collects the
-   differences that are allowed. */
+/* Reads the JSON of an earlier benchmark and checks that it measured the same. Collects the allowed differences. */
 #include "bench_earlier.h"
 
 #ifndef FXS_WITH_CJSON
@@ -37,7 +36,6 @@ static int load(const char *path, char text[FILE_MOST + 1])
            : size > FILE_MOST ? fail(EXIT_FAILED, "%s: too long for the output of bench --json", path) : 0;
 }
 
-/* The text of a JSON fact, or null if it is neither a text nor a number. `room` holds a number's digits. */
 static const char *words_of(const cJSON *item, char room[32])
 {
     if (cJSON_IsNumber(item))

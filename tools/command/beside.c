@@ -18,7 +18,7 @@ const beside_program server_program = {"", "libmicrohttpd"};
 #endif
 
 #ifdef _WIN32
-#define EXE ".exe"                     /* fxs_program_become adds it */
+#define EXE ".exe"
 #else
 #define EXE ""
 #endif

@@ -1,4 +1,4 @@
-/* fixsplat bench: times the stages of a frame over many frames, and compares them with an earlier run. */
+/* fixsplat bench: times the stages of rendering, and compares the times with an earlier run. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,17 +12,15 @@
 typedef struct bench_options {
     frame_options frame;
     int frames, path, json;
-    const char *compare;                    /* output of an earlier run, or null */
-    int draws;                              /* DRAW_* */
+    const char *compare;
+    int draws;
 } bench_options;
 
-/* Columns of times: the stages, the frame, the device's share, the rings of a foveated frame, and composing them. */
 enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
 
-/* A ring of a foveated picture, over both eyes. */
 typedef struct ring_picture {
-    uint64_t shaded, shown;                 /* pixels */
-    double psnr;                            /* PSNR of the pixels shown */
+    uint64_t shaded, shown;
+    double psnr;
 } ring_picture;
 
 static int take_draw(const option_row *row, void *field, const char *value)
@@ -85,7 +83,6 @@ static spread spread_of(double *values, int count)
     return (spread){values[0], (values[(count - 1) / 2] + values[count / 2]) / 2, values[count - 1]};
 }
 
-/* The view of frame i: the given one, or a step on an orbit about the scene's middle. */
 static fxs_file_view view_of_frame(const bench_options *o, const world *w, const fxs_file_view *view, int i)
 {
     fxs_file_view turned = *view;
@@ -97,7 +94,6 @@ static fxs_file_view view_of_frame(const bench_options *o, const world *w, const
     return turned;
 }
 
-/* Stores the times of a foveated frame in column i. */
 static void take_ring_times(const renderer *r, double *times, int frames, int i)
 {
     const fxs_foveated *f = &r->foveated;
@@ -135,14 +131,13 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
     return status;
 }
 
-/* True if a coordinate lies in a window and outside its blending bands. */
+/* True for a coordinate inside of a window and outside of its blending bands. */
 static int is_inside(int at, int first, int length, int whole, int band)
 {
     return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
 }
 
-/* The finest ring that alone determines a pixel of an eye; in a blending band, the coarser of the two rings that are
-   blended. */
+/* Returns the finest ring at a pixel. In a blending band, returns the coarser of the two blended rings. */
 static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
 {
     const fxs_foveated *f = &r->foveated;
@@ -178,7 +173,6 @@ static void compare_rings(ring_picture rings[FXS_RINGS], const renderer *r, cons
     }
 }
 
-/* Renders the view foveated and whole, and compares them ring by ring. */
 static int measure_rings(ring_picture rings[FXS_RINGS], renderer *r, const bench_options *o, const world *w,
                          const fxs_file_view *view)
 {
@@ -202,8 +196,6 @@ static const char *column_name(int column)
     return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : column == FRAME ? "frame" : "device";
 }
 
-/* ---- Facts of a run ---------------------------------------------------------------------------------------------- */
-
 #define SCENES_ROOM 4096
 #define CAMERA_ROOM 640
 #define FACTS 19
@@ -213,7 +205,6 @@ typedef struct bench_facts {
     char scenes[SCENES_ROOM], camera[CAMERA_ROOM], foveation[160], processor[128];
 } bench_facts;
 
-/* Lists the scenes' file names, without folders. */
 static void name_scenes(char names[SCENES_ROOM], const world *w)
 {
     size_t used = 0;
@@ -224,7 +215,6 @@ static void name_scenes(char names[SCENES_ROOM], const world *w)
     }
 }
 
-/* Describes a camera: position, rotation, focal lengths, principal point, near plane. */
 static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
 {
     const double *r = v->rotation, *p = v->position;
@@ -233,7 +223,6 @@ static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
              r[2], r[3], r[4], r[5], r[6], r[7], r[8], v->fx, v->fy, v->cx, v->cy, v->near);
 }
 
-/* The system's name of the processor, or "unknown". */
 static void name_processor(char name[128])
 {
     FILE *file = fopen("/proc/cpuinfo", "r");
@@ -289,8 +278,6 @@ static void print_ratios(const spread columns[COLUMNS], const bench_earlier *ear
     if (*mark)
         printf("* not like with like: %s\n", earlier->marks);
 }
-
-/* ---- Printed ----------------------------------------------------------------------------------------------------- */
 
 static void print_rings(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r)
 {

@@ -11,7 +11,7 @@
 
 typedef struct compare_options {
     const char *path[2], *difference;
-    double least_psnr, least_ssim;          /* 0: no minimum */
+    double least_psnr, least_ssim;          /* least allowed PSNR and SSIM; 0: no minimum */
     int json;
 } compare_options;
 
@@ -40,7 +40,6 @@ static void print(const struct fxs_metrics *m, int json)
         printf("PSNR %s dB, SSIM %.6f, largest difference %d\n", psnr, m->ssim, m->largest);
 }
 
-/* Checks the metrics against the minima. */
 static int judge(const struct fxs_metrics *m, const compare_options *o)
 {
     if (m->psnr < o->least_psnr)

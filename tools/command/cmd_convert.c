@@ -1,5 +1,5 @@
-/* fixsplat convert: writes one or several scene files as a file of any format. Scenes are read in floats, filtered,
-   placed, merged, and packed or written Gaussian by Gaussian; parts of an .fxs are merged packed. */
+/* fixsplat convert: converts scene files to any format. Scenes are read as floats, filtered, placed and merged, then
+   packed or written. Parts of an .fxs are merged in packed form. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -22,28 +22,26 @@
 enum { SHAPES_MOST = 256 };
 
 typedef struct convert_options {
-    const char *in, *out;                   /* in: name of the input: the only scene file, or the list of scenes */
+    const char *in, *out;
     world_options world;
     fxs_world placed;
-    fxs_placement whole;                    /* placement of the merged scenes; its rotation follows from: */
-    double degrees[3], up[3];               /* up all 0: unchanged */
-    double level[9];                        /* three points of the ground; valid with has_level */
+    fxs_placement whole;
+    double degrees[3], up[3];
+    double level[9];
     int has_level;
     fxs_scene_filter filter;
-    fxs_filter_shape shapes[SHAPES_MOST];   /* shapes of the filter */
+    fxs_filter_shape shapes[SHAPES_MOST];
     load_options load;
-    int spz_version;                        /* 0: default */
+    int spz_version;
     int spz_fine;
     int has_start;
-    fxs_file_view start;                    /* --start-view */
-    int start_is_level;                     /* 1: the start view must be levelled by the up direction */
-    int refine_steps;                       /* --refine; valid with has_refine */
+    fxs_file_view start;
+    int start_is_level;
+    int refine_steps;
     int has_refine;
-    const char *cameras;                    /* views of --refine */
-    uint32_t block, blocks;                 /* --block; blocks 0: all */
+    const char *cameras;
+    uint32_t block, blocks;                 /* number of a block, and number of blocks; 0: no blocks */
 } convert_options;
-
-/* ---- Options --------------------------------------------------------------------------------------------------- */
 
 static int take_up(const option_row *row, void *field, const char *value)
 {
@@ -51,7 +49,7 @@ static int take_up(const option_row *row, void *field, const char *value)
     return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
 }
 
-/* up = (b - a) x (c - a); about 0, and refused, if the points lie on a line. */
+/* Computes up = (b - a) x (c - a) from three points of the ground. Refuses points on a line. */
 static int take_level(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -110,7 +108,6 @@ static int take_cylinder(const option_row *row, void *field, const char *value)
     return add_shape(field, row, value, s, is_cylinder);
 }
 
-/* N or N% */
 static int take_decimate(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -170,7 +167,7 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Six or seven numbers: eye, look and field of view; or a camera file, a colon and a view. */
+/* Parses a start view: eye, look and field of view, or CAMERA_FILE:VIEW. */
 static int take_start(const option_row *row, void *field, const char *value)
 {
     static const double up[3] = {0, -1, 0};
@@ -278,7 +275,6 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* True if an option needs the filter. */
 static int is_filtered(void)
 {
     return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") ||
@@ -321,12 +317,10 @@ static int read_options(convert_options *o, int argc, char **argv)
     return 0;
 }
 
-/* ---- .fxs ------------------------------------------------------------------------------------------------------ */
-
-/* Guarantees of the profiles. */
+/* Quality that each compression profile promises. */
 static const struct promise {
-    double worst;                           /* PSNR to the floats in dB that every view of most scenes reaches */
-    int views;                              /* views compared, in turn at middle, close and far distance */
+    double worst;                           /* PSNR in dB that most scenes reach in all views */
+    int views;
     const char *better;
 } promises[] = {
     [FXS_PROFILE_DEFAULT] = {52, 3, "no profile loses less"},
@@ -334,11 +328,10 @@ static const struct promise {
     [FXS_PROFILE_SMALL] = {38, 6, "profile compact loses less"},
 };
 
-/* Compares small views around a packed scene with its floats, and notes a view below the profile's promise, or why
-   the comparison is impossible. */
+/* Compares views of a packed scene with its floats. Notes views below the promised quality. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
-    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* Gaussians, about 3 GB of floats */
+    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* limit of 8 million Gaussians, about 3 GB of floats */
     const enum fxs_profile profile = packed->scenes[0].opened->scene->profile;
     const struct promise *promise = &promises[profile];
     load_options again = *load;
@@ -388,7 +381,6 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
     return error ? fail(EXIT_FAILED, "--refine: %s", message.text) : 0;
 }
 
-/* Refines a scene packed here, in writable memory. */
 static int refine(const convert_options *o, const fxs_opened *packed, const load_options *load)
 {
     fxs_file_view *views = 0;
@@ -427,7 +419,7 @@ static int to_fxs(const convert_options *o)
     if (!status && scene->profile == FXS_PROFILE_COMPACT && !scene->sh_degree)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
     if (!status && o->has_start && keep_start(o, (void *)(uintptr_t)loaded->opened->data, &message))
-        status = fail(EXIT_FAILED, "--start-view: %s", message.text);   /* packed here, in writable memory */
+        status = fail(EXIT_FAILED, "--start-view: %s", message.text);
     if (!status && o->has_refine)
         status = refine(o, loaded->opened, &load);
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
@@ -437,8 +429,6 @@ static int to_fxs(const convert_options *o)
     world_close(&w);
     return status;
 }
-
-/* ---- Parts of an .fxs ------------------------------------------------------------------------------------------ */
 
 static int pack_part(const convert_options *o, const load_options *load, fxs_scene_file *file,
                      const fxs_scene_file_info *info, fxs_packed_scene *part)
@@ -487,7 +477,6 @@ static int set_start(void *argument, void *header, fxs_message *message)
     return o->has_start ? keep_start(o, header, message) : 0;
 }
 
-/* Refuses options that belong to the making of parts. */
 static int check_options_of_parts(const convert_options *o)
 {
     for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
@@ -519,7 +508,6 @@ static int merge_parts(convert_options *o)
     return error ? fail_for(&message) : 0;
 }
 
-/* True if an input is a part of an .fxs. */
 static int has_part(const convert_options *o)
 {
     fxs_message message;
@@ -529,11 +517,8 @@ static int has_part(const convert_options *o)
     return 0;
 }
 
-/* ---- Formats written Gaussian by Gaussian ---------------------------------------------------------------------- */
-
 enum { BATCH = 256 };
 
-/* Reads the file once for the bounds of its centres, and rewinds it. */
 static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
@@ -577,7 +562,6 @@ static void note_clamped(const char *out, uint32_t count, const char *what)
         note("%s: clamped %s, of %" PRIu32 " Gaussians", out, what, count);
 }
 
-/* Notes properties that the output format cannot store. */
 static void note_losses(const char *out, const double origin[3], const fxs_scene_write_report *report)
 {
     const fxs_spz_clamped *clamped = &report->clamped;
@@ -643,9 +627,7 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
     return status;
 }
 
-/* ---- The command ----------------------------------------------------------------------------------------------- */
-
-/* Turns `up` to the side of the ground with more Gaussians; on a tie, to the side nearer to -y. */
+/* Turns `up` to the side of the ground with more Gaussians. */
 static int find_up(convert_options *o)
 {
     fxs_gaussian batch[BATCH];
@@ -672,7 +654,6 @@ static int find_up(convert_options *o)
     return n < 0 ? fail_for(&message) : 0;
 }
 
-/* Sets the placement of the merged scenes. Returns 0, or prints the reason and returns the exit status. */
 static int place_whole(convert_options *o)
 {
     fxs_message message;
@@ -704,7 +685,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
-        files_force(FILES_REFUSE);          /* check_views reads the input again */
+        files_force(FILES_REFUSE);          /* the comparison of views reads the input file again */
     return files_check();
 }
 

@@ -1,4 +1,4 @@
-/* fixsplat demo: makes a first picture by running two other commands. */
+/* fixsplat demo: makes a first picture with the commands make-scene and render. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +32,6 @@ static void print_command(char **argv)
     fflush(stdout);
 }
 
-/* Prints another command and runs it. */
 static int run_command(const command *c, char **argv)
 {
     int argc = 0;

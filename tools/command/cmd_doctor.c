@@ -1,4 +1,4 @@
-/* fixsplat doctor: lists libraries, programs and devices on this machine, and the use of each missing one. */
+/* fixsplat doctor: lists libraries, programs and devices of this machine, and the use of each missing one. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,14 +11,13 @@
 #include "tools/serve/page_folder.h"
 #include "task.h"
 
-/* 1 if a macro is defined as 1 (as libraries' macros are), else 0. */
+/* Expands to 1 for a macro defined as 1, else to 0. */
 #define IS_BUILT(macro) IS_BUILT_OF(macro)
 #define IS_BUILT_OF(value) SECOND_OF(BEFORE_##value 1, 0, 0)
 #define BEFORE_1 0,
 #define SECOND_OF(...) SECOND(__VA_ARGS__)
 #define SECOND(first, second, ...) second
 
-/* Optional libraries of a build. */
 static const struct {
     const char *name;
     int is_built;
@@ -36,10 +35,9 @@ static const struct {
     {"expat", IS_BUILT(FXS_WITH_EXPAT), "reads cameras of Metashape, .xml"},
 };
 
-/* Programs and libraries looked up at run time. Windows opens a browser without a program. */
 static const struct {
-    const char *name, *library, *package;      /* library null: a program; package: Debian's name */
-    int is_built;                              /* a library: 1 if this build looks for it */
+    const char *name, *library, *package;
+    int is_built;
     const char *gives;
 } helpers[] = {
     {"ffmpeg", 0, "ffmpeg", 1, "fit takes films"},
@@ -58,7 +56,6 @@ static void line(const char *name, int is_here, const char *what, const char *wo
         printf("%-14s   with it: %s\n", "", what);
 }
 
-/* The kernels' versions in use, each once: "avx512 avx2 c". */
 static void print_processor(void)
 {
     frame_options options;

@@ -1,5 +1,4 @@
-/* fixsplat info: prints a scene's contents and the memory of a frame; optionally its loss against the original,
-   statistics, and the memory of a small display's frame. */
+/* fixsplat info: prints a scene's contents and the memory for rendering, optionally also quality and statistics. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,48 +14,43 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* PSNR, dB: only views below it are drawn with a nudged original */
+#define NUDGE_BELOW 65.0    /* views above this PSNR need no nudged original */
 
 typedef struct info_options {
-    frame_options frame;                    /* scenes, cameras, size and lod are used */
+    frame_options frame;
     const char *original;
-    enum fxs_cutoff original_cutoff;        /* --compare-cutoff */
-    int views;                              /* 0: default */
-    int board_width, board_height;          /* 0: no board */
+    enum fxs_cutoff original_cutoff;
+    int views;                              /* number of compared views; 0: default */
+    int board_width, board_height;          /* display size in pixels; 0: no board */
     int json, stats, backends;
 } info_options;
 
-/* A scene on a board with a display of this size. */
+/* Memory needs of a scene on a microcontroller board with a display. */
 typedef struct board {
     int width, height;
-    size_t strip;                           /* 16 rows of RGB565 */
-    fxs_frame_memory memory;                /* memory of a frame with one thread */
-    size_t rows, rows_most;                 /* bytes with which rows of tiles need no slices: least and most over all
-                                               turns */
+    size_t strip;
+    fxs_frame_memory memory;
+    size_t rows, rows_most;                 /* least and most bytes for an unsliced row of tiles */
 } board;
 
-/* All results for a scene. */
 typedef struct findings {
     world world;
     int width, height;
     fxs_frame_memory memory;
-    size_t limit;                           /* --max-memory; 0: none */
+    size_t limit;
     int lod;
     int compared;
     quality quality;
     int has_stats;
     scene_stats stats;
     board board;
-    scene_levels *levels;                   /* one for each file */
+    scene_levels *levels;
 } findings;
 
-/* True for a single scene without placement or crops. */
 static int is_one(const world *w)
 {
     return w->count == 1 && fxs_placement_is_plain(w->placed.objects) && !w->placed.objects->crop_count;
 }
-
-/* ---- Printing -------------------------------------------------------------------------------------------------- */
 
 static void print_vector_json(const double v[3])
 {
@@ -85,7 +79,6 @@ static int is_direction(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* Vertical field of view of a start view, degrees. */
 static double fov_of(const fxs_start *s)
 {
     return atan(s->tangent) * (360 / 3.14159265358979324);
@@ -162,8 +155,8 @@ static void print_board_json(const board *b, size_t scene_bytes)
            b->memory.total, b->memory.least, b->rows, b->rows_most, scene_bytes);
 }
 
-/* Largest number of Gaussians in a row of tiles under --max-memory: beyond the least memory, a band takes 88 bytes a
-   splat. */
+/* Computes how many Gaussians fit into a row of tiles. Beyond the least memory, each projected Gaussian takes 88
+   bytes. */
 static size_t row_of_limit(const fxs_frame_memory *m, size_t limit)
 {
     return (limit - m->least) / 88 / 16 * 16;
@@ -179,7 +172,7 @@ static void print_limit_json(const fxs_frame_memory *m, size_t limit)
         printf("null}, ");
 }
 
-/* A single unplaced scene is one object; several scenes are a list of scenes and a list of objects. */
+/* Prints a single unplaced scene as a JSON object; several scenes as lists of scenes and of objects. */
 static void print_json(const findings *f)
 {
     const world *w = &f->world;
@@ -333,7 +326,6 @@ static void print_text(const findings *f)
     }
 }
 
-/* One line for each device, or the reason why a back end has none. */
 static void print_backends(void)
 {
     const fxs_backend *b;
@@ -354,7 +346,7 @@ static void print_backends(void)
 
 static void print_can_json(unsigned can)
 {
-    static const char *const names[] = {"trace", "compose", "devices", "part"};   /* FXS_CAN_* */
+    static const char *const names[] = {"trace", "compose", "devices", "part"};
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++)
         printf("%s\"%s\": %s", i ? ", " : "\"can\": {", names[i], can >> i & 1 ? "true" : "false");
     printf("}");
@@ -393,8 +385,6 @@ static void print_backends_json(void)
     }
     puts("]");
 }
-
-/* ---- The command ----------------------------------------------------------------------------------------------- */
 
 static int take_board(const option_row *row, void *field, const char *value)
 {
@@ -487,14 +477,14 @@ static int compare(findings *f, const info_options *o)
     return status;
 }
 
-/* Stops a frame after its plan. */
+/* Aborts a frame after its memory is planned. */
 static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     (void)argument, (void)strip, (void)first, (void)rows;
     return FXS_ERR_UNSUPPORTED;
 }
 
-/* Reads the plan of each of 16 turns. `rows` has room for the strip. */
+/* Plans the memory of 16 frames, turning the camera around the scene. */
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;
@@ -549,7 +539,6 @@ static int find_levels(findings *f)
     return status;
 }
 
-/* Verifies every checksum of .fxs files. */
 static int check_files(const world *w)
 {
     fxs_message message;
@@ -561,7 +550,6 @@ static int check_files(const world *w)
     return 0;
 }
 
-/* Statistics of all objects, placed. */
 static int find_stats(findings *f, const info_options *o)
 {
     fxs_scene_file *file;

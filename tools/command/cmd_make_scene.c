@@ -10,7 +10,7 @@
 
 typedef struct make_options {
     const char *output;
-    uint64_t count, seed;                   /* count 0: the scene's default */
+    uint64_t count, seed;                   /* number of Gaussians; 0: default of the scene */
 } make_options;
 
 #define OPTIONS make_options
@@ -59,7 +59,6 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     return result ? fail_for(&message) : 0;
 }
 
-/* True if the name's ending is of a format other than .ply. Names without a known ending pass. */
 static int is_of_another_format(const char *name)
 {
     const fxs_scene_format *format = fxs_scene_format_of(name, 1);

@@ -1,5 +1,5 @@
-/* fixsplat publish: writes a folder for any web server, with scenes, their pictures and the page that shows them; or
-   one file that works without a server. */
+/* fixsplat publish: writes a folder for web servers, with scenes, pictures and a page. With --single, writes a
+   single file instead. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +18,14 @@
 #include "task.h"
 
 typedef struct publish_options {
-    frame_options frame;           /* poster size; packing and reading of scenes */
+    frame_options frame;
     const char *title, *site, *settings;
-    char *const *words;            /* the command line */
-    int single;                    /* one .html file, no folder */
-    char mark[TASK_PATH];          /* marks the folder as unfinished */
+    char *const *words;
+    int single;
+    char mark[TASK_PATH];          /* path of the file that marks an unfinished folder */
     scene_list list;
-    size_t bytes;                  /* size of all files written */
-    made_list made;                /* new files and folders, removed if publish fails */
+    size_t bytes;
+    made_list made;                /* new files and folders, removed on failure */
 } publish_options;
 
 #define OPTIONS publish_options
@@ -49,8 +49,6 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 static int write_scene(publish_options *o, listed_scene *s)
 {
     char name[LISTED_NAME + 8], path[TASK_PATH];
@@ -70,7 +68,6 @@ static int write_scene(publish_options *o, listed_scene *s)
     return error ? fail_for(&why) : 0;
 }
 
-/* Renders the poster from the page's first view. */
 static int write_poster(publish_options *o, const listed_scene *s)
 {
     render_options *r = calloc(1, sizeof *r);
@@ -92,8 +89,6 @@ static int write_poster(publish_options *o, const listed_scene *s)
     free(r);
     return status;
 }
-
-/* ---- The page ---------------------------------------------------------------------------------------------------- */
 
 static int write_bytes(publish_options *o, const char *folder, const char *name, const void *bytes, size_t size)
 {
@@ -135,7 +130,6 @@ static int copy_files(publish_options *o, const char *from, const char *to)
     return fxs_folder_each(from, copy_file, &c) ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno)) : c.status;
 }
 
-/* Copies the --settings file to the folder of the page, where the page looks for it. */
 static int copy_settings(publish_options *o)
 {
     fxs_mapping file;
@@ -185,14 +179,14 @@ static void print_list(FILE *file, const char *title, const scene_list *list)
     }
 }
 
-/* Writes the page of a scene or, if `s` is null, the page of the list. */
+/* Writes the page of a scene, or of the list of scenes if `s` is null. */
 static int write_page(publish_options *o, const char *name, const listed_scene *s)
 {
     fxs_printed printed;
     if (fxs_print_begin(&printed))
         return fail(EXIT_FAILED, "out of memory");
     FILE *file = printed.file;
-    const int is_one = s && o->list.count > 1;     /* with several scenes, --title names the list */
+    const int is_one = s && o->list.count > 1;
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
         print_scene(file, title, s->name, o->settings);
@@ -216,15 +210,13 @@ static int write_pages(publish_options *o)
     return status;
 }
 
-/* ---- The command ------------------------------------------------------------------------------------------------- */
-
 static void count_file(void *files, const char *name)
 {
     *(int *)files += strcmp(name, ".") && strcmp(name, "..");
 }
 
-/* Accepts a folder that is missing, empty, or from an earlier publish, even a killed one: a marker file exists until
-   the folder is complete. */
+/* Accepts an output folder that is missing, empty, or from an earlier publish. A marker file exists until the folder
+   is complete. */
 static int take_site(publish_options *o)
 {
     char page[TASK_PATH];

@@ -1,4 +1,4 @@
-/* fixsplat render: its options. render_views.c renders, render_print.c prints. */
+/* fixsplat render: its options. */
 #include "cmd_render.h"
 
 #include <stdlib.h>
@@ -9,9 +9,7 @@
 #include "src/base/os_calls.h"
 #include "src/image/depth_file.h"
 
-enum { FRAMES_MOST = 100000 };              /* frames of a film */
-
-/* ---- Options ----------------------------------------------------------------------------------------------------- */
+enum { FRAMES_MOST = 100000 };
 
 static int take_alpha(const option_row *row, void *field, const char *value)
 {
@@ -64,7 +62,7 @@ static int take_format(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Takes a picture's name, or a hash: 16 hexadecimal digits in lower case, as printed. */
+/* Parses a picture's path, or a hash of 16 lower-case hexadecimal digits. */
 static int take_expected(const option_row *row, void *field, const char *value)
 {
     render_options *o = field;
@@ -129,9 +127,6 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* ---- Checks of options together ---------------------------------------------------------------------------------- */
-
-/* Checks the picture's name and format. */
 static int check_picture(render_options *o)
 {
     if (o->output && strcmp(o->output, "-")) {
@@ -173,7 +168,7 @@ static int check_depths(render_options *o)
     return 0;
 }
 
-/* Checks the outputs against the way of drawing. */
+/* Rejects outputs that the chosen rendering mode cannot produce. */
 static int check_drawing(const render_options *o)
 {
     const frame_options *f = &o->frame;

@@ -1,5 +1,4 @@
-/* fixsplat view: its options. The separate programs fixsplat-view and fixsplat-web open the window and serve the
-   page. */
+/* fixsplat view: its options. Separate programs, fixsplat-view and fixsplat-web, open the window and serve the page. */
 #include <string.h>
 
 #include <fixsplat/image.h>
@@ -69,7 +68,6 @@ static const option_row page_rows[] = {
     {0}
 };
 
-/* True if --web accepts this option of frames. */
 static int is_for_page(const char *name)
 {
     static const char *const taken[] = {"cameras", "view", "bg", "threads", "profile"};
@@ -79,7 +77,6 @@ static int is_for_page(const char *name)
     return 0;
 }
 
-/* The first given option of a table that the window and the page do not share; null: none. */
 static const char *given_of(const option_row *rows)
 {
     for (; rows->help; rows++)
@@ -102,7 +99,6 @@ static int check_web(const view_options *o)
     return 0;
 }
 
-/* Stores the scenes given. A window may start without one. */
 static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
 {
     world_options *w = &o->frame.world;

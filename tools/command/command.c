@@ -1,4 +1,4 @@
-/* Shared by the commands: messages, --quiet, suggestions, quoting of JSON and shell words, the progress bar. */
+/* Helpers of all subcommands: messages, --quiet, suggestions, quoting, the progress bar. */
 #include "command.h"
 
 #include <inttypes.h>
@@ -9,8 +9,6 @@
 
 #include "src/base/fail_list.h"
 #include "src/base/os_calls.h"
-
-/* ---- Errors and notes -------------------------------------------------------------------------------------------- */
 
 static fxs_message failure;
 
@@ -51,9 +49,7 @@ int fail_for(const fxs_message *why)
     return fail(EXIT_FAILED, "%s%s", why->text, needed_bytes(needed, why));
 }
 
-/* ---- Messages and --quiet -------------------------------------------------------------------------------------- */
-
-/* --quiet sets this environment variable, so that child programs inherit it. */
+/* --quiet sets an environment variable, which child programs inherit. */
 static const char quiet_variable[] = "FIXSPLAT_QUIET";
 
 void be_quiet(void)
@@ -93,8 +89,7 @@ void print_version(void)
 
 enum { LONGEST_NAME = 32 };
 
-/* Number of letters to insert, delete or change to turn a into b (Levenshtein 1966). Row i of the table belongs to
-   the first i letters of a. */
+/* Levenshtein distance (1966). Row i of the table belongs to the first i letters of a. */
 static size_t edit_distance(const char *a, size_t length, const char *b)
 {
     size_t row[LONGEST_NAME + 1];
@@ -161,7 +156,6 @@ void write_shell_word(FILE *file, const char *word)
     fputc(FXS_SHELL_QUOTE, file);
 }
 
-/* Reports output that could not be written, at every exit of the program. */
 static void check_printed(void)
 {
     if (fflush(stdout) || ferror(stdout))
@@ -178,7 +172,7 @@ int ends_with(const char *name, const char *ending)
     return fxs_ends_in(name, ending);
 }
 
-static int percent_shown = -1;   /* -1: no bar */
+static int percent_shown = -1;   /* last printed percentage; -1: no bar */
 
 int progress_bar(void *label, double done)
 {

@@ -1,4 +1,4 @@
-/* Parses options by tables of rows (with getopt_long), prints --help, suggests an option for a misspelt one, and
+/* Parses options by tables of rows (with getopt_long), prints --help, suggests options for misspelt ones, and
    converts values. */
 #include "command_line.h"
 
@@ -11,13 +11,11 @@
 #include "src/base/os_calls.h"
 #include "command.h"
 
-/* ---- Common options -------------------------------------------------------------------------------------------- */
-
 const command *const *all_commands;
-static const command *parsed;               /* the command being parsed */
-static char **words;                        /* its arguments, ended by null */
+static const command *parsed;
+static char **words;
 
-/* --help, --help=all, or --help all: getopt_long leaves a separate word to the caller. */
+/* Parses --help, --help=all and --help all. getopt_long leaves the separate word to the caller. */
 static int take_help(const option_row *row, void *field, const char *value)
 {
     const char *next = words[optind];
@@ -52,11 +50,9 @@ const option_row common_rows[] = {
     {0}
 };
 
-/* ---- Help -------------------------------------------------------------------------------------------------------- */
-
 enum { HELP_COLUMN = 22, HELP_WIDTH = 118, SHORT_ABOVE = 25, SHORT_EXAMPLES = 3 };
 
-/* Wraps a text at HELP_WIDTH. Lines begin in column `indent`, where the cursor already is. */
+/* Wraps a text at HELP_WIDTH. Lines begin in column `indent`. */
 static void print_wrapped(const char *text, int indent)
 {
     int column = indent;
@@ -80,7 +76,7 @@ static void print_row(const option_row *r)
     column += printf("--%s", r->name);
     if (r->value)
         column += printf(*r->value == '[' ? "%s" : " %s", r->value);
-    if (column > HELP_COLUMN - 2) {         /* keep at least two spaces */
+    if (column > HELP_COLUMN - 2) {
         putchar('\n');
         column = 0;
     }
@@ -158,17 +154,14 @@ void print_table(const command *c)
         }
 }
 
-/* ---- Taking ------------------------------------------------------------------------------------------------------ */
-
 enum { ROWS_MOST = 96, LONG_OPTION = 256 };   /* getopt_long returns a letter, or LONG_OPTION + i for row i */
 
 static struct row_taken {
     const option_row *row;
-    char *options;                          /* the struct that holds the row's field */
+    char *options;                          /* base address of the fields of an option row */
     int given;
 } taken[ROWS_MOST];
 
-/* Lists the rows of a command for getopt_long, as long options and as letters. */
 static void list_rows(const command *c, void *options, struct option table[ROWS_MOST], char letters[2 * ROWS_MOST])
 {
     int count = 0;
@@ -210,7 +203,6 @@ int is_given(const char *name)
     return t->given;
 }
 
-/* The index of the word that getopt_long refused. Within a group of letters, optind still points at the group. */
 static int wrong_word(char **argv)
 {
     const char *before = argv[optind - 1];
@@ -218,7 +210,6 @@ static int wrong_word(char **argv)
     return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
 }
 
-/* The command that has an option of this name, or null. */
 static const command *command_with(const char *name, size_t length)
 {
     for (const command *const *c = all_commands; c && *c; c++)
@@ -229,11 +220,10 @@ static const command *command_with(const char *name, size_t length)
     return 0;
 }
 
-/* For a known option, getopt_long sets optopt to its letter or number; then its value is missing or unexpected. */
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
-    const char *own = parsed->name;          /* not argv[0], which may be a path */
+    const char *own = parsed->name;          /* argv[0] may be a path instead of the command's name */
     const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
@@ -252,7 +242,7 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
-/* Converts a value to the program's path form (system.h), except free text. */
+/* Converts file paths from the operating system's form. */
 static void take_path(const option_row *r, char *value)
 {
     if (value && strcmp(r->value, "TEXT"))
@@ -280,8 +270,6 @@ int take_options(const command *c, void *options, int argc, char **argv)
         fxs_path_take(*word);
     return 0;
 }
-
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
 
 static void join_choices(char *text, size_t room, const char *const *choices)
 {
@@ -384,7 +372,7 @@ int choice_of(const option_row *row, const char *value)
 
 int take_bytes(const option_row *row, void *field, const char *value)
 {
-    static const char units[] = "KMG";      /* 2^10, 2^20, 2^30 */
+    static const char units[] = "KMG";
     char *end;
     errno = 0;
     const unsigned long long number = strtoull(value, &end, 10);
@@ -418,8 +406,6 @@ int take_colour(const option_row *row, void *field, const char *value)
         rgb[i] = (uint8_t)(number >> (16 - 8 * i));
     return 0;
 }
-
-/* ---- Texts as numbers -------------------------------------------------------------------------------------------- */
 
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)
 {

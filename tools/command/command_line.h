@@ -1,5 +1,5 @@
-/* Options as tables: each row describes one option, and a command lists tables. The rows drive parsing, --help,
-   suggestions for misspelt options, and shell completion. */
+/* Tables of command-line options, with a row per option. The rows drive parsing, --help, suggestions for misspelt
+   options, and shell completion. */
 #ifndef COMMAND_LINE_H
 #define COMMAND_LINE_H
 
@@ -10,34 +10,31 @@
 
 typedef struct option_row option_row;
 
-/* Parses the value of an option (null: no value) into the field that the row names. Returns 0, or prints the error
-   and returns EXIT_USAGE. */
+/* Parses the value of an option into its field. */
 typedef int take_option(const option_row *row, void *field, const char *value);
 
 struct option_row {
-    const char *name;                       /* long name; null: the row is a heading */
-    const char *value;                      /* placeholder of the value in --help; null: no value; [=...]: optional */
+    const char *name;                       /* long name of the option; null: the row is a heading */
+    const char *value;                      /* placeholder of the value in --help; null: no value */
     take_option *take;
-    size_t offset;                          /* offset of the field in the options' struct */
-    double low, high;                       /* range of a number; INFINITY: unlimited */
-    const char *expected;                   /* the value in words, for messages; null: derived from range or choices */
-    const char *const *choices;             /* allowed words, ended by null; null: any */
-    const char *help;                       /* one paragraph, which print_rows wraps; null: end of the table */
-    char letter;                            /* short name, or 0 */
-    int basic;                              /* 1: in the short help of a command with many options */
+    size_t offset;
+    double low, high;
+    const char *expected;                   /* description of the expected value, for error messages; null: automatic */
+    const char *const *choices;
+    const char *help;                       /* help text; null marks the end of the table */
+    char letter;
+    int basic;                              /* 1: the short help also lists the option */
 };
 
-/* The offset of a member of the struct OPTIONS. A member of another type fails to compile: pointers to different
-   types cannot be subtracted, and an array cannot have -1 members. */
+/* Offset of a member of the struct OPTIONS. A member of another type does not compile. */
 #define FIELD(type, member) (offsetof(OPTIONS, member) + 0 * sizeof(&((OPTIONS *)0)->member - (type *)1))
 #define FIELD_OF_INT_SIZE(member) \
     (offsetof(OPTIONS, member) + 0 * sizeof(char[sizeof ((OPTIONS *)0)->member == sizeof(int) ? 1 : -1]))
 
-/* The middle part of a row, for a member of OPTIONS: parser, offset, allowed values. */
-#define FLAG(member) take_flag, FIELD(int, member)                              /* sets 1 */
+/* Each macro fills in the parser, offset and allowed values of an option row. */
+#define FLAG(member) take_flag, FIELD(int, member)
 #define TEXT(member) take_text, FIELD(const char *, member)
-#define OUTPUT(member) take_output, FIELD(const char *, member)                 /* name of an output file; may be
-                                                                                   given once */
+#define OUTPUT(member) take_output, FIELD(const char *, member)
 #define INT(member, low, high) take_int, FIELD(int, member), low, high
 #define UINT32(member, low, high) take_uint32, FIELD(uint32_t, member), low, high
 #define UINT64(member, low, high) take_uint64, FIELD(uint64_t, member), low, high
@@ -49,11 +46,10 @@ struct option_row {
 #define POINT(member) take_point, FIELD(point_option, member), .expected = "three numbers X,Y,Z"
 #define COLOUR(member) take_colour, FIELD(colour_option, member), .expected = "six hex digits RRGGBB"
 #define CHOICE_FROM(first, member, words) take_choice, FIELD_OF_INT_SIZE(member), first, .choices = words
-#define CHOICE(member, words) CHOICE_FROM(0, member, words)                     /* an enum; the first word is 0 */
+#define CHOICE(member, words) CHOICE_FROM(0, member, words)
 #define WORDS(...) ((const char *const[]){__VA_ARGS__, 0})
-#define ABOVE_0 0x1p-1074                                                       /* the smallest number above 0 */
+#define ABOVE_0 0x1p-1074
 
-/* Field types of VECTOR, COLOUR and POINT. */
 typedef double vector_option[3];
 typedef uint8_t colour_option[3];
 typedef struct point_option {
@@ -64,58 +60,55 @@ typedef struct point_option {
 take_option take_flag, take_text, take_output, take_int, take_uint32, take_uint64, take_size_t, take_bytes, take_real,
             take_vector, take_point, take_colour, take_choice;
 
-/* For parsers of commands: prints the expected value, and returns EXIT_USAGE. */
+/* Prints the value that the option expects. Returns EXIT_USAGE. */
 int wrong_value(const option_row *row, const char *value);
 
-/* The index of a value in the row's choices; -1: not among them. */
 int choice_of(const option_row *row, const char *value);
 
 typedef struct option_table {
-    const option_row *rows;                 /* ended by a row of zeros */
-    size_t offset;                          /* offset of the rows' struct in the command's options */
+    const option_row *rows;
+    size_t offset;                          /* offset of a table's fields in the struct of options */
 } option_table;
 
 enum { TABLES_MOST = 10 };
 
 typedef struct command {
-    const char *name, *does;                /* does: one line in the list of commands */
-    int (*run)(int argc, char **argv);      /* argv[0] is the command's name; returns the exit status */
-    const char *about;                      /* --help prints: usage and description, the options, */
-    void (*more)(void);                     /* then the output of this function (or null), */
-    const char *examples;                   /* then these lines; the short help has the first three */
-    option_table tables[TABLES_MOST];       /* the last one is COMMON_TABLE; a table without rows ends the list */
+    const char *name, *does;
+    int (*run)(int argc, char **argv);
+    const char *about;
+    void (*more)(void);                     /* prints more help after the options */
+    const char *examples;                   /* example commands at the end of the help */
+    option_table tables[TABLES_MOST];
 } command;
 
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
                      command_publish, command_make_scene, command_bench, command_demo, command_doctor;
 
-/* The program's commands, ended by null, for messages; null: unknown. */
+/* All subcommands, ended by null. */
 extern const command *const *all_commands;
 
-/* --help, --version, --quiet */
 extern const option_row common_rows[];
 #define COMMON_TABLE {common_rows, 0}
 
-/* Parses the options of argv into the struct `options`; then optind is the index of the first other argument.
-   Returns 0, or prints the error and returns EXIT_USAGE. --help and --version end the program. */
+/* Parses the command line into the struct `options`. optind becomes the index of the first argument that is no
+   option. --help and --version end the program. */
 int take_options(const command *c, void *options, int argc, char **argv);
 
-/* True if the parsed options contained this one. The command must have it. */
 int is_given(const char *name);
 
 void print_rows(const option_row *rows);
 
-/* Prints a command's help. A command with more than 25 options gets a short one, unless `all` is nonzero. */
+/* Prints a command's help. Commands with more than 25 options get a short help, unless `all` is nonzero. */
 void print_help(const command *c, int all);
 
-/* Prints the rows for programs, one a line, separated by tabs: command, name, letter, value, choices, help. */
+/* Prints a command's options as tab-separated lines, for shell completion. */
 void print_table(const command *c);
 
-/* Strict number parsers: return 1, or 0 if the text is anything else. */
+/* Each number parser returns 1, or 0 for invalid text. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
-int parse_counts(const char *text, int count, int low, int high, int *out);    /* N,M,... */
-int parse_size(const char *text, int *width, int *height);                     /* WxH */
-#define SIZE_EXPECTED "WxH, each 1 to 16384"                                   /* FXS_MAX_SIZE */
-int parse_vector(const char *text, int count, double *out);                    /* X,Y,... */
+int parse_counts(const char *text, int count, int low, int high, int *out);
+int parse_size(const char *text, int *width, int *height);
+#define SIZE_EXPECTED "WxH, each 1 to 16384"
+int parse_vector(const char *text, int count, double *out);
 
 #endif

@@ -1,5 +1,5 @@
-/* Renders views for the commands: opens a back end, sets up cameras and targets for one or two eyes, foveates, loads
-   missing chunks of paged scenes and draws again, and picks. */
+/* Renders views for the commands: sets up back end, cameras and targets, foveates, and picks. For scenes partly in
+   memory, loads missing chunks (256 Gaussians each) and renders again. */
 #include "drawing.h"
 
 #include <inttypes.h>
@@ -19,8 +19,6 @@ void picture_free(picture *p)
     free(p->ids);
     memset(p, 0, sizeof *p);
 }
-
-/* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
 int renderer_open(renderer *r, const frame_options *options)
 {
@@ -66,8 +64,6 @@ void renderer_forget(renderer *r, const world *w)
         r->backend->forget(r->self, w->scenes[i].opened->scene);
 }
 
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
-
 static int grow(void **memory, size_t *room, size_t bytes)
 {
     if (bytes <= *room)
@@ -94,7 +90,7 @@ static int make_room(const renderer *r, picture *out, int width, int height)
     return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
-/* Fraction bits of depths, at most 28, so that every depth of the world from this camera fits into 32 bits. */
+/* Returns the fraction bits with which all depths of the world fit into 32 bits. */
 static int choose_depth_bits(const world *w, const fxs_file_view *view)
 {
     double farthest = 1;
@@ -109,7 +105,6 @@ static int choose_depth_bits(const world *w, const fxs_file_view *view)
     return exponent < 4 ? 28 : exponent < 31 ? 32 - exponent : 1;
 }
 
-/* The targets of one eye: the whole picture, or in stereo its left or right half. */
 static void aim(const renderer *r, const picture *out, int eye, fxs_targets *targets)
 {
     const ptrdiff_t width = out->width, first = eye ? width / 2 : 0;
@@ -126,9 +121,6 @@ static void aim(const renderer *r, const picture *out, int eye, fxs_targets *tar
         targets->id = (fxs_image){out->ids + first, (ptrdiff_t)sizeof *out->ids * width};
 }
 
-/* ---- Rendering --------------------------------------------------------------------------------------------------- */
-
-/* Crops a camera. The scissor is at most as large as the picture. */
 static void cut(fxs_camera *camera, const int scissor[4])
 {
     camera->whole_width = camera->width;
@@ -139,8 +131,7 @@ static void cut(fxs_camera *camera, const int scissor[4])
     camera->height = scissor[3];
 }
 
-/* The camera moved by `offset` units along its right axis; with `mirrored`, its field of view is flipped left to
-   right. */
+/* Moves the camera by `offset` units along its right axis. `mirrored` flips its field of view left to right. */
 static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset, int mirrored)
 {
     fxs_message message;
@@ -171,7 +162,7 @@ int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *ca
 static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
 {
     char needed[64];
-    if (error == FXS_ERR_STOPPED)      /* whoever stopped it reports it */
+    if (error == FXS_ERR_STOPPED)
         return EXIT_FAILED;
     if (error == FXS_ERR_MEMORY && why->bytes_needed && r->max_memory)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu%s", view->name,
@@ -220,7 +211,7 @@ static int is_stopped(const fxs_options *options)
     return options->stop && options->stop(options->stop_argument);
 }
 
-/* Loads all chunks that the last frame wanted; counts them in *came. */
+/* Loads all missing chunks of the last frame. *came is the number of loaded chunks. */
 static int read_wanted(const world *w, const fxs_options *options, uint32_t *came, fxs_message *why)
 {
     char label[] = "reading";
@@ -242,10 +233,10 @@ static int read_wanted(const world *w, const fxs_options *options, uint32_t *cam
     return error;
 }
 
-/* Chunks that frames want from a world. */
+/* Counts chunks that a frame needs and that are not in memory. */
 typedef struct wanting {
     const world *w;
-    const fxs_options *options;        /* the caller's */
+    const fxs_options *options;
     uint32_t missing;
 } wanting;
 
@@ -256,15 +247,15 @@ static void want(void *argument, const fxs_scene *scene, uint32_t chunk, int the
     FXS_SHARED_WRITE(g->missing, FXS_SHARED_READ(g->missing) + !there);
 }
 
-/* Stops a frame with missing chunks: wants are known before drawing, and its pixels would be discarded. */
+/* Aborts a frame that misses a chunk, since its pixels would be discarded. */
 static int stop(void *argument)
 {
     const wanting *g = argument;
     return FXS_SHARED_READ(g->missing) || is_stopped(g->options);
 }
 
-/* Draws with the loaded chunks if r->shows_part; otherwise loads and draws until no chunk is missing. Fails after
-   TRIES attempts in a row without progress. */
+/* Renders a scene partly in memory. If r->shows_part is 0, loads missing chunks and renders again. Fails after TRIES
+   attempts without progress. */
 static int draw_in_part(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     wanting g = {.w = w, .options = &request->options};
@@ -280,7 +271,7 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
     }
     for (int tries = 0; tries < TRIES; tries++) {
         fxs_pager_state state;
-        world_turn(w, &state, why);                        /* chunks loaded since the last picture */
+        world_turn(w, &state, why);
         g.missing = 0;
         int error = draw(r, &asking, stats, why);
         if (!error && (g.missing == 0 || r->shows_part))
@@ -319,7 +310,6 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 
-/* Picks with the CPU back end, if the renderer's own cannot pick. */
 static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_result *result, fxs_message *why)
 {
     static const fxs_backend_options how = {.size = sizeof(fxs_backend_options)};

@@ -1,4 +1,4 @@
-/* The renderer of a command: an open back end, and the pictures that it draws. */
+/* The renderer of a command, and the pictures that it renders. */
 #ifndef DRAWING_H
 #define DRAWING_H
 
@@ -6,15 +6,15 @@
 #include <fixsplat/system.h>
 #include "frame_options.h"
 
-/* Targets besides colour. */
+/* Optional render targets. */
 enum { DRAW_MEAN_DEPTH = 1, DRAW_MEDIAN_DEPTH = 2, DRAW_IDS = 4 };
 
-/* A rendered picture; stereo: the left eye on the left half. All fields 0: empty. */
+/* A rendered picture. A stereo picture has the left eye in its left half. */
 typedef struct picture {
-    uint8_t *pixels;                        /* RGBA */
-    uint32_t *depths;                       /* times 2^depth_bits, as in fxs_targets */
+    uint8_t *pixels;
+    uint32_t *depths;                       /* depths in fixed point with depth_bits fraction bits */
     fxs_id *ids;
-    size_t pixel_room, depth_room, id_room; /* bytes allocated */
+    size_t pixel_room, depth_room, id_room;
     int width, height, depth_bits;
 } picture;
 
@@ -22,49 +22,43 @@ void picture_free(picture *p);
 
 typedef struct renderer {
     const fxs_backend *backend;
-    void *self;                             /* the back end's state; null: closed */
-    double stereo;                          /* as in frame_options */
+    void *self;                             /* state of the back end; null: closed */
+    double stereo;                          /* distance of the eyes in scene units; 0: mono */
     size_t max_memory;
     enum fxs_format format;
-    int draws;                              /* DRAW_*; at most one kind of depth */
-    int mirrored;                           /* 1: the right eye's field of view mirrors the left one's */
-    int has_scissor, scissor[4];            /* part of the picture to draw: x, y, width, height */
+    int draws;                              /* DRAW_* flags of the render targets */
+    int mirrored;                           /* 1: mirrors the left eye's field of view for the right eye */
+    int has_scissor, scissor[4];
     foveate_options foveate;
-    int shows_part;                         /* paged worlds: 1 draws with the chunks that are loaded; 0 waits until
-                                               none is missing */
-    int lost;                               /* with shows_part: a chunk of the last picture cannot be read; */
-    fxs_message why_lost;                   /* the reason */
-    int divisor;                            /* `foveate` is given for a picture this many times as large; 0: 1 */
-    void *rings;                            /* pixels of the rings of foveated pictures */
-    size_t ring_room;                       /* bytes */
-    fxs_pool *pool;                         /* composes the rings */
-    fxs_foveation foveation;                /* foveation of the last picture */
+    int shows_part;                         /* 1: renders a paged scene without its missing parts */
+    int lost;                               /* 1: a part of the scene cannot be read */
+    fxs_message why_lost;
+    int divisor;                            /* factor by which the picture is smaller than `foveate` expects */
+    void *rings;
+    size_t ring_room;
+    fxs_pool *pool;
+    fxs_foveation foveation;
     fxs_foveated foveated;
 } renderer;
 
-/* Opens the back end that the options name, on their first device. `format`, `draws` and the scissor may be set
-   afterwards. Returns 0, or prints the reason and returns EXIT_FAILED or EXIT_USAGE (unknown --cpu or --backend),
-   with nothing to close. */
+/* Opens the first device of the back end that the options name. Set `format`, `draws` and the scissor afterwards. */
 int renderer_open(renderer *r, const frame_options *options);
 
-/* True if the renderer can draw paged scenes. */
+/* True if the renderer supports paged scenes, which are partly in memory. */
 int renderer_may_page(const renderer *r);
 
 void renderer_close(renderer *r);
 
-/* Drops the back end's copies of a world's scenes. Call it before they are closed if the renderer is used
-   afterwards. */
+/* Frees the back end's copies of a world's scenes. Call renderer_forget before closing the world. */
 void renderer_forget(renderer *r, const world *w);
 
-/* The camera of a view, cropped to the scissor if set. Returns 0, or prints the reason and returns EXIT_FAILED. */
 int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera);
 
-/* Renders into *out, which grows as needed. *stats may be null. Returns 0, or prints the reason and returns
-   EXIT_FAILED. */
+/* Renders into *out, which grows as needed. `stats` may be null. */
 int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats);
 
-/* Finds the object and Gaussian at a pixel. Returns 1, 0 if the pixel is empty, or prints the reason and returns -1. */
+/* Finds the object and the Gaussian at a pixel. Returns 1 if found; 0: empty pixel; -1: failure. */
 int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, int x, int y,
                   fxs_pick_result *result);
 

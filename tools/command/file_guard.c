@@ -1,5 +1,5 @@
-/* Keeps lists of the files read and written, identified by device and inode, or by folder and name for files that do
-   not exist yet; refuses an output that would replace an input or another output. */
+/* Identifies files by device and inode, and missing files by folder and name. Refuses outputs that would replace an
+   input or another output. */
 #include "file_guard.h"
 
 #include <pthread.h>
@@ -11,11 +11,10 @@
 #include "src/base/os_calls.h"
 #include "command.h"
 
-/* A regular file, existing or not. */
 typedef struct file {
-    uint64_t device, inode;                 /* of the file, or of its folder if it does not exist, */
-    char *place;                            /* and its name in that folder; null for an existing file */
-    char *name;                             /* an output's name as given */
+    uint64_t device, inode;                 /* device and inode of the file, or of a missing file's folder */
+    char *place;                            /* file name of a missing file; else null */
+    char *name;                             /* path of the output as given */
     int is_given;                           /* 1: named on the command line; 0: opened by the library */
 } file;
 
@@ -25,9 +24,9 @@ typedef struct file_list {
 } file_list;
 
 static struct {
-    pthread_mutex_t lock;                   /* photographs are opened and frames written by several threads */
+    pthread_mutex_t lock;
     file_list read, written;
-    int incomplete;                         /* memory ran out, so a file is missing */
+    int incomplete;
     enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
@@ -59,7 +58,7 @@ static char *copy_of(const char *text)
     return copy;
 }
 
-/* Identifies a file that does not exist, by folder and name. Returns 0 if the folder does not exist. */
+/* Identifies a missing file by folder and name. Returns 0 if the folder does not exist. */
 static int find_place(file *f, const char *name, fxs_file_facts *folder)
 {
     char *target = fxs_output_target(name), *slash = target ? strrchr(target, '/') : 0;
@@ -73,7 +72,7 @@ static int find_place(file *f, const char *name, fxs_file_facts *folder)
     return found;
 }
 
-/* Returns 0 for a device, or if the folder does not exist. Allocates f->place. */
+/* Identifies a file; allocates f->place. Returns 0 for a device or a missing folder. */
 static int find_file(file *f, const char *name, FILE *standard)
 {
     fxs_file_facts facts;
@@ -133,7 +132,7 @@ int files_same(const char *one, const char *other)
     return same;
 }
 
-/* Returns 0, or an error and a message if the output would replace a file that is read. */
+/* Returns an error code and a message if the output would replace an input, else 0. */
 static int check_output(const file *output, const char *name, fxs_message *message)
 {
     size_t found = 0, given = 0;
@@ -150,7 +149,6 @@ static int check_output(const file *output, const char *name, fxs_message *messa
                     given && known.force == FILES_REFUSE_UNFORCED ? "; --force replaces it" : "");
 }
 
-/* Called by the library before every output, including unregistered ones. */
 static int check_begun(const char *name, fxs_message *message)
 {
     file f = {.place = 0};
@@ -171,7 +169,7 @@ int files_check(void)
     fxs_message message;
     if (known.incomplete)
         return fail(EXIT_FAILED, "out of memory");
-    for (size_t i = 0; i < written->count; i++)        /* in order of registration: the order of inodes is arbitrary */
+    for (size_t i = 0; i < written->count; i++)
         if (check_output(&written->files[i], written->files[i].name, &message))
             return fail(EXIT_USAGE, "%s", message.text);
     if (written->count)

@@ -1,5 +1,5 @@
-/* The option tables that render, view, bench and other commands share, with the checks between options and the
-   choice of back end, devices and instruction sets. */
+/* Option tables shared by several commands, with checks between options. Chooses back end, devices and instruction
+   sets. */
 #include "frame_options.h"
 
 #include <math.h>
@@ -12,9 +12,6 @@
 #include <fixsplat/internal/kernels.h>
 #endif
 
-/* ---- Taking ------------------------------------------------------------------------------------------------------ */
-
-/* Takes one level of detail, or a list with a level for each file. */
 static int take_lod(const option_row *row, void *field, const char *value)
 {
     load_options *o = field;
@@ -107,8 +104,6 @@ static int take_place(const option_row *row, void *field, const char *value)
     options->places[options->place_count++] = value;
     return 0;
 }
-
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
 const char *const cutoff_names[] = {"mahalanobis", "square", 0};
 
@@ -235,8 +230,6 @@ const option_row pool_rows[] = {
     {0}
 };
 
-/* ---- Checks of options together ---------------------------------------------------------------------------------- */
-
 void frame_options_default(frame_options *options)
 {
     memset(options, 0, sizeof *options);
@@ -274,7 +267,7 @@ int frame_options_check(const frame_options *options)
 }
 
 #ifdef FXS_WITH_KERNELS
-/* The flag of a name of `length` characters; 0 for "c", all bits for "all"; -1 for an unknown name. */
+/* Returns the flag of an instruction set's name: 0 for "c", all bits for "all", -1 if unknown. */
 static long cpu_flag(const char *name, size_t length)
 {
     if (length == 1 && *name == 'c')
@@ -287,7 +280,6 @@ static long cpu_flag(const char *name, size_t length)
     return -1;
 }
 
-/* Finds the instruction sets that --cpu leaves out. */
 static int choose_cpu(const char *list, unsigned *without)
 {
     unsigned allowed = 0;

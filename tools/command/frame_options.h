@@ -1,4 +1,4 @@
-/* The options that render, view and bench share: cameras, scenes and how frames are rendered; and their rows. */
+/* Options of cameras, scenes and rendering that several commands share. */
 #ifndef FRAME_OPTIONS_H
 #define FRAME_OPTIONS_H
 
@@ -11,41 +11,39 @@
 
 typedef struct foveate_options {
     int on;
-    int given;                              /* numbers given: 0 (defaults), 2, 4 or 5 */
-    double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
+    int given;                              /* number of elements of `numbers`: 0 (defaults), 2, 4 or 5 */
+    double numbers[5];                      /* foveation: gaze x, y; radii of full and half rate; band; pixels */
 } foveate_options;
 
 typedef struct frame_options {
-    const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
-    int orbit, frames;                      /* frames of an orbit; frames of a path through the views; 0: neither */
+    const char *cameras, *view;
+    int orbit, frames;                      /* numbers of frames of an orbit and of a path through the views */
     point_option eye, look, up;
-    int auto_up;                            /* 1: find the up direction in the scene */
-    int framed;                             /* 1: without a camera, frame the whole scene, to compare measurements */
-    double fov;                             /* degrees; 0: default */
-    double ortho;                           /* height of an orthographic picture, units; 0: perspective */
-    double near;                            /* near plane, scene units; 0: default, see --help */
-    int lens;                               /* 1: draw a camera file's views through their lenses */
-    int panorama;                           /* 1: a level panorama, by default from the scene's middle */
-    int width, height;                      /* 0: the camera's own size, or 1280x720, or 2048x1024 for a panorama */
+    int auto_up;                            /* 1: finds the up direction in the scene */
+    int framed;                             /* 1: the camera frames the whole scene */
+    double fov;                             /* field of view in degrees; 0: default */
+    double ortho;                           /* height of an orthographic view in scene units; 0: perspective */
+    double near;                            /* near plane in scene units; 0: default */
+    int lens;
+    int panorama;
+    int width, height;
     int has_tangents;
-    double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
-    double stereo;                          /* distance of the two eyes, scene units; 0: mono */
+    double tangents[4];                     /* field of view as tangents: left, right, up, down */
+    double stereo;                          /* distance of the eyes in scene units; 0: mono */
     foveate_options foveate;
     fxs_options render;
     const char *cpu, *backend;
-    int devices[DEVICES_MOST];              /* device_count of them are set; 0: all devices */
+    int devices[DEVICES_MOST];
     int device_count;
     uint32_t threads;
-    size_t max_memory;                      /* bytes for a frame; 0: unlimited */
+    size_t max_memory;                      /* most bytes for rendering a frame; 0: no limit */
     load_options load;
     world_options world;
 } frame_options;
 
-/* Rows by topic: cameras, scenes and placement, rendering, levels of detail, reading of scenes. FRAME_TABLES lists
-   them all for a command whose options contain frame_options as the member `frame`. */
+/* Option rows by topic. FRAME_TABLES lists all of them. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
-/* The row --pool of load_options, for commands that load chunks on demand. */
 extern const option_row pool_rows[];
 #define POOL_TABLE(options) {pool_rows, offsetof(options, frame.load)}
 #define FRAME_TABLES(options) \
@@ -53,23 +51,18 @@ extern const option_row pool_rows[];
     {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \
     {load_rows, offsetof(options, frame.load)}
 
-/* For rows of other commands with the offset of frame_options: --size, --device, and --threads from 1 to 64. */
 take_option take_frame_size, take_devices, take_threads;
 
-/* Names of enum fxs_cutoff. */
 extern const char *const cutoff_names[];
 
 void frame_options_default(frame_options *options);
 
-/* Checks the options against each other. Returns 0, or prints the error and returns EXIT_USAGE. */
 int frame_options_check(const frame_options *options);
 
-/* Finds the back end that the options name, and its options for a device. Returns 0, or prints the error and returns
-   EXIT_USAGE. */
+/* Finds the back end that the options name, and its options for a device. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
-/* Lists the devices that the options ask for, or the first only if the back end drives a single one. Returns their
-   number. */
+/* Returns the number of devices that the options ask for. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
 #endif

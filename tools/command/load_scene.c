@@ -1,4 +1,5 @@
-/* Opens scene files: from disk, a server or standard input; filters and decimates; packs, maps or pages them. */
+/* Opens scene files from disk, a server or standard input. Filters and decimates Gaussians, then packs, maps or
+   pages the scene. */
 #include "load_scene.h"
 
 #include <errno.h>
@@ -14,22 +15,21 @@
 #include "src/base/os_calls.h"
 #include "file_guard.h"
 
-#define LARGE ((size_t)64 << 20)    /* bytes from which paging an .fxs is worthwhile */
+#define LARGE ((size_t)64 << 20)    /* smallest .fxs file to be paged, in bytes */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic pool */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic memory pool */
 
 static int is_standard_input(const char *path)
 {
     return !strcmp(path, "-");
 }
 
-/* The name of a scene file in messages. */
 static const char *shown(const char *path)
 {
     return is_standard_input(path) ? "standard input" : path;
 }
 
-/* Notes the dropped Gaussians; their share of the scene by opacity and area from 0.3 % on. */
+/* Notes the dropped Gaussians, and their share of the scene from 0.3 % on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
     const uint64_t dropped = d->not_finite + d->rotation;
@@ -51,7 +51,6 @@ void note_packed(const char *path, const fxs_pack_report *report)
              report->brought_in);
 }
 
-/* Prints a message about a scene, with its name in front if the message lacks it. */
 static int fail_scene(const char *path, const fxs_message *message)
 {
     const char *name = shown(path);
@@ -92,7 +91,6 @@ static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_
     return error;
 }
 
-/* Changes to a file before it is packed or written. */
 typedef struct preparation {
     const char *path;
     const load_options *options;
@@ -146,11 +144,9 @@ int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, 
     return fail_scene(path, &message);
 }
 
-/* ---- Standard input ---------------------------------------------------------------------------------------------- */
-
-/* All of standard input, for the path "-"; read once and kept. */
+/* Content of standard input, read once for all scenes named "-". */
 static struct {
-    uint8_t *bytes;                         /* aligned to 64 bytes */
+    uint8_t *bytes;
     size_t size, room;
 } standard_input;
 
@@ -188,8 +184,6 @@ static int read_standard_input(void)
     return standard_input.size ? 0 : fail(EXIT_FAILED, "standard input is empty");
 }
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 int options_of_file(load_options *own, const load_options *o, uint32_t i, uint32_t count)
 {
     uint32_t levels = 1;
@@ -218,7 +212,7 @@ static int open_file(const char *path, const fxs_scene_file_options *options, fx
                : fxs_scene_file_open(path, options, file, info, message);
 }
 
-/* The level to read; a file with a single level ignores --lod in a list of several files. */
+/* In a list of several files, a file with a single level of detail ignores --lod. */
 static int level_of(const char *path, const load_options *o, const fxs_scene_file_options *options)
 {
     fxs_scene_file_options finest = *options;
@@ -259,8 +253,7 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-/* The bytes of a pool for the chunks of PICTURES_HELD pictures of an open scene, so that alternating pictures are read
-   once. 0, to map the scene: without a budget or tree, for a small file, or if the pool exceeds half of the file. */
+/* Returns the size in bytes of a memory pool for the chunks of several pictures. 0: map the whole file instead. */
 static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 {
     const fxs_scene *scene = opened->scene;
@@ -269,7 +262,6 @@ static size_t pool_for(const fxs_opened *opened, uint32_t budget)
     return budget && scene->nodes && opened->bytes >= LARGE && pool <= opened->bytes / 2 ? (size_t)pool : 0;
 }
 
-/* Reopens a mapped scene with a pager. */
 static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options *options, size_t pool,
                         fxs_message *message)
 {
@@ -281,7 +273,6 @@ static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options
     return error;
 }
 
-/* Opens `file`, or the path if it is null, and notes what packing left out. */
 static int open_to_render(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file,
                           const fxs_scene_file_info *info)
 {

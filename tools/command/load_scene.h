@@ -1,4 +1,4 @@
-/* Loading of a command's scene files. */
+/* Loads the scene files of a command. */
 #ifndef SCENE_H
 #define SCENE_H
 
@@ -12,70 +12,58 @@ typedef struct loaded_scene {
     uint64_t load_nanoseconds;
 } loaded_scene;
 
-/* 1 for an .fxs file, which is rendered without conversion. */
+/* True for an .fxs file, which needs no conversion. */
 int is_packed(const loaded_scene *loaded);
 
-/* All fields 0: the defaults. */
 typedef struct load_options {
-    int lod;                                /* level of detail, 0 the finest, for a file with several */
-    const char *lods;                       /* a level for each file, L,M,...; null: `lod` for all files with levels */
-    int is_one_of_several;                  /* 1: `lod` is ignored for a file with a single level */
-    enum fxs_axes axes;                     /* axes of an .spz */
-    uint32_t threads;                       /* threads of the import; 0: one for each processor */
-    enum fxs_profile profile;               /* for files that are not packed yet */
-    int tree;                               /* 1: packs with levels of detail */
-    int pages;                              /* 1: an .fxs may be paged: if a pool is given, or from a server */
-    size_t pool;                            /* pool of the pager, bytes; 0: none given */
-    uint32_t budget;                        /* Gaussians a picture: a large .fxs may be paged if that is a small part
-                                               of it; 0: not allowed */
-    void (*arrived)(void *argument);        /* as in fxs_pager_options */
+    int lod;                                /* number of the level of detail to read; 0: finest */
+    const char *lods;                       /* level of detail for each file; null: `lod` for all */
+    int is_one_of_several;                  /* 1: a file with a single level ignores `lod` */
+    enum fxs_axes axes;
+    uint32_t threads;                       /* threads of the import; 0: one per processor */
+    enum fxs_profile profile;
+    int tree;                               /* 1: packs a scene with a tree of levels of detail */
+    int pages;                              /* 1: an .fxs may be paged, with only parts in memory */
+    size_t pool;                            /* memory of a paged scene in bytes; 0: not given */
+    uint32_t budget;                        /* Gaussians per picture; 0: does not page by size */
+    void (*arrived)(void *argument);        /* callback when parts of a paged scene have been loaded */
     void *arrived_argument;
-    const fxs_scene_filter *filter;         /* Gaussians to leave out, or null; an .fxs file is always mapped whole */
-    uint64_t decimate_count;                /* merges the Gaussians left by the filter down to this number, 0: all, */
-    double decimate_share;                  /* or to this share, 0 to 1, 0: all. The filter then keeps drawable
-                                               Gaussians only */
-    uint64_t max_gaussians;                 /* limit for an imported file; import_memory: limit for the memory of its
-                                               import, */
-    size_t import_memory;                   /* both as in fxs_scene_file_options */
-    int again;                              /* 1: notes about left-out or changed Gaussians were printed before */
-    fxs_progress_fn *progress;              /* null: a bar on stderr */
+    const fxs_scene_filter *filter;         /* filter of the Gaussians, except of an .fxs; may be null */
+    uint64_t decimate_count;                /* number of Gaussians to reduce a scene to; 0: no reduction */
+    double decimate_share;                  /* share of Gaussians to reduce a scene to; 0: no reduction */
+    uint64_t max_gaussians;
+    size_t import_memory;
+    int again;
+    fxs_progress_fn *progress;              /* progress callback; null: shows a bar on stderr */
     void *progress_argument;
 } load_options;
 
-/* The progress function and its argument: the options', or by default a bar after `label`. */
+/* Returns the progress callback of the options, or else a progress bar after `label`. */
 fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
 
-/* The options for file i of `count`. Returns 0, or prints that --lod has a wrong number of levels and returns
-   EXIT_USAGE. */
+/* Copies the options for file i of `count`, with the level of detail for the file. */
 int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);
 
-/* Opens a scene for rendering, and notes on stderr which Gaussians are left out. Returns 0, or prints the reason and
-   returns EXIT_FAILED, with nothing to free. */
+/* Opens a scene for rendering. On failure nothing is to be freed. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
-/* As load_scene, for a file from open_scene or open_merged; closes the file. */
+/* Loads a scene from a file of open_scene or open_merged, and closes the file. */
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 
-/* Notes if parts of a scene are too far from the others for the precision of floats. */
 void note_coarse(const char *path, const fxs_scene_file_info *info);
 
-/* Notes which Gaussians packing left out or moved. */
 void note_packed(const char *path, const fxs_pack_report *report);
 
-/* Opens a scene file to be read in floats, and notes on stderr which Gaussians the filter (or null) leaves out.
-   Returns 0 and a file for fxs_scene_file_close, or prints the reason and returns EXIT_FAILED. */
+/* Opens a scene file to read its Gaussians as floats. Close *file with fxs_scene_file_close. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 
-/* The two steps of open_scene: opening, and filtering. filter_scene closes the file if it fails. */
+/* open_scene calls these two steps. filter_scene closes the file on failure. */
 int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
 
-/* Names of enum fxs_profile, ended by null. */
 extern const char *const profile_names[];
 
-/* Checks that an .fxs file was not written to since loading. Returns 0, or prints that it was and returns
-   EXIT_FAILED. */
 int check_scene(const loaded_scene *loaded);
 
 void free_scene(loaded_scene *loaded);

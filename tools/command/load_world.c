@@ -1,5 +1,4 @@
-/* Loads the scenes of a command and places them as --scene or --place says; finds the world's bounds; opens several
-   scenes as one merged scene. */
+/* Loads the scenes of a command and places them by --scene or --place. Merges several scenes into one. */
 #include "load_world.h"
 
 #include <inttypes.h>
@@ -9,8 +8,6 @@
 #include <fixsplat/scene.h>
 
 #include "command_line.h"
-
-/* ---- Options ----------------------------------------------------------------------------------------------------- */
 
 int take_scenes(world_options *o, const char *name, int count, char *const *scenes)
 {
@@ -24,7 +21,7 @@ int take_scenes(world_options *o, const char *name, int count, char *const *scen
     return 0;
 }
 
-/* 2 if `name` is the scene's whole path, 1 if it is the end of the path after a slash, else 0. */
+/* Returns 2 if `name` is the scene's path, 1 if `name` ends the path after a slash, else 0. */
 static int is_called(const char *scene, const char *name, size_t length)
 {
     const size_t size = strlen(scene);
@@ -33,7 +30,7 @@ static int is_called(const char *scene, const char *name, size_t length)
     return size == length ? 2 : scene[size - length - 1] == '/';
 }
 
-/* The number of the scene that --place names before its colon. -1: no scene, or several in different folders. */
+/* Returns the number of the scene that --place names before its colon. -1: not found or ambiguous. */
 static int find_scene(const world_options *o, const char *place, size_t length)
 {
     char name[16];
@@ -55,7 +52,6 @@ static int find_scene(const world_options *o, const char *place, size_t length)
     return parse_count(name, 0, (uint64_t)o->scene_count - 1, &number) ? (int)number : -1;
 }
 
-/* The numbers of --place after the colon. */
 static int parse_placement(const char *text, fxs_placement *p)
 {
     double numbers[8];
@@ -72,7 +68,6 @@ static int parse_placement(const char *text, fxs_placement *p)
     return 1;
 }
 
-/* Adds scene `number`, placed by the options or unplaced. */
 static int add_scene(fxs_world *placed, const world_options *o, int number)
 {
     fxs_message message;
@@ -125,8 +120,6 @@ int place_scenes(fxs_world *placed, const world_options *o)
     return status;
 }
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 static int is_direction(const double up[3])
 {
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
@@ -161,7 +154,6 @@ static void add_box(double low[3], double high[3], const double l[3], const doub
     }
 }
 
-/* Finds the bounds of the visible objects or, with visible_only 0, of all objects. */
 static int find_bounds(world *w, int visible_only)
 {
     int found = 0;
@@ -241,8 +233,6 @@ int world_open_file(world *w, const char *path, const load_options *load)
     return world_open(w, &options, load);
 }
 
-/* ---- Merging ----------------------------------------------------------------------------------------------------- */
-
 static int merge(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **files,
                  fxs_scene_file_info *infos, fxs_scene_file **file, fxs_scene_file_info *info)
 {
@@ -264,7 +254,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     return filter_scene(name, load, *file, info);
 }
 
-/* True if the world is one unplaced, uncropped file. */
+/* True for a world of one visible, unplaced and uncropped file. */
 static int is_plain(const fxs_world *placed)
 {
     return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&
@@ -292,7 +282,6 @@ int open_merged(const fxs_world *placed, const char *name, const load_options *l
     return status;
 }
 
-/* Begins a world of one unplaced scene. */
 static int begin_plain(world *w, const char *name)
 {
     fxs_message message;
@@ -337,8 +326,6 @@ int world_open_merged(world *w, const fxs_world *placed, const char *name, const
     return status;
 }
 
-/* ---- The rest ---------------------------------------------------------------------------------------------------- */
-
 int world_check(const world *w)
 {
     for (uint32_t i = 0; i < w->placed.file_count; i++)
@@ -347,7 +334,6 @@ int world_check(const world *w)
     return 0;
 }
 
-/* Pager of file i, or null. */
 static fxs_pager *pager_of(const world *w, uint32_t i)
 {
     return w->scenes[i].opened->pager;

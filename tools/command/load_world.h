@@ -1,4 +1,4 @@
-/* The world of a command: its scenes, each loaded once, and the objects that place them. */
+/* The world of a command: scenes, each loaded once, and objects that place scenes. */
 #ifndef LOAD_WORLD_H
 #define LOAD_WORLD_H
 
@@ -7,71 +7,62 @@
 
 #define PLACES_MOST 1024
 
-/* All fields 0: the defaults. */
 typedef struct world_options {
-    const char *file;                       /* value of --scene */
-    char *const *scenes;                    /* scene files of the command line */
+    const char *file;
+    char *const *scenes;
     int scene_count;
-    const char *places[PLACES_MOST];        /* values of --place */
+    const char *places[PLACES_MOST];
     int place_count;
 } world_options;
 
-/* Stores the scene files given to the command `name`. Returns 0, or prints the error and returns EXIT_USAGE. */
 int take_scenes(world_options *options, const char *name, int count, char *const *scenes);
 
-/* Reads --scene, or places the scenes as --place says; opens no scene. Free *placed with fxs_world_free. Returns 0,
-   or prints the reason and returns the exit status. */
+/* Reads the --scene file or applies --place, without opening scenes. Free *placed with fxs_world_free. */
 int place_scenes(fxs_world *placed, const world_options *options);
 
 typedef struct world {
-    fxs_world placed;                       /* files and placements */
-    loaded_scene *scenes;                   /* one for each file */
+    fxs_world placed;
+    loaded_scene *scenes;
     fxs_object *objects;
-    fxs_crop *crops;                        /* crops of the objects, FXS_MAX_CROPS each */
-    uint32_t count, gaussians;              /* objects; Gaussians of all objects after packing */
-    double low[3], high[3];                 /* bounds of all centres in visible objects */
-    double inner_low[3], inner_high[3];     /* bounds without outliers, for framing */
+    fxs_crop *crops;                        /* FXS_MAX_CROPS crop boxes for each object */
+    uint32_t count, gaussians;              /* number of objects; Gaussians of all objects */
+    double low[3], high[3];                 /* bounds of the Gaussians' centres in visible objects */
+    double inner_low[3], inner_high[3];     /* bounds of the Gaussians' centres without outliers */
     uint64_t load_nanoseconds;
 } world;
 
-/* Loads the scenes. Returns 0, or prints the reason and returns the exit status; then world_close is not needed. */
+/* Loads the scenes of the world. On failure nothing is to be closed. */
 int world_open(world *w, const world_options *options, const load_options *load);
 
-/* Loads one scene, unplaced. */
 int world_open_file(world *w, const char *path, const load_options *load);
 
-/* Opens all files of a world as one scene file to be read in floats, with each object placed. Close *file with
-   fxs_scene_file_close. `name` stands for the whole in messages. Returns 0, or prints the reason and returns
-   EXIT_FAILED. */
+/* Opens all files of a world as one scene file to read in floats, with objects placed. `name` stands for the files
+   in messages. Close *file with fxs_scene_file_close. */
 int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
                 fxs_scene_file_info *info);
 
-/* Opens a world with open_merged and loads it as one scene. */
 int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load);
 
-/* A world of one packed scene. The caller keeps ownership; the scene must stay where it is. */
+/* Makes a world of a packed scene. The scene stays the caller's, and must not move before world_close. */
 int world_open_packed(world *w, const char *name, fxs_packed_scene *packed);
 
-/* The up direction of the first visible object with one in its file. Returns 0 and leaves `up` unchanged if none has
-   one. */
+/* Finds the up direction of the first visible object with one in its file. Returns 0 if no object has an up
+   direction. */
 int world_up(const world *w, double up[3]);
 
-/* The bounding box of an object in the world. Returns 0 if its crops leave nothing. */
+/* Computes an object's bounding box in the world. Returns 0 if the object's crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 
-/* Checks that the scenes' files are unchanged since loading. Returns 0, or prints which one changed and returns
-   EXIT_FAILED. */
+/* Checks that the scene files are unchanged since loading. */
 int world_check(const world *w);
 
-/* Paged worlds, where scenes are partly in memory. world_is_paged: true if any scene has a pager. world_want: the
-   fxs_want_fn of its frames, with the world as the argument. world_turn, world_wait: call fxs_pager_turn and
-   fxs_pager_wait for all pagers; world_turn adds up their states. */
+/* A paged world has scenes that are only partly in memory, each with a pager. world_want is an fxs_want_fn with the
+   world as argument. world_turn and world_wait call fxs_pager_turn and fxs_pager_wait for all pagers. */
 int world_is_paged(const world *w);
 fxs_want_fn world_want;
 int world_turn(const world *w, fxs_pager_state *sum, fxs_message *message);
 int world_wait(const world *w, uint64_t nanoseconds);
 
-/* Also closes a world that failed to open: null scenes are skipped. */
 void world_close(world *w);
 
 #endif

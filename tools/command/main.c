@@ -126,7 +126,6 @@ static int wrong_command(const char *name)
                   : fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
 }
 
-/* Prints the options for programs, such as the generator of shell completions. */
 static void help_table(void)
 {
     for (int i = 0; i < COMMANDS; i++)

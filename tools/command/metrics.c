@@ -1,5 +1,5 @@
-/* MSE, PSNR, SSIM (Wang et al. 2004, separable Gaussian window, rows filtered on the fly) and PSNR after the best
-   affine map of colours (least squares by normal equations). */
+/* Image metrics: MSE, PSNR, SSIM (Wang et al. 2004) with a separable Gaussian window, and PSNR after the best affine
+   map of colours by least squares. */
 #include "metrics.h"
 
 #include <math.h>
@@ -12,10 +12,10 @@
 #define WINDOW 11
 #define SIGMA 1.5
 
-/* Maps with local means that SSIM needs. */
+/* Local means of two images that SSIM needs. */
 enum { A, B, SQUARES, PRODUCT, MAPS };
 
-/* Gaussian weights of sum 1 over at most WINDOW pixels of a side. Returns their number. */
+/* Computes Gaussian weights of sum 1 over at most WINDOW pixels. Returns their number. */
 static int window(int side, double weights[WINDOW])
 {
     int taps = side < WINDOW ? side : WINDOW;
@@ -35,7 +35,6 @@ static void add_scaled(double *restrict out, const double *restrict in, double w
         out[i] += weight * in[i];
 }
 
-/* Computes the four maps for one channel of a row. */
 static void fill_maps(const uint8_t *a, const uint8_t *b, size_t width, double *maps)
 {
     for (size_t i = 0; i < width; i++) {
@@ -47,7 +46,7 @@ static void fill_maps(const uint8_t *a, const uint8_t *b, size_t width, double *
     }
 }
 
-/* Sums SSIM over a row of windows from the four local means. are_whole marks the windows to count; null: all. */
+/* Sums SSIM over a row of windows from four local means. are_whole marks the windows that count; null: all. */
 static double ssim_row(const double *means, size_t count, const uint8_t *are_whole)
 {
     const double c1 = 0.01 * 255 * 0.01 * 255, c2 = 0.03 * 255 * 0.03 * 255;
@@ -62,8 +61,8 @@ static double ssim_row(const double *means, size_t count, const uint8_t *are_who
     return sum;
 }
 
-/* Sums SSIM of one channel over its windows. memory: (WINDOW + 2) * MAPS * width doubles. Each row is filtered
-   horizontally once and kept while a window reaches it. */
+/* Sums SSIM of a channel over its windows. `memory`: (WINDOW + 2) * MAPS * width doubles. Horizontally filtered rows
+   are kept in a ring buffer. */
 static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *are_whole, size_t width, size_t height,
                            double *memory)
 {
@@ -88,7 +87,6 @@ static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *ar
     return sum;
 }
 
-/* Marks, row by row, the windows without ignored pixels. Returns their number. */
 static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t height, size_t *below, uint8_t *are_whole)
 {
     double weights[WINDOW];
@@ -97,15 +95,14 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     memset(below, 0, width * sizeof *below);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
-            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* run of counting pixels up this column */
-            beside = below[x] >= taps_y ? beside + 1 : 0;          /* run of such columns to the left */
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* run of unmasked pixels upwards */
+            beside = below[x] >= taps_y ? beside + 1 : 0;          /* run of tall enough columns to the left */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }
     return found;
 }
 
-/* Mean SSIM of the channels. Returns 0, or -1 if memory runs out. */
 static int find_ssim(const uint8_t *a, const uint8_t *b, const uint8_t *mask, size_t width, size_t height, double *ssim)
 {
     double weights[WINDOW], *memory = malloc((WINDOW + 2) * MAPS * width * sizeof *memory);
@@ -153,11 +150,9 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
     return fxs_metrics_compare_masked(a, b, NULL, width, height, out);
 }
 
-/* ---- The best affine map of colours ------------------------------------------------------------------------------ */
+enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* terms 1, red, green and blue, then the target colours */
 
-enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* 1, red, green, blue; then the three target colours */
-
-/* Sums of products, exact: integers below 2^53. */
+/* Sums products of colours exactly: integers below 2^53. */
 static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *mask, size_t pixels,
                          double sums[TERMS][COLUMNS])
 {
@@ -175,7 +170,7 @@ static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *
             sums[k][c] = (double)whole[k][c];
 }
 
-/* Solves the normal equations by elimination. A term that depends on earlier ones, as in a grey picture, gets the
+/* Solves the normal equations by Gaussian elimination. A linearly dependent term, as in a grey picture, gets the
    factor 0. */
 static void solve_map(double sums[TERMS][COLUMNS], double map[TERMS][3])
 {
@@ -210,8 +205,6 @@ double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, 
         }
     return squares > 1e-9 * counted ? 10 * log10(255.0 * 255.0 * 3 * counted / squares) : INFINITY;
 }
-
-/* ---- Text and pictures ------------------------------------------------------------------------------------------- */
 
 const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal)
 {

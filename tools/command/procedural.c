@@ -1,5 +1,5 @@
-/* Each scene has several parts (terrain, trees, objects). A part maps the index of a Gaussian to evenly spread numbers
-   (u, v) and hashes, and computes the Gaussian from them. */
+/* Computes procedural scenes. A scene has several parts, such as terrain and trees. A part maps the index of a
+   Gaussian to evenly spread numbers (u, v) and hashes, and computes the Gaussian from them. */
 #include "procedural.h"
 
 #include <math.h>
@@ -7,14 +7,12 @@
 #include "src/base/sine.h"
 #include "src/gaussian/attributes.h"
 
-/* gcc lacks this pragma; -std=c99 or -ffp-contract=off has the same effect. */
+/* gcc needs -std=c99 or -ffp-contract=off instead of this pragma */
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF
 #endif
 
 #define PI 3.14159265358979324
-
-/* ---- Arithmetic: only operations that IEEE 754 rounds exactly ---------------------------------------------------- */
 
 typedef struct vec {
     double x, y, z;
@@ -64,16 +62,13 @@ static double logarithm(double x)
     return e * 0.69314718055994531 + 2 * s * sum;
 }
 
-/* 2^-(least + (most - least) t), linear between powers of two. */
 static double power_of_half(double t, double least, double most)
 {
     double exponent = blend(least, most, t), halvings = whole(exponent);
     return ldexp(1 - 0.5 * (exponent - halvings), -(int)halvings);
 }
 
-/* ---- Randomness: hashes of counters ------------------------------------------------------------------------------ */
-
-/* The finaliser of SplitMix64 (Steele, Lea, Flood 2014). */
+/* Finaliser of SplitMix64 (Steele, Lea, Flood 2014). */
 static uint64_t mix(uint64_t x)
 {
     x = (x ^ (x >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
@@ -81,30 +76,28 @@ static uint64_t mix(uint64_t x)
     return x ^ (x >> 31);
 }
 
-/* The upper 53 bits as a fraction in [0, 1). */
 static double unit(uint64_t bits) { return (double)(int64_t)(bits >> 11) / 9007199254740992.0; }
 
-/* Random number k of a key, in [0, 1). */
+/* Returns random number k of a key, in [0, 1). */
 static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * UINT64_C(0x9E3779B97F4A7C15))); }
 
 static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
 
 typedef struct place {
-    uint64_t index, count;   /* index in the part, and size of the part */
+    uint64_t index, count;   /* index of the Gaussian in its part; size of the part */
     uint64_t total, key;
     uint32_t seed;
-    double u, v;             /* evenly distributed over the unit square */
+    double u, v;
 } place;
 
-/* Sunflower distribution: v advances by the golden ratio (0.64 fixed point), so it stays even on long and narrow
-   surfaces. */
+/* Sunflower distribution. v advances by the golden ratio (0.64 fixed point). */
 static void spread_evenly(place *p, uint64_t index, uint64_t count)
 {
     p->u = ((double)index + 0.5) / (double)count;
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* Finds the part of Gaussian i. Parts are consecutive; `ends`: their ends in thousandths of the count. */
+/* Finds the part of a Gaussian. `ends` has the ends of all parts of a scene in thousandths of the count. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {
     int part = 0;
@@ -120,13 +113,12 @@ static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *en
     return part;
 }
 
-/* A cheaper hash to -1..1, sufficient for lattice noise. */
 static double lattice(uint64_t corner)
 {
     return (double)(int64_t)((corner ^ (corner >> 32)) * UINT64_C(0x94D049BB133111EB)) / 9223372036854775808.0;
 }
 
-/* Value noise in -1..1 with quintic interpolation; *dx and *dz: its gradient. */
+/* Value noise in -1..1 with quintic interpolation. *dx and *dz are its gradient. */
 static double noise(double x, double z, uint64_t salt, double *dx, double *dz)
 {
     const uint64_t right = UINT64_C(0xD1B54A32D192ED03), up = UINT64_C(0xABC98388FB8FAC03);
@@ -146,11 +138,9 @@ static double plain_noise(double x, double z, uint64_t salt)
     return noise(x, z, salt, &dx, &dz);
 }
 
-/* ---- Splats ------------------------------------------------------------------------------------------------------ */
-
-/* A Gaussian under construction. Its colour from the unit vector d is the sum of sh[k] Y_k(d). */
+/* A Gaussian under construction. Its colour along the unit vector d is the sum of sh[k] Y_k(d). */
 typedef struct splat {
-    vec position, axis[3];   /* orthonormal, right-handed */
+    vec position, axis[3];   /* axes are orthonormal and right-handed */
     double sigma[3], opacity;
     vec sh[16];
 } splat;
@@ -179,8 +169,8 @@ static void sh_basis(vec d, double y[16])
 
 static void add_constant(splat *s, vec colour) { s->sh[0] = add(s->sh[0], times(colour, 1 / FXS_SH_0)); }
 
-/* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem: P_l(d . a) = 4 pi / (2
-   l + 1) sum over m of Y_lm(d) Y_lm(a) */
+/* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem: P_l(d . a) = 4 pi /
+   (2 l + 1) sum over m of Y_lm(d) Y_lm(a). */
 static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
 {
     static const double convolution[4] = { 4 * PI, 4 * PI / 3, 4 * PI / 5, 4 * PI / 7 };
@@ -191,10 +181,10 @@ static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
             s->sh[k] = add(s->sh[k], times(colour, scale * y[k]));
 }
 
-static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* 1 in the middle, nearly 0 beyond 70 degrees */
-static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* 1 - x^2 */
+static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre coefficients of a bright spot */
+static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* Legendre coefficients of 1 - x^2 */
 
-/* A flat disc at `position`, perpendicular to `normal`; its first axis is nearest to `along`. */
+/* Lays a flat disc perpendicular to `normal`. Its first axis is nearest to `along`. */
 static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma, double opacity)
 {
     memset(s, 0, sizeof *s);
@@ -214,7 +204,6 @@ static void lay_round(splat *s, vec position, double sigma, double opacity, vec 
     add_constant(s, colour);
 }
 
-/* A disc on a surface, oriented and sized by the surface's derivatives along u and v. */
 static void lay_surface(const place *p, vec (*surface)(double u, double v), double opacity, splat *s)
 {
     const double step = 1.0 / 4096;
@@ -235,7 +224,7 @@ static void turn(splat *s, uint64_t key, unsigned k)
     s->axis[2] = n;
 }
 
-/* The unit quaternion w x y z of the rotation with columns a, b, c, computed from its largest component. */
+/* Converts a rotation with columns a, b, c to a unit quaternion w x y z. */
 static void quaternion(vec a, vec b, vec c, double q[4])
 {
     double w = 1 + a.x + b.y + c.z, x = 1 + a.x - b.y - c.z, y = 1 - a.x + b.y - c.z, z = 1 - a.x - b.y + c.z;
@@ -275,11 +264,9 @@ static void finish(const splat *s, fxs_gaussian *out)
         store(out->sh + 3 * k, s->sh[k + 1]);
 }
 
-/* ---- knot: an iridescent trefoil and marbles on a stone disc ----------------------------------------------------- */
-
 #define KNOT_SIZE 0.80
 #define KNOT_TUBE 0.50
-#define TABLE_Y 2.13    /* 2.0625 KNOT_SIZE + the largest tube radius - a little */
+#define TABLE_Y 2.13
 #define TABLE_RADIUS 4.6
 #define TABLE_DEPTH 0.30
 
@@ -301,13 +288,13 @@ static const struct marble {
 };
 #define MARBLES (sizeof marbles / sizeof marbles[0])
 
-/* The trefoil (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from sin t and cos t. */
+/* Trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) from s = sin t and c = cos t. */
 static vec trefoil(double s, double c)
 {
     return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
 }
 
-/* A point of the tube around the trefoil, a rope of five strands: u along, v around. */
+/* Returns a point of a rope along the trefoil curve. u runs along the rope, v around. */
 static vec knot_surface(double u, double v)
 {
     double s = sine(u), c = cosine(u);
@@ -317,7 +304,7 @@ static vec knot_surface(double u, double v)
     return add(trefoil(s, c), add(times(a, radius * cosine(v)), times(b, radius * sine(v))));
 }
 
-/* Reduces *open (visible share of the sky) and *lit (share of the key light) by the occlusion of a ball. */
+/* Reduces *open (visible share of the sky) and *lit (share of the key light) by a ball's shadow. */
 static void occlude(vec p, vec normal, vec centre, double radius, double weight, double *open, double *lit)
 {
     vec to = sub(centre, p);
@@ -334,7 +321,7 @@ static void occlude(vec p, vec normal, vec centre, double radius, double weight,
 static void occlude_all(vec p, vec normal, double *open, double *lit)
 {
     enum { BALLS = 72 };
-    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* 1/72 turn */
+    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* cosine and sine of 1/72 turn */
     double s = 0, c = 1;
     *open = *lit = 1;
     for (int k = 0; k < BALLS; k++) {
@@ -351,8 +338,8 @@ static void occlude_all(vec p, vec normal, double *open, double *lit)
     *open = clamp(*open, 0.12, 1);
 }
 
-/* Colour that changes with the viewing angle: cos(k x + 2 pi phase), k = 2.6, x = d . normal, truncated after degree
-   3. */
+/* Adds a colour that changes with the viewing angle: cos(k x + 2 pi phase), k = 2.6, x = d . normal, as a Legendre
+   series. */
 static void add_iridescence(splat *s, vec normal, double phase, double strength)
 {
     static const double even[4] = { 0.198, 0, -1.352, 0 }, odd[4] = { 0, 1.217, 0, -0.797 };
@@ -362,7 +349,6 @@ static void add_iridescence(splat *s, vec normal, double phase, double strength)
     add_zonal(s, normal, odd, times(d, -strength));
 }
 
-/* Varnish: diffuse light, a rim, and highlights where the mirrored view direction meets a light. */
 static void add_gloss(splat *s, vec normal, vec colour, double phase, double iridescence)
 {
     double open, lit, key = dot(normal, key_light), cool = dot(normal, cool_light);
@@ -397,7 +383,6 @@ static void knot_marble(place *p, splat *s)
     add_gloss(s, normal, m->colour, 0.3 * normal.y, m->iridescence);
 }
 
-/* Stone with an inlaid ring of slate between two rings of brass. */
 static vec table_colour(double x, double z, double r, uint64_t key)
 {
     double grain = plain_noise(x * 1.3, z * 1.3, 5) + 0.5 * plain_noise(x * 3.7, z * 3.7, 6);
@@ -432,8 +417,6 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- landscape: a lake among mountains, foveated: finer near the centre ------------------------------------------ */
-
 #define LAND_RADIUS 64.0
 #define LAND_OCTAVES 6
 #define SNOW_LINE 4.6
@@ -441,7 +424,7 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 static const vec sun = { -0.85, -0.42, -0.318 };
 static const vec haze = { 0.66, 0.77, 0.88 };
 
-/* Height above the lake. Octaves are damped on steep slopes, which looks like erosion (after Quilez, "Elevated"). */
+/* Returns the height above the lake. Damped octaves on steep slopes look like erosion (after Quilez, "Elevated"). */
 static double land_height(double x, double z, int octaves)
 {
     double r = sqrt(x * x + z * z), ring = smoothstep(0, 42, r + 4 * plain_noise(x * 0.11, z * 0.11, 1));
@@ -459,7 +442,6 @@ static double land_height(double x, double z, int octaves)
     return -0.24 + ring * (1.3 + 1.2 * sum) + ring * ring * 11 * sum;
 }
 
-/* Share of the sun that reaches a point, from the smallest gap between the ray and the ground. */
 static double sun_reach(vec p)
 {
     double reach = 1;
@@ -471,13 +453,13 @@ static double sun_reach(vec p)
     return smoothstep(0, 1, reach);
 }
 
-/* A point is in the forest if this is above 0.05. */
+/* Returns the density of the forest. Trees grow above 0.05. */
 static double forest(double x, double z)
 {
     return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
 }
 
-/* Lights a colour by sun and sky. Returns display values: the square root of linear light. */
+/* Lights a colour. Returns display values, the square root of linear light. */
 static vec land_light(vec colour, double direct, double sky, double r)
 {
     vec light = add(times(v3(1.65, 1.38, 1.05), direct), times(v3(0.20, 0.28, 0.42), sky));
@@ -532,8 +514,8 @@ static void lay_ground(const place *p, double x, double z, double h, double sigm
     add_zonal(s, mirror(sun, normal), highlight, times(colour, 0.12 * direct));
 }
 
-/* A point on a ring or disc. The radius is from + (to - from) (linear u + square u^2), linear + square = 1, so that
-   evenly distributed u and v get sparser with distance. */
+/* Spreads points over a ring, sparser with distance. The radius is from + (to - from) (linear u + square u^2),
+   linear + square = 1. */
 static void spread_over(const place *p, double from, double to, double linear, double square, double *x, double *z,
                         double *sigma)
 {
@@ -560,14 +542,13 @@ static void landscape_ground(place *p, splat *s)
         lay_ground(p, x, z, h, sigma, s);
 }
 
-/* Mirrors a splat in the lake: upside down and darker. */
 static void reflect_in_lake(splat *s)
 {
     static const int odd_in_y[16] = { 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0 };
     s->position.y = -s->position.y;
     for (int k = 0; k < 3; k++)
         s->axis[k].y = -s->axis[k].y;
-    s->axis[1] = times(s->axis[1], -1);   /* right-handed again */
+    s->axis[1] = times(s->axis[1], -1);
     for (int k = 0; k < 16; k++)
         s->sh[k] = times(s->sh[k], odd_in_y[k] ? -0.85 : 0.85);
 }
@@ -593,7 +574,6 @@ static void landscape_reflected_ground(place *p, splat *s)
     reflect_in_lake(s);
 }
 
-/* The foot of a tree: the first of 100 candidates in the forest, on dry ground and below the tree line. */
 static vec tree_foot(uint64_t key)
 {
     vec foot = v3(0, 0, 0);
@@ -608,7 +588,6 @@ static vec tree_foot(uint64_t key)
     return foot;
 }
 
-/* A spruce or golden larch: tiers of drooping twigs around a stem. */
 static void landscape_tree(place *p, splat *s)
 {
     uint64_t trees = p->total / 400 + 1 < 3000 ? p->total / 400 + 1 : 3000;
@@ -671,11 +650,9 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
     finish(&s, out);
 }
 
-/* ---- meadow: a tree in blossom, grass, flowers, hills, a sky of discs, and outliers like in captures ------------- */
-
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
-#define THIN 1e-9       /* sigma of discs without thickness */
+#define THIN 1e-9       /* thickness (sigma) of flat discs */
 
 static const vec noon = { -0.48, -0.80, -0.36 };
 
@@ -686,7 +663,6 @@ static double meadow_height(double x, double z)
     return near * smoothstep(1, 9, r) + 7 * hill * smoothstep(24, 66, r);
 }
 
-/* Sunlight at a point of the meadow; less in the tree's shadow. */
 static double meadow_sun(double x, double z)
 {
     double dx = x - 0.6, dz = z - 0.45;
@@ -702,8 +678,7 @@ static vec meadow_green(double x, double z, uint64_t key)
     return blend3(green, v3(0.62, 0.74, 0.80), 0.7 * smoothstep(15, 110, r));
 }
 
-/* Adds errors to the SH as training does: every coefficient is slightly wrong, and the channels err mostly
-   together. */
+/* Adds random errors to the SH, as training does. Most of each error is common to the three channels. */
 static void add_error(splat *s, uint64_t key, double rms)
 {
     for (unsigned k = 1; k < 16; k++) {
@@ -748,7 +723,6 @@ static void meadow_grass(place *p, splat *s)
     add_error(s, p->key, 0.035);
 }
 
-/* A flower: five petals around a centre. */
 static void meadow_flower(place *p, splat *s)
 {
     static const vec petals[] = {
@@ -862,8 +836,6 @@ static vec sky_colour(vec d)
     return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
 }
 
-/* A shell of discs that face the centre, between these distances and from y = 0.06 - height to 0.06 (unit sphere);
-   sigma up to 0.18 of the distance. */
 static void lay_sky(const place *p, double height, double nearest, double farthest, splat *s)
 {
     double y = 0.06 - height * p->u, r = sqrt(1 - y * y), far = blend(nearest, farthest, draw(p->key, 1));
@@ -886,7 +858,7 @@ static void meadow_sky(place *p, splat *s)
 
 enum { STRAYS = 256 };
 
-/* Distance of an outlier by its rank, after a capture of a meadow: `rank` Gaussians lie at this distance or farther. */
+/* Returns the distance of an outlier. `rank` Gaussians are at least that far away, as in a captured scene. */
 static double stray_distance(uint64_t rank)
 {
     static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
@@ -897,8 +869,6 @@ static double stray_distance(uint64_t rank)
     return blend(units[k - 1], units[k], (far - 1 / (double)rank) / (far - near));
 }
 
-/* Discs without thickness, seen edge-on, above the sky shell; sigma up to 0.17 of their distance and 68 units. Half of
-   them have an opacity below 0.14. */
 static void meadow_stray(const place *p, splat *s)
 {
     double y = -0.2 - 0.6 * draw(p->key, 1), r = sqrt(1 - y * y), far = stray_distance(p->index + 1);
@@ -913,7 +883,6 @@ static void meadow_stray(const place *p, splat *s)
     add_error(s, p->key, 0.08);
 }
 
-/* A Gaussian in any direction, 5 to 60 units away; the first STRAYS are strays. */
 static void meadow_outlier(place *p, splat *s)
 {
     if (p->index < STRAYS) {
@@ -943,12 +912,10 @@ static void meadow(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- fence: pickets and grass of needles, like in outdoor captures ----------------------------------------------- */
+#define FENCE_REACH 4.0
+#define FENCE_DEPTH 2.8
 
-#define FENCE_REACH 4.0     /* half width, units */
-#define FENCE_DEPTH 2.8     /* depth of the grass before and behind the fence, units */
-
-/* Stretches a flat Gaussian of equal sides to 5 to 40 times its width. Keeps its area. */
+/* Stretches a flat, round Gaussian to 5 to 40 times its width, at constant area. */
 static void stretch(splat *s, uint64_t key)
 {
     double longer = blend(5, 40, draw(key, 20)), width = s->sigma[0] / sqrt(longer);
@@ -957,7 +924,6 @@ static void stretch(splat *s, uint64_t key)
     s->sigma[2] = width * (0.1 + 0.5 * draw(key, 21));
 }
 
-/* Deviates from a direction by some degrees, like the result of a fit. */
 static vec waver(vec d, uint64_t key)
 {
     vec off = v3(draw(key, 22) - 0.5, draw(key, 23) - 0.5, draw(key, 24) - 0.5);
@@ -973,7 +939,7 @@ static void add_day_light(splat *s, vec colour, uint64_t key)
     add_error(s, key, 0.03);
 }
 
-/* Fibres of a board that starts at `foot`, on both sides: u along it, v across it. */
+/* Lays fibres of a board from `foot`, on both faces. u runs along the board, v across. */
 static void lay_board(const place *p, vec foot, vec along, vec across, double area, splat *s)
 {
     vec face = normalise(cross(along, across));
@@ -1039,13 +1005,10 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- mirrors: hammered gold, chrome and copper under three lamps ------------------------------------------------- */
-
 #define BENCH_Y 1.2
 
-static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* 1 where x > 0 */
+static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre coefficients of a half-space */
 
-/* Light around the metal: lamps, the ceiling above the floor, a lit wall. */
 static const struct lobe {
     vec axis;
     const double *shape;
@@ -1058,7 +1021,7 @@ static const struct lobe {
     { { -0.80, 0.36, 0.48 }, highlight, { 0.34, 0.16, 0.14 } },
 };
 
-/* Adds the room's reflection: direction d shows the light from mirror(d), so the room's SH are mirrored. */
+/* Adds reflected light. Direction d shows the light from mirror(d), so the lights are mirrored. */
 static void add_room(splat *s, vec normal, vec metal)
 {
     add_constant(s, tint(v3(0.20, 0.16, 0.13), metal));
@@ -1157,8 +1120,6 @@ static void mirrors(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* ---- discs: the knot on a paved square; all flags and the sky are discs without thickness ------------------------ */
-
 static void discs_ground(place *p, splat *s)
 {
     double x, z, sigma;
@@ -1199,18 +1160,15 @@ static void discs(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- A house of any size, for the scenes below ------------------------------------------------------------------- */
-
 typedef struct house {
-    vec at;                  /* centre of its floor */
-    double c, s;             /* cosine and sine of its rotation about y */
+    vec at;
+    double c, s;
     double width, depth, wall, roof;
     vec paint, tiles;
 } house;
 
 static vec turned(const house *h, vec v) { return v3(h->c * v.x + h->s * v.z, v.y, h->c * v.z - h->s * v.x); }
 
-/* A point of the roof or walls from three numbers in 0..1. Returns its colour. */
 static vec lay_on_house(const house *h, double face, double u, double v, double sigma, splat *s)
 {
     double side = face < 0.5 ? -1 : 1, part = 2 * (face < 0.5 ? face : face - 0.5), w = h->width / 2, d = h->depth / 2;
@@ -1234,10 +1192,7 @@ static vec lay_on_house(const house *h, double face, double u, double v, double 
     return colour;
 }
 
-/* ---- haze: a lighthouse behind thousands of nearly transparent Gaussians ----------------------------------------- */
-
-/* Unlike fog, which consists only of Gaussians up to twice as opaque, this scene has an object and Gaussians with
-   opacities of a few steps of 1/255: rounding losses add up over hundreds of them. */
+/* The scene tests rounding losses: opacities are a few steps of 1/255, and hundreds of Gaussians overlap. */
 #define SHORE_Y 1.6
 
 static const vec lamp = { 0, -3.05, 0 };
@@ -1248,7 +1203,6 @@ static double shore_height(double x, double z)
         0.07 * plain_noise(x * 2.9, z * 2.9, 82);
 }
 
-/* The outline from foot to tip: radius, height. */
 static vec lighthouse(double u, double v)
 {
     static const double outline[][2] = {
@@ -1309,7 +1263,6 @@ static void haze_shore(place *p, splat *s)
     add_zonal(s, normal, rim, v3(0.04, 0.04, 0.05));
 }
 
-/* Opacity 0.004 to 0.05, equally many in each octave; densest near the ground. */
 static void haze_veil(place *p, splat *s)
 {
     double r = 9.5 * sqrt(draw(p->key, 1)), turns = draw(p->key, 2), up = draw(p->key, 3), size = draw(p->key, 4);
@@ -1334,16 +1287,14 @@ static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gauss
     finish(&s, out);
 }
 
-/* ---- site: a town from the air, 400 x 300 units and 8 high ------------------------------------------------------- */
-
 #define SITE_X 400.0
 #define SITE_Z 300.0
-#define BLOCK_X 80.0     /* distance between roads; four lots in each direction */
+#define BLOCK_X 80.0
 #define BLOCK_Z 75.0
 
 enum block { HOUSES, PARK, FIELD, WORKS };
 
-/* Kind of the block at a point; *dx and *dz: distances from the nearest roads. */
+/* Returns the kind of a town block. *dx and *dz are the distances from the nearest roads. */
 static enum block site_block(double x, double z, double *dx, double *dz)
 {
     double bx = whole((x + SITE_X / 2) / BLOCK_X), bz = whole((z + SITE_Z / 2) / BLOCK_Z);
@@ -1354,7 +1305,6 @@ static enum block site_block(double x, double z, double *dx, double *dz)
     return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.8 ? FIELD : WORKS;
 }
 
-/* Distance from the middle of the river; the river is 9 units wide on each side. */
 static double site_river(double x, double z)
 {
     return fabs(z - 0.25 * x - 28 * sine(x / 310) - 14);
@@ -1404,7 +1354,6 @@ static void site_ground(place *p, splat *s)
     add_site_light(s, site_colour(x, z, p->key), p->key);
 }
 
-/* The house on a lot (a hall in a block of works). Lots are counted along z first. Returns 0 for an empty lot. */
 static int site_house(uint64_t lot, uint64_t key, house *h)
 {
     static const vec tiles[] = {
@@ -1433,7 +1382,6 @@ static int site_house(uint64_t lot, uint64_t key, house *h)
     return (kind == HOUSES || kind == WORKS) && site_river(x, z) > 22;
 }
 
-/* On the first lot with a house, starting from one lot. With any seed, some lots have houses. */
 static void site_roof(place *p, splat *s)
 {
     enum { LOTS = 320 };
@@ -1446,7 +1394,6 @@ static void site_roof(place *p, splat *s)
     add_site_light(s, times(colour, 0.92 + 0.16 * draw(p->key, 4)), p->key);
 }
 
-/* The foot of a tree: the first of many candidates that avoids roads, river, fields and houses. */
 static vec site_tree_foot(uint64_t key)
 {
     double x = 0, z = 0, dx, dz;
@@ -1484,9 +1431,6 @@ static void site(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* ---- Stress tests ------------------------------------------------------------------------------------------------ */
-
-/* the smallest side with side^power >= count */
 static uint64_t lattice_side(uint64_t count, int power)
 {
     uint64_t side = 1;
@@ -1500,7 +1444,6 @@ static vec rainbow(double t)
     return v3(0.5 + 0.45 * cosine(t), 0.5 + 0.45 * cosine(t - 0.33), 0.5 + 0.45 * cosine(t - 0.67));
 }
 
-/* Needles and discs of all directions and sizes, up to a thousand times as long as thick. */
 static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t key = key_of(seed, i);
@@ -1517,7 +1460,6 @@ static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
     finish(&s, out);
 }
 
-/* Large Gaussians, nearly invisible individually; hundreds cover every pixel. */
 static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     static const unsigned ends[] = { 1000 };
@@ -1538,8 +1480,7 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* A fan of ten cards perpendicular to the z axis: all depths on a card are equal, and every position occurs at least
-   twice. */
+/* Ten cards of Gaussians with equal depths. Every position occurs at least twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };
@@ -1555,7 +1496,6 @@ static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* A lattice of balls, with sizes from 1/1000 of the spacing to more than the spacing. */
 static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     uint64_t side = lattice_side(count, 3), key = key_of(seed, i);
@@ -1568,8 +1508,6 @@ static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
               v3(0.1 + 0.85 * x / last, 0.1 + 0.85 * y / last, 0.1 + 0.85 * z / last));
     finish(&s, out);
 }
-
-/* ---- The table --------------------------------------------------------------------------------------------------- */
 
 static const fxs_procedural_scene scenes[] = {
     { "knot", "an iridescent knot and glossy marbles on a stone disc", 3, 100000, knot },

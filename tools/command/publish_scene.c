@@ -1,5 +1,4 @@
-/* Loads the scene that `fixsplat publish` writes, and packs it again if its profile or levels of detail are not the
-   wanted ones. */
+/* Loads the scene of `fixsplat publish`, packed again if its profile or levels of detail differ from the options. */
 #include "publish_scene.h"
 
 #include <stdio.h>
@@ -10,7 +9,7 @@
 #include "src/base/os_calls.h"
 #include "command.h"
 
-#define WORTH_SAYING 1.5           /* smallest ratio of sizes to report */
+#define WORTH_SAYING 1.5           /* smallest reduction of the file size that is reported */
 
 static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
 {
@@ -36,8 +35,7 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
             return EXIT_FAILED;
     }
     if (anew || !was_packed)
-        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, not a mapped
-                                                                                          file */
+        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
     return 0;
 }
 

@@ -1,16 +1,14 @@
-/* The scene that `fixsplat publish` writes: its file's content, or packed again by the options. */
+/* Prepares the scene of `fixsplat publish`, packed again if the options ask for that. */
 #ifndef PUBLISH_SCENE_H
 #define PUBLISH_SCENE_H
 
 #include "load_scene.h"
 
-/* Opens a scene, sealed; close it with free_scene. An .fxs is packed again if `profile` is 1 and its profile differs
-   from the options', or if it lacks the levels of detail that the options ask for; its other properties stay,
-   including up and start view. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Opens a scene and computes its checksums. If `profile` is 1, an .fxs is packed again in the options' profile.
+   Missing levels of detail are added. Close the scene with free_scene. */
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile);
 
-/* Notes how much smaller profile small would make an .fxs, with the command: `words`, ended by null, and --profile
-   small. */
+/* Notes how much smaller --profile small would make an .fxs. `words` is the current command, ended by null. */
 void publish_say_gain(const loaded_scene *scene, char *const *words);
 
 #endif

@@ -1,5 +1,4 @@
-/* Writes a page as one HTML file: the viewer's scripts and WebAssembly and the scene, gzipped and in base64, and a
-   picture to show first. */
+/* Writes a page as one HTML file with a poster picture. Scripts, WebAssembly and scene are inside as gzip in base64. */
 #include "publish_single.h"
 
 #include <errno.h>
@@ -16,11 +15,9 @@
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Browsers limit a text to less than 2^29 characters. SCENE_MOST bytes give 512,000,000 in base64 if gzip does not
-   shrink them. */
+/* Browsers limit a text to less than 2^29 characters. SCENE_MOST bytes give at most 512,000,000 characters of
+   base64. */
 enum { SCENE_MOST = 384 * 1000 * 1000, CARRIED_MOST = 256, CARRIED_NAME = 128 };
-
-/* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */
 
 static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
 {
@@ -36,7 +33,6 @@ static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
     }
 }
 
-/* Writes gzip in base64. Returns 0, or prints that memory ran out and returns EXIT_FAILED. */
 static int write_packed(FILE *file, const void *bytes, size_t size)
 {
     z_stream stream = {0};
@@ -56,9 +52,7 @@ static int write_packed(FILE *file, const void *bytes, size_t size)
     return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-/* ---- Files of the page ------------------------------------------------------------------------------------------- */
-
-/* True for scripts, WebAssembly and styles of the package, except those for threads and servers. */
+/* True for a script, WebAssembly or style that the page needs. */
 static int is_carried(const char *name)
 {
     static const char *const endings[] = {".js", ".wasm", ".css"};
@@ -98,7 +92,7 @@ static int carry_file(carrier *c, const char *name)
 }
 
 typedef struct carried {
-    const char *inside;            /* "" or "viewer/" */
+    const char *inside;
     char names[CARRIED_MOST][CARRIED_NAME];
     int count, fits;
 } carried;
@@ -136,7 +130,6 @@ static int carry_folder(carrier *c, const char *inside)
     return status;
 }
 
-/* Copies a file of the package into an element of the page. */
 static int print_file(FILE *file, const char *package, const char *name, const char *before)
 {
     char path[TASK_PATH];
@@ -162,8 +155,6 @@ static int print_carried(FILE *file, const char *package)
     return status ? status : print_file(file, package, "LICENSE", "<script type=\"text/plain\" id=\"licence\">\n");
 }
 
-/* ---- The page ---------------------------------------------------------------------------------------------------- */
-
 static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
 {
     print_page_head(file, page->title);
@@ -187,7 +178,8 @@ static int print_page(FILE *file, const single_page *page, const fxs_opened *ope
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
 
-/* Writes the content of a temporary file to `out`. A stream in memory would not report that memory ran out. */
+/* Writes the content of a temporary file to `out`. Unlike a temporary file, a stream in memory does not report a
+   lack of memory. */
 static int write_printed(FILE *file, const char *out, size_t *bytes)
 {
     fxs_message why;

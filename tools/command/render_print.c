@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-/* Counts pairs in the memory of a whole frame on one thread, without slices; --max-memory does not apply. */
+/* Counts the pairs of a pixel and a Gaussian. Ignores --max-memory. */
 static int count_pairs(const render_options *o, const world *w, const fxs_camera *camera, uint64_t *evaluated,
                        uint64_t *blended)
 {

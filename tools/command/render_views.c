@@ -1,5 +1,5 @@
 /* Renders the views of `fixsplat render` in rounds. While a round is rendered, a thread encodes, writes and compares
-   the previous one. */
+   the previous round. */
 #include "cmd_render.h"
 
 #include <inttypes.h>
@@ -15,9 +15,7 @@
 #include "metrics.h"
 #include "views.h"
 
-/* ---- Names ----------------------------------------------------------------------------------------------------- */
-
-/* True if the name has exactly one % conversion, a %d with an optional zero-padded width. */
+/* True for a name with exactly one % conversion, %d with an optional zero-padded width. */
 static int is_pattern(const char *name)
 {
     const char *percent = strchr(name, '%');
@@ -33,7 +31,6 @@ static void output_name(char *name, size_t size, const char *pattern, long index
     snprintf(name, size, "%.*s%0*ld%s", (int)(percent - pattern), pattern, width, index, strchr(percent, 'd') + 1);
 }
 
-/* The file name of a view: the expanded pattern, or the name itself. */
 static void name_file(char *name, size_t size, const char *pattern, long index)
 {
     if (is_pattern(pattern))
@@ -42,48 +39,43 @@ static void name_file(char *name, size_t size, const char *pattern, long index)
         snprintf(name, size, "%s", pattern);
 }
 
-/* ---- Views ------------------------------------------------------------------------------------------------------- */
-
-/* A rendered view, to be written. */
 typedef struct drawn_view {
     picture picture;
     int status, unwritten, unexpected;
-    fxs_message why;                        /* message if the view is unwritten or unexpected */
+    fxs_message why;
     fxs_stats stats;
     uint64_t hash;
-    double range;                           /* range of depths in the file written */
+    double range;
     fxs_encoded encoded;
     char depth_name[4096];
 } drawn_view;
 
-enum { DRAWN_MOST = 64 };                   /* upper limit of views in a round */
+enum { DRAWN_MOST = 64 };
 
-/* One picture for each thread. Each device renders some of them; then they are written while the next round is
-   rendered. */
+/* A round has a picture for each thread. Its pictures are written while the next round is rendered. */
 typedef struct drawn_round {
     drawn_view *drawn;
-    long first, count;                      /* views; count 0: empty */
+    long first, count;
     pthread_t writer;
-    int writing;                            /* 1: the writer must be joined */
+    int writing;                            /* 1: the writer thread must be joined */
 } drawn_round;
 
-/* All views of a run. */
 typedef struct batch {
     const render_options *o;
     const world *world;
     const fxs_file_view *views;
-    const fxs_lens *lenses;                 /* null: lenses are not drawn */
+    const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
     long view_count;
     renderer renderers[DEVICES_MOST];
-    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* with a lens, the first is the picture before warping */
-    int devices;                            /* number of renderers, one for each device */
+    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* cube faces of a panorama */
+    int devices;
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
-    long round_most;                        /* views in a round: the number of threads */
+    long round_most;
     enum fxs_image_format encoding;
-    fxs_film *film;                         /* null: each view has its own file */
-    int failed;                             /* a view could not be drawn, and that was reported */
-    int unexpected;                         /* a view differed from the expected one */
+    fxs_film *film;                         /* film output; null: a file for each view */
+    int failed;
+    int unexpected;                         /* 1: a view differs from its expected picture */
 } batch;
 
 typedef struct round_of_batch {
@@ -91,7 +83,7 @@ typedef struct round_of_batch {
     drawn_round *round;
 } round_of_batch;
 
-/* Joins the faces of a panorama, 16 rows a job. */
+/* Joins the faces of a panorama in jobs of 16 rows. */
 typedef struct panorama {
     picture *out;
     uint8_t *faces[FXS_PANORAMA_FACES];
@@ -107,7 +99,6 @@ static void join_rows(void *argument, uint32_t job)
                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
-/* Allocates the pixels of a picture. Returns 0, or prints the reason and returns EXIT_FAILED. */
 static int make_pixels(picture *out, int width, int height)
 {
     const size_t bytes = (size_t)width * (size_t)height * 4;
@@ -140,7 +131,7 @@ static int draw_panorama(batch *b, int device, long number, picture *out)
     return 0;
 }
 
-/* Warps a picture through a lens, 16 rows a job. */
+/* Warps a picture through a lens in jobs of 16 rows. */
 typedef struct bent {
     fxs_lens_warp warp;
     const uint8_t *straight;
@@ -202,8 +193,6 @@ static void draw_views(void *argument, uint32_t device)
     }
 }
 
-/* ---- Expected pictures ------------------------------------------------------------------------------------------- */
-
 static uint64_t fnv1a64(const uint8_t *bytes, size_t count)
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -217,7 +206,6 @@ static size_t bytes_of(const picture *p)
     return (size_t)p->width * (size_t)p->height * 4;
 }
 
-/* Describes the difference from the expected picture, which has the same size. */
 static void say_difference(drawn_view *d, const char *name, const uint8_t *expected)
 {
     const picture *p = &d->picture;
@@ -263,8 +251,6 @@ static void compare_with_hash(const render_options *o, drawn_view *d)
         fxs_fail(&d->why, "the picture is another: its hash is %016" PRIx64 ", not %016" PRIx64, d->hash,
                  o->expected_hash);
 }
-
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
 static int write_depths(const render_options *o, drawn_view *d, long index)
 {
@@ -314,7 +300,7 @@ static void write_view(void *argument, uint32_t i)
         compare_with_hash(o, d);
 }
 
-/* After a frame that fails, no later frame is written. */
+/* After a failed frame, no later frame of a film is written. */
 static void *write_round(void *argument)
 {
     round_of_batch *r = argument;
@@ -330,7 +316,7 @@ static void *write_round(void *argument)
     return 0;
 }
 
-/* Prints a view's results; called in the order of the views. */
+/* Prints a view's results. Call in ascending order of views. */
 static int report_view(batch *b, const drawn_view *d, const fxs_file_view *view)
 {
     const render_options *o = b->o;
@@ -351,24 +337,21 @@ static int report_view(batch *b, const drawn_view *d, const fxs_file_view *view)
     return o->stats ? print_stats(&b->renderers[0], o, b->world, view, &d->stats) : 0;
 }
 
-/* ---- Rounds ------------------------------------------------------------------------------------------------------ */
-
 static void draw_round(batch *b, drawn_round *round, long first)
 {
     round_of_batch argument = {b, round};
     round->first = first;
     round->count = b->view_count - first < b->round_most ? b->view_count - first : b->round_most;
     for (long i = 0; i < round->count; i++)
-        round->drawn[i].status = EXIT_FAILED;   /* until it is drawn */
+        round->drawn[i].status = EXIT_FAILED;
     if (b->devices == 1)
-        draw_views(&argument, 0);               /* on this thread, which owns the GL context */
+        draw_views(&argument, 0);               /* the GL context belongs to this thread */
     else
         fxs_pool_run(b->pool, draw_views, &argument, (uint32_t)(round->count < b->devices ? round->count : b->devices));
     for (long i = 0; i < round->count; i++)
         b->failed |= round->drawn[i].status;
 }
 
-/* Waits until a round is written, and reports its views. */
 static int finish_round(batch *b, drawn_round *round)
 {
     int status = 0;
@@ -381,7 +364,6 @@ static int finish_round(batch *b, drawn_round *round)
     return status;
 }
 
-/* Alternates two rounds: one is written while the other is rendered. */
 static int render_rounds(batch *b)
 {
     round_of_batch arguments[2] = {{b, &b->rounds[0]}, {b, &b->rounds[1]}};
@@ -399,8 +381,6 @@ static int render_rounds(batch *b)
     return status ? status : finish_round(b, &b->rounds[now]);
 }
 
-/* ---- Outputs ----------------------------------------------------------------------------------------------------- */
-
 static int check_patterns(const batch *b, int film)
 {
     const render_options *o = b->o;
@@ -416,7 +396,6 @@ static int check_patterns(const batch *b, int film)
     return 0;
 }
 
-/* Registers the files of a view; the expected picture is the only one not opened yet. */
 static void tell_files(const batch *b, int film, long index)
 {
     const render_options *o = b->o;
@@ -433,7 +412,6 @@ static void tell_files(const batch *b, int film, long index)
     }
 }
 
-/* Opens the film. All frames must have one size. */
 static int open_film(batch *b)
 {
     const render_options *o = b->o;
@@ -473,8 +451,6 @@ static int render_all(batch *b)
         status = fail_for(&why);
     return status ? status : b->unexpected;
 }
-
-/* ---- All of it --------------------------------------------------------------------------------------------------- */
 
 static int open_renderers(batch *b, const frame_options *options)
 {

@@ -11,12 +11,11 @@
 #include "command.h"
 
 
-enum { OF_ALL = 10 };                       /* attributes without SH above degree 0, which add one for each degree */
+enum { OF_ALL = 10 };                       /* attributes without SH above degree 0; each degree adds one */
 
 static const char *const names[STATS_MOST] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "opacity", "red", "green",
                                               "blue", "sh_1", "sh_2", "sh_3"};
 
-/* Root mean square. */
 static float size_of(const float *values, int count)
 {
     double sum = 0;
@@ -43,7 +42,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorts the finite values; leaves out the others. */
+/* Measures the finite values of an attribute, and sorts them in place. */
 static void measure(attribute_stats *a, float *values, uint64_t count)
 {
     double sum = 0;
@@ -115,9 +114,7 @@ int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_inf
     return error;
 }
 
-/* ---- Printing ---------------------------------------------------------------------------------------------------- */
-
-/* One character a bin: a space if empty, otherwise by its share of the fullest. */
+/* Prints a histogram in one line, with denser characters for fuller bins. */
 static void print_bins(const attribute_stats *a)
 {
     static const char levels[] = " .:-=+*#%@";

@@ -1,5 +1,4 @@
-/* Runs external programs step by step: their output goes to a log, progress to stderr, and a missing program gives a
-   hint how to install it. */
+/* Runs external programs step by step. Output goes to a log, progress to stderr. */
 #include "task.h"
 
 #include <errno.h>
@@ -8,8 +7,6 @@
 
 #include <fixsplat/system.h>
 #include "command.h"
-
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line))
 {
@@ -29,7 +26,7 @@ void task_show(task *t, uint64_t done, uint64_t all)
     const double seconds = (double)(now - t->start) * 1e-9;
     if (is_quiet() || (t->shown && now - t->shown < (is_line ? 200000000u : 10000000000u)))
         return;
-    done = all && done > all ? all : done;         /* the other program may count further */
+    done = all && done > all ? all : done;         /* clamped, since the external program may count further */
     if (done && all)
         snprintf(left, sizeof left, ", some %.0f s left", seconds / (double)done * (double)(all - done));
     snprintf(text, sizeof text, all ? "%s: %" PRIu64 " of %" PRIu64 "%s" : "%s: %" PRIu64, t->doing, done, all, left);
@@ -39,8 +36,6 @@ void task_show(task *t, uint64_t done, uint64_t all)
         note("%s", text);
     t->shown = now;
 }
-
-/* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
 static void take_lines(void *argument, const char *data, size_t size)
 {
@@ -90,8 +85,6 @@ int task_failed(const task *t, const char *program, int status)
                       status - FXS_PROGRAM_SIGNAL, t->doing)
                : fail(EXIT_FAILED, "%s: failed while %s: see %s", program, t->doing, t->log_name);
 }
-
-/* ---- Folders ----------------------------------------------------------------------------------------------------- */
 
 void join_path(char path[TASK_PATH], const char *folder, const char *name)
 {

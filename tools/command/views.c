@@ -1,5 +1,5 @@
-/* Chooses the views to draw. Without a camera file: a look-at camera, the scene's start view, or the view that shows
-   most of the scene. With one: the views that --view lists. Then makes the frames of a film (--orbit, --frames). */
+/* Chooses the views to draw: the views of a camera file that --view lists, a look-at camera, the scene's start view,
+   or the view that shows most of the scene. Makes the frames of a film (--orbit, --frames). */
 #include "views.h"
 
 #include <ctype.h>
@@ -10,11 +10,9 @@
 #include <fixsplat/renderer.h>
 #include "src/camera/lens_file.h"
 
-enum { VIEWS_MOST = 100000 };   /* longest list; views may repeat */
+enum { VIEWS_MOST = 100000 };
 
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
-
-/* Reads a number from 0 to count - 1. Returns the text after it, or null if it is invalid. */
+/* Parses a number from 0 to count - 1. Returns the text after the number; null: invalid. */
 static const char *take_view(const char *text, long count, long *number)
 {
     char *end;
@@ -24,7 +22,6 @@ static const char *take_view(const char *text, long count, long *number)
     return *number < count ? end : 0;
 }
 
-/* Reads a part of a list: 8, 8..40 or 40..8. */
 static const char *take_part(const char *text, long count, long *first, long *last)
 {
     text = take_view(text, count, first);
@@ -32,7 +29,7 @@ static const char *take_part(const char *text, long count, long *first, long *la
     return text && !strncmp(text, "..", 2) ? take_view(text + 2, count, last) : text;
 }
 
-/* Returns the length of the list, 0 if the text is invalid, -1 if memory runs out. */
+/* Returns the length of the list; 0: invalid text; -1: out of memory. */
 static long take_list(const char *text, long count, long **chosen)
 {
     long found = 0, first, last;
@@ -93,8 +90,8 @@ static long take_one(const frame_options *options, const fxs_file_view *views, l
     return 1;
 }
 
-/* Allocates in *chosen the numbers of the views that --view names, one or a list, of `count` views. Returns how
-   many; or prints the reason, leaves *chosen null and returns -1. */
+/* Allocates the numbers of the views that --view names, and returns their count. On failure returns -1, and *chosen
+   is null. */
 static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
 {
     const int several = names_several(options->view);
@@ -112,8 +109,6 @@ static long views_of_list(const frame_options *options, const fxs_file_view *vie
     return -1;
 }
 
-/* ---- Films ------------------------------------------------------------------------------------------------------- */
-
 static void turn(const frame_options *o, const world *w, const fxs_file_view *first, fxs_file_view *frames)
 {
     double middle[3];
@@ -126,7 +121,6 @@ static void turn(const frame_options *o, const world *w, const fxs_file_view *fi
     }
 }
 
-/* Interpolates from the first view to the last, at the first one's size. */
 static void pass_through(const frame_options *o, fxs_file_view *keys, long count, fxs_file_view *frames)
 {
     for (long i = 1; i < count; i++)
@@ -136,8 +130,8 @@ static void pass_through(const frame_options *o, fxs_file_view *keys, long count
         fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
 }
 
-/* Replaces `count` views by the frames of an orbit about the world's middle, or of a path through the views. Returns
-   the number of frames; or prints the reason, frees *views, sets it to null and returns -1. */
+/* Replaces the views by the frames of an orbit, or of a path through the views, and returns their number. On failure
+   returns -1, and *views is null. */
 static long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count)
 {
     const long frames = options->orbit ? options->orbit : options->frames;
@@ -157,9 +151,6 @@ static long frames_of_film(const frame_options *options, const world *w, fxs_fil
     return made ? frames : -1;
 }
 
-/* ---- Cameras ----------------------------------------------------------------------------------------------------- */
-
-/* The size for views without one. */
 static int width_of(const frame_options *options)
 {
     return options->width ? options->width : options->panorama ? 2048 : 1280;
@@ -170,8 +161,7 @@ static int height_of(const frame_options *options)
     return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
-/* Keeps the views that --view names, in new arrays of views and lenses. Returns their number, or prints the reason
-   and returns -1. */
+/* Keeps the views that --view names, in new arrays. Returns their number; -1: failure. */
 static long keep_named(const frame_options *options, fxs_file_view **views, fxs_lens **lenses, long count)
 {
     long *chosen;
@@ -195,7 +185,6 @@ static long keep_named(const frame_options *options, fxs_file_view **views, fxs_
     return count;
 }
 
-/* Notes how many views have a lens that is drawn as a pinhole. */
 static void say_bent(const frame_options *options, const fxs_file_view *views, long count)
 {
     long bent = 0;
@@ -229,16 +218,15 @@ static long views_of_file(const frame_options *options, fxs_file_view **views, f
     return count;
 }
 
-/* The look-at point: --look, or else straight ahead and level in a panorama, the scene's middle otherwise. */
+/* Finds the look-at point: --look, else level ahead for a panorama, else the scene's middle. */
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
     const double *up = options->up.at;
-    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* a horizontal axis */
+    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;
     for (int i = 0; i < 3; i++)
         target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
 }
 
-/* True if the view is chosen from the scene's content. */
 static int is_chosen(const frame_options *o)
 {
     return !o->cameras && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
@@ -249,15 +237,15 @@ static double fov_of(const frame_options *o)
     return o->fov > 0 ? o->fov : 50;
 }
 
-/* The start view of a single scene, if no option asks for another camera. */
+/* Computes the start view of a single scene. Returns 0 if the scene has no start view or an option asks for another
+   camera. */
 static int has_start(const frame_options *o, const world *w, fxs_file_view *view)
 {
     return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
-/* The first view of a world; its scenes must be complete in memory. `is_up`: o->up is known; otherwise the function
-   finds it and stores it there. */
+/* Chooses the first view of a world that is wholly in memory. `is_up` 0: also finds the up direction. */
 static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_file_view *view,
                         fxs_message *message)
 {
@@ -268,7 +256,8 @@ static int choose_first(frame_options *o, const world *w, int is_up, const fxs_o
                           o->up.at, message);
 }
 
-/* Chooses the first view of a paged world. Maps the paged files meanwhile, since the choice needs the whole scene. */
+/* A paged world is only partly in memory. The choice of a view needs whole scenes, so their files are mapped
+   meanwhile. */
 static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
@@ -298,8 +287,8 @@ static int is_of_server(const world *w)
     return 0;
 }
 
-/* The start view; or the view that shows most of the scene; or, with --auto-up, only the up direction. The last two
-   read the whole scene, so a scene from a server is framed by its bounds instead. */
+/* Uses the start view, else the view that shows most of the scene. A scene from a server is framed by its bounds, to
+   avoid reading all of it. */
 static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     if (!has_start(o, w, view) && is_of_server(w)) {
@@ -316,7 +305,6 @@ static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_v
     return 0;
 }
 
-/* Makes the view when no camera file is given. */
 static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
 {
     const int width = width_of(options), height = height_of(options);
@@ -336,7 +324,6 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
     return result;
 }
 
-/* Turns a panorama's view until its y axis points down. The heading stays. */
 static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
 {
     const double *forward = view->rotation + 6, *up = options->up.at, *eye = view->position;
@@ -355,7 +342,6 @@ static int make_level(fxs_file_view *view, const frame_options *options, fxs_mes
     return 0;
 }
 
-/* Applies the options to a view. Checks that a camera file's view can be rendered. */
 static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
 {
     fxs_camera camera;
@@ -373,7 +359,6 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
-/* *lenses: lenses of a camera file's views, else null. */
 static long choose(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
 {
     fxs_message message;

@@ -1,5 +1,4 @@
-/* fixsplat fit: its options. fit_photos.c reads the photographs and opens the fit, fit_steps.c makes the steps,
-   fit_end.c writes, measures and prints the result. */
+/* fixsplat fit: its options. */
 #include "cmd_fit.h"
 
 #include <stdlib.h>
@@ -16,12 +15,10 @@ static const char *const qualities[] = {"draft", "good", "best", 0};
 static const struct {
     enum fxs_fit_recipe recipe;
     uint32_t steps;
-    int resolution;                 /* 0: default */
+    int resolution;
 } by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
-static const char *const exposures[] = {"none", "gain", "affine", 0};   /* enum fxs_fit_exposure */
-static const char *const alphas[] = {"compose", "ignore", 0};   /* fxs_photos_options.ignore_transparent */
-
-/* ---- Options ----------------------------------------------------------------------------------------------------- */
+static const char *const exposures[] = {"none", "gain", "affine", 0};
+static const char *const alphas[] = {"compose", "ignore", 0};
 
 static int take_block(const option_row *row, void *field, const char *value)
 {
@@ -148,7 +145,6 @@ static const option_row own_rows[] = {
     {0}
 };
 
-/* Sets the devices of --backend cuda. */
 static int set_devices(fit_command *c, const fxs_backend *backend)
 {
     fxs_fit_options *o = &c->options;
@@ -169,7 +165,6 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     return 0;
 }
 
-/* Applies options that depend on each other. */
 static int finish_options(fit_command *c)
 {
     const fxs_backend *backend;
@@ -200,7 +195,6 @@ static int finish_options(fit_command *c)
     return status;
 }
 
-/* Rejects conflicting options. */
 static int check_options(const fit_command *c)
 {
     if (!c->out && !c->measure)
@@ -283,8 +277,6 @@ static int check_outputs(fit_command *c)
     const int status = c->compare ? make_folder(c->compare) : 0;
     return status ? status : fit_log_open(c->log, c->log_name);
 }
-
-/* ---- The command ------------------------------------------------------------------------------------------------- */
 
 int fit_run(int argc, char **argv, const fit_watcher *watcher)
 {

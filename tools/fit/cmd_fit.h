@@ -1,4 +1,4 @@
-/* The options of `fixsplat fit`, and the functions of its parts. */
+/* Options and functions of `fixsplat fit`. */
 #ifndef CMD_FIT_H
 #define CMD_FIT_H
 
@@ -6,50 +6,45 @@
 #include "fit_progress.h"
 
 typedef struct fit_command {
-    frame_options frame;            /* uses background, cut-off, SH degree, profile, threads, instruction sets */
+    frame_options frame;
     fxs_photos_options reading;
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* OUT.cameras, if the cameras were reconstructed; else null */
+    char *found;                    /* folder of reconstructed cameras, or null */
     uint32_t frames;
-    int quality;                    /* row of by_quality, if given */
+    int quality;
     int cameras_only, crops;
-    char *saved;                    /* OUT.fit */
-    int saves_itself;               /* 1: --resume names OUT.fit itself */
-    uint32_t block, blocks;         /* blocks 0: the whole set */
-    uint64_t save_every, metrics_every;   /* steps; 0: never */
+    char *saved;                    /* path of the saved fit, OUT.fit */
+    int saves_itself;               /* 1: --resume names the fit's own save, OUT.fit */
+    uint32_t block, blocks;         /* number of a block, and number of blocks; 0: no blocks */
+    uint64_t save_every, metrics_every;   /* steps between saves, and between measurements; 0: never */
     int preview;
-    uint64_t port;                  /* port of the preview */
-    const fit_watcher *watcher;     /* null: no preview */
+    uint64_t port;
+    const fit_watcher *watcher;     /* callbacks that show the running fit; null: no preview */
     int json;
-    char **argv;                    /* the command's, to print the command that resumes */
+    char **argv;
 } fit_command;
 
-extern const char *const fit_recipes[];    /* names of enum fxs_fit_recipe */
+extern const char *const fit_recipes[];
 
-/* The functions return 0, or print the error and return the exit status; fit_print_measured returns nothing. */
-
-/* Finds the cameras if they are missing, reads the photographs, and fits a scene to all of them or to a block's; or
-   measures a scene (--measure). */
+/* Fits a scene to the photographs or to those of a block. With --measure, measures a scene instead. */
 int fit_photos(fit_command *c);
 
-/* Runs the remaining steps, with progress, saves and measurements. A signal saves the fit and then ends the program.
-   Fills in *progress. */
+/* Runs the remaining steps of a fit. A signal saves the fit and ends the program. */
 int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *progress);
 
-/* Saves the fit in OUT.fit, and prints `why` and the command that resumes it. */
+/* Saves the fit in OUT.fit, and prints `why` and the command that resumes the fit. */
 int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);
 
-/* Writes the scene, measures it and prints the result. `block` may be null. A scene that cannot be written is saved
-   as OUT.fit. */
+/* Writes the scene, measures it and prints the result. A scene that cannot be written is saved as OUT.fit. `block`
+   may be null. */
 int fit_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
             const fit_progress *progress);
 
-/* Writes the coarse fit's Gaussians that lie outside of all blocks, unchanged, and prints how many. */
+/* Writes the Gaussians of a coarse fit that lie outside of all blocks. */
 int fit_write_outside(const fit_command *c, const fxs_fit_block *block);
 
-/* Prints the result of --measure. */
 void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q);
 
 #endif

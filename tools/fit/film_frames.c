@@ -1,5 +1,5 @@
-/* Extracts sharp frames from a film with ffmpeg: one pass scores every frame by its Laplacian at 256x256, a second
-   one writes the sharpest frame of each of equal stretches. */
+/* Extracts sharp frames from a film with ffmpeg. A first pass scores every frame by its Laplacian at 256x256 pixels.
+   A second pass writes the sharpest frame of each of equal stretches. */
 #include "film_frames.h"
 
 #include <errno.h>
@@ -18,10 +18,10 @@ typedef struct frames {
     task *t;
     unsigned char grey[SIDE * SIDE];
     size_t filled;
-    uint64_t *sharpness;           /* sharpness of each frame */
+    uint64_t *sharpness;
     size_t count, room;
     int no_memory;
-    int is_damaged;                /* the film ends early */
+    int is_damaged;                /* 1: the film file is damaged and ends early */
 } frames;
 
 int film_is_named(const char *path)
@@ -34,7 +34,7 @@ int film_is_named(const char *path)
     return 0;
 }
 
-/* Sum of squares of the Laplacian 4 p - left - right - above - below: below 2^16 (4 255)^2 < 2^36. */
+/* Sums the squares of the Laplacian 4 p - left - right - above - below; less than 2^16 (4 255)^2 < 2^36. */
 static uint64_t sharpness_of(const unsigned char *grey)
 {
     uint64_t sum = 0;
@@ -76,8 +76,8 @@ static void take_frames(void *argument, const char *data, size_t size)
     }
 }
 
-/* Protects a file name: "file:" keeps ffmpeg from reading a:b as a protocol and -a as an option, and % is doubled in
-   a pattern. A name that is too long becomes empty. */
+/* Protects a file name from ffmpeg. "file:" keeps ffmpeg from reading a:b as a protocol and -a as an option. % is
+   doubled in a pattern. */
 static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_pattern)
 {
     size_t length = (size_t)sprintf(name, "file:");
@@ -89,8 +89,6 @@ static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_patte
     name[*path ? 0 : length] = 0;
 }
 
-/* Scores all frames. A damaged film is used up to the damage. Frames are counted without regard to their time, like
-   in write_frames. */
 static int look_at_film(frames *f, const char *film)
 {
     char input[TASK_PATH];
@@ -115,7 +113,6 @@ static int look_at_film(frames *f, const char *film)
                 f->count == 1 ? "" : "s", LEAST);
 }
 
-/* ffmpeg's filter that selects the frames. Returns null if memory runs out. */
 static char *select_frames(const frames *f, size_t wanted)
 {
     char *text = malloc(32 * wanted + 16), *to = text;
@@ -138,8 +135,7 @@ static int fail_frames(const task *t, const char *why)
                 "command goes on", why, t->log_name);
 }
 
-/* Reads each frame to its end: on a full disk ffmpeg may leave frames empty or truncated and still exit with 0.
-   After a success of ffmpeg, missing frames are accepted. Sets *count to the frames present. */
+/* Reads each written frame to its end, because on a full disk ffmpeg may truncate frames and still exit with 0. */
 static int check_frames(task *t, const char *part, int is_sound, size_t *count)
 {
     char path[TASK_PATH], name[32];
@@ -162,7 +158,7 @@ static int check_frames(task *t, const char *part, int is_sound, size_t *count)
     return 0;
 }
 
-/* On a damaged film ffmpeg fails again, after the frames before the damage. */
+/* On a damaged film, ffmpeg fails after writing the frames before the damage. */
 static int write_frames(const frames *f, const char *film, const char *filter, const char *part, size_t *count)
 {
     char input[TASK_PATH], pattern[TASK_PATH], folder[TASK_PATH];
@@ -180,13 +176,12 @@ static int write_frames(const frames *f, const char *film, const char *filter, c
     return check_frames(f->t, part, !status, count);
 }
 
-/* Writes to a temporary folder, which is renamed when all frames are whole, or else removed. */
 static int make_frames(const frames *f, const char *film, const char *filter, const char *folder, size_t *count)
 {
     char part[TASK_PATH];
     if (snprintf(part, sizeof part, "%s.part", folder) >= TASK_PATH)
         *part = 0;
-    remove_folder(part);           /* left by a stopped command */
+    remove_folder(part);           /* a stopped command may have left frames */
     int status = make_folder(part);
     status = status ? status : write_frames(f, film, filter, part, count);
     if (!status && fxs_file_rename(part, folder))
@@ -203,7 +198,7 @@ int film_frames(task *t, const char *film, size_t wanted, const char *folder)
         return fail(EXIT_FAILED, "out of memory");
     f->t = t;
     int status = look_at_film(f, film);
-    /* every tenth frame (three a second at 30), but 60 to 300 */
+    /* default: a tenth of the film's frames, clamped to 60..300 */
     wanted = wanted ? wanted : f->count / 10 < 60 ? 60 : f->count / 10 > 300 ? 300 : f->count / 10;
     wanted = wanted < f->count ? wanted : f->count;
     char *filter = status ? 0 : select_frames(f, wanted);

@@ -4,12 +4,11 @@
 
 #include "tools/command/task.h"
 
-/* True if the name's ending is a film's. */
+/* True if the path has the ending of a film. */
 int film_is_named(const char *path);
 
-/* Writes `wanted` frames (0: a tenth of the film's, 60 to 300) as .jpg to a folder that must not exist yet. The film
-   is divided into `wanted` stretches, and the sharpest frame of each is taken. The folder appears when it is
-   complete. Returns 0, or prints the error and returns EXIT_FAILED. */
+/* Writes `wanted` frames of a film as .jpg to a new folder: the sharpest frame of each of equal stretches. `wanted`
+   0: every tenth frame, 60 to 300. */
 int film_frames(task *t, const char *film, size_t wanted, const char *folder);
 
 #endif

@@ -9,9 +9,7 @@
 #include "src/base/os_calls.h"
 #include "fit_result.h"
 
-/* ---- Printing ---------------------------------------------------------------------------------------------------- */
-
-/* Thresholds: mean PSNR of the held-out photographs, dB. */
+/* Least mean PSNR in dB of held-out photographs for each verdict. */
 static const struct {
     double least;
     const char *words;
@@ -22,10 +20,10 @@ static const struct {
     {-INFINITY, "Poor: from new places it does not look like the photographs"}
 };
 
-/* Differences in dB beyond which a sentence names the cause. */
+/* Differences of PSNR in dB above which a sentence names the cause. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
-#define LEAST_OF_EXPOSED 22        /* dB after the affine map; below, the scene is too poor to blame exposure */
+#define LEAST_OF_EXPOSED 22        /* least PSNR in dB, after the affine map, at which exposure may be the cause */
 
 static const char *words_for(double psnr)
 {
@@ -35,8 +33,8 @@ static const char *words_for(double psnr)
     return verdicts[i].words;
 }
 
-/* Prints how good the scene is and, if a cause is known, what would help. `fitted`: mean PSNR of fitted photographs,
-   dB, if `measured` is of held-out ones; else 0. */
+/* Prints how good the scene is, and what would help. `fitted`: mean PSNR of fitted photographs in dB; 0: none was
+   held out. */
 static void print_sentences(const quality *measured, double fitted, int has_exposures)
 {
     char psnr[32], other[32];
@@ -72,7 +70,6 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
-/* Prints the convert command that crops like --crop-to-subject. */
 static void print_crop(const char *out, const fxs_fit_subject *s)
 {
     char cropped[4096];
@@ -87,7 +84,6 @@ static void print_crop(const char *out, const fxs_fit_subject *s)
     printf("%.4g\n", s->radius);
 }
 
-/* Prints the quality and the next commands to run. */
 static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                          const quality *measured)
 {
@@ -113,7 +109,6 @@ static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_pho
     return 0;
 }
 
-/* Milliseconds a step, averaged over the reported steps. */
 static void print_json_stages(const fit_progress *p)
 {
     static const char *const names[FIT_STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
@@ -141,7 +136,6 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
-/* `photos`: the photographs that `scene` was measured by. */
 static int print(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                  const fit_result *result, const fit_progress *p)
 {
@@ -167,10 +161,7 @@ void fit_print_measured(const fit_command *c, const fxs_photos *photos, const wo
     quality_print_text(q);
 }
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
-/* Crops to the subject. `whole` gets the uncropped scene packed, for measuring. If the cameras face no common point,
-   the scene is unchanged. */
+/* Crops the scene to its subject. `whole` gets the uncropped scene, packed for measuring. */
 static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
 {
     fxs_fit_subject s;
@@ -193,7 +184,6 @@ static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
     return 0;
 }
 
-/* If writing fails, the fit is saved. */
 static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                        fxs_packed_scene *whole, fit_result *result)
 {

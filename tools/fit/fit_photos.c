@@ -1,5 +1,4 @@
-/* Runs `fixsplat fit`: finds the cameras, reads the photographs, opens or resumes the fit (also of a block), then
-   calls fit_make_steps and fit_end. */
+/* Runs `fixsplat fit`: finds the cameras, reads the photographs, and opens or resumes the fit. */
 #include "cmd_fit.h"
 
 #include <stdlib.h>
@@ -11,8 +10,6 @@
 #include "film_frames.h"
 #include "fit_result.h"
 #include "reconstruct.h"
-
-/* ---- The photographs --------------------------------------------------------------------------------------------- */
 
 static void say_sizes(const fxs_photos *photos, size_t begins)
 {
@@ -26,7 +23,6 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
          photos->held_out_count, width, height, begins);
 }
 
-/* Skips photographs without a camera if the reconstruction already listed them. */
 static void say_left_out(void *argument, const char *why)
 {
     const fit_command *c = argument;
@@ -35,7 +31,6 @@ static void say_left_out(void *argument, const char *why)
         note("left out: %s", why);
 }
 
-/* Shows how far reading is: a bar on a terminal, otherwise a line every ten seconds. */
 static int show_reading(void *argument, double done)
 {
     static char label[] = "reading";
@@ -88,9 +83,6 @@ static void say_photos(const fit_command *c, const fxs_photos *photos, size_t be
     say_sizes(photos, begins);
 }
 
-/* ---- The fit ----------------------------------------------------------------------------------------------------- */
-
-/* Checks that the options given match the resumed file. */
 static int check_resumed(const fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
@@ -143,7 +135,7 @@ static void say_sky(const fit_command *c, const fxs_fit *fit)
         note("%s: no sky added: points lie wherever a photograph looks", c->in);
 }
 
-/* Renders with the fit's cut-off and background: a resumed fit has its file's. */
+/* Uses the fit's cut-off and background for rendering, since a resumed fit has its own. */
 static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *o = fxs_fit_options_of(fit);
@@ -151,14 +143,13 @@ static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
     memcpy(c->frame.render.background, o->background, sizeof o->background);
 }
 
-/* `block`: the block of the photographs, or null. */
 static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_block *block)
 {
     fxs_fit *fit = 0;
     fit_progress progress;
     if (c->compare)
         result_tell_pictures(photos, c->compare);
-    int status = files_check();     /* the photographs' names are known now */
+    int status = files_check();     /* checked again, since the photographs' names are known now */
     if (!status)
         status = open_fit(c, photos, block, &fit);
     if (!status) {
@@ -215,7 +206,7 @@ static int measure_scene(fit_command *c)
     return status;
 }
 
-/* Fits block c->block as if its photographs and points were the whole set. */
+/* Fits a block as if its photographs and points were the whole set. */
 static int fit_block(fit_command *c)
 {
     fxs_fit_block block;
@@ -242,7 +233,6 @@ static int fit_block(fit_command *c)
     return status;
 }
 
-/* Reconstructs cameras unless the input has them. */
 static int find_cameras(fit_command *c)
 {
     const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
@@ -256,7 +246,7 @@ static int find_cameras(fit_command *c)
         return status;
     c->in = c->found;
     if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* now masks of the found folder, white where photographs count */
+        c->reading.masks = 0;      /* masks of the reconstructed folder replace the given masks */
     c->reading.invert_masks = 0;
     return 0;
 }

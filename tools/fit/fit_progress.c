@@ -1,4 +1,4 @@
-/* Progress of a fit: means of loss and pace, the line on stderr, and the log. */
+/* Progress of a fit: running means of loss and pace, the line on stderr, and the log. */
 #include "fit_progress.h"
 
 #include <errno.h>
@@ -8,8 +8,6 @@
 #include <fixsplat/system.h>
 #include "src/base/os_calls.h"
 #include "tools/command/command.h"
-
-/* ---- Progress ---------------------------------------------------------------------------------------------------- */
 
 static void say_duration(char text[32], double seconds)
 {
@@ -22,8 +20,6 @@ static void say_duration(char text[32], double seconds)
         snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
 }
 
-/* On a terminal a line in place of less than 80 columns; otherwise a line after the first second, then every ten
-   seconds, and at the last step. */
 static void show(fit_progress *p, uint32_t step, size_t gaussians, uint64_t now)
 {
     char text[160], left[32];
@@ -67,8 +63,6 @@ double fit_progress_seconds(const fit_progress *p)
     return (double)(p->last - p->start) * 1e-9;
 }
 
-/* ---- The log ----------------------------------------------------------------------------------------------------- */
-
 static void give_up(fit_log *log)
 {
     progress_end();
@@ -88,7 +82,7 @@ void fit_log_begin(fit_log *log, int goes_on, uint32_t steps)
     log->every = (steps + 99) / 100;
     if (!log->file)
         return;
-    if (!goes_on && fxs_stream_empty(log->file) && errno != EINVAL)    /* EINVAL: a terminal or a pipe */
+    if (!goes_on && fxs_stream_empty(log->file) && errno != EINVAL)    /* EINVAL: the log is a terminal or a pipe */
         give_up(log);
     else if (fseek(log->file, 0, SEEK_END) || ftell(log->file) <= 0)
         if (fputs("step\tseconds\tgaussians\tloss\tpsnr\taffine_psnr\tssim\n", log->file) < 0 || fflush(log->file))

@@ -11,41 +11,38 @@ enum { FIT_STAGES = 6 };
 
 typedef struct fit_progress {
     uint32_t first, steps;          /* first step of this run; number of all steps */
-    uint32_t counted, reports;      /* last step counted; number of reports */
-    uint32_t saved;                 /* the step saved in OUT.fit; 0: this fit was not saved */
-    uint64_t start, last, shown;    /* nanoseconds: start of the run, last step, last line */
-    size_t gaussians;               /* after the last step counted */
-    double pace, loss;              /* seconds a step, and loss; running means over about 50 steps */
-    uint64_t stages[FIT_STAGES];    /* nanoseconds, summed over the reported steps */
+    uint32_t counted, reports;
+    uint32_t saved;                 /* step of the saved fit; 0: not saved */
+    uint64_t start, last, shown;    /* times of the start, last step and last output in nanoseconds */
+    size_t gaussians;
+    double pace, loss;              /* running means of seconds per step and of the loss */
+    uint64_t stages[FIT_STAGES];    /* nanoseconds per stage, summed over the reports */
 } fit_progress;
 
-/* Counts the steps up to `step`, which has a report, and shows progress. */
+/* Counts the steps up to `step`, and shows progress. */
 void fit_progress_count(fit_progress *progress, uint32_t step, const fxs_fit_report *report);
 
-/* The state for a watcher. */
 fit_now fit_progress_now(const fit_progress *progress, uint32_t step, size_t gaussians);
 
-/* Seconds from the start to the last step counted. */
 double fit_progress_seconds(const fit_progress *progress);
 
-/* A log of a fit: a header, then a line of tab-separated fields at every hundredth of the steps and at every
-   measurement. A failed write is reported once, and the log ends. With a null name all functions do nothing. */
+/* A log of a fit, with a tab-separated line at every hundredth of the steps and at every measurement. A failed write
+   ends the log. */
 typedef struct fit_log {
-    const char *name;              /* null: no log */
+    const char *name;              /* path of the log; null: no log */
     FILE *file;
-    uint32_t every;                /* steps between lines */
+    uint32_t every;
 } fit_log;
 
-/* Opens the file without emptying it. Returns 0, or prints the reason and returns EXIT_FAILED. */
+/* Opens a log without emptying it. */
 int fit_log_open(fit_log *log, const char *name);
 
-/* Call before the first of `steps` steps. Empties the file unless goes_on is 1 (a resumed fit). */
+/* Begins a log of `steps` steps. goes_on 1: appends to the log of a resumed fit; 0: empties the file. */
 void fit_log_begin(fit_log *log, int goes_on, uint32_t steps);
 
-/* True if this step gets a line. */
 int fit_log_wants(const fit_log *log, uint32_t step);
 
-/* Writes a line for the last step counted. `measured` may be null; then its fields are empty. */
+/* Writes a log line for the last counted step. `measured` may be null. */
 void fit_log_write(fit_log *log, const fit_progress *progress, const quality *measured);
 
 void fit_log_close(fit_log *log);

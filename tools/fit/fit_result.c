@@ -1,5 +1,5 @@
-/* Writes the result of a fit (.fxs, .ply, .fit, cameras.json), and measures a scene against its photographs: PSNR,
-   SSIM, PSNR after an affine map of colours, and comparison pictures. */
+/* Writes the result of a fit. Measures a scene against its photographs by PSNR, SSIM, and PSNR after an affine map
+   of colours. */
 #include "fit_result.h"
 
 #include <errno.h>
@@ -11,8 +11,6 @@
 #include <fixsplat/scene.h>
 #include "src/base/os_calls.h"
 #include "tools/command/file_guard.h"
-
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
 int result_check(const char *out)
 {
@@ -52,7 +50,7 @@ static int copy(fxs_scene_writer *writer, fxs_scene_file *file, fxs_message *mes
     return 0;
 }
 
-/* A filter includes its upper bounds, a block excludes its upper bounds. */
+/* Converts a block's bounds. A block excludes its upper bounds, a filter includes them. */
 static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
 {
     for (int k = 0; k < 3; k++) {
@@ -61,8 +59,7 @@ static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
     }
 }
 
-/* Filters to drawable Gaussians, so that all numbers written are finite. An empty block's file is still written, for
-   convert to merge. */
+/* Keeps drawable Gaussians only, so that all written numbers are finite. */
 static int keep_drawable(fxs_scene_file *file, const fxs_fit_block *block, fxs_scene_file_info *info,
                          fxs_message *message)
 {
@@ -144,8 +141,6 @@ int result_write_cameras(const char *path, const fxs_photos *photos)
     return status;
 }
 
-/* ---- Measuring --------------------------------------------------------------------------------------------------- */
-
 int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
 {
     fxs_message message;
@@ -156,7 +151,6 @@ int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
     return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
 }
 
-/* State shared by successive measurements. */
 typedef struct gauge {
     renderer renderer;
     const world *world;
@@ -199,7 +193,7 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare)
     }
 }
 
-/* Writes the photograph (ignored pixels darkened) and the rendered picture side by side. */
+/* Writes the photograph and the rendered picture side by side. Ignored pixels are darkened. */
 static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, uint8_t *photograph)
 {
     const fxs_file_view *view = &photo->view;

@@ -1,5 +1,5 @@
-/* The steps of `fixsplat fit`, with saves, measurements, log and progress between them; a signal saves the fit and
-   ends the program. */
+/* Runs the steps of `fixsplat fit`, with saves, measurements, log and progress between them. A signal saves the fit
+   and ends the program. */
 #include "cmd_fit.h"
 
 #include <inttypes.h>
@@ -10,22 +10,19 @@
 #include "src/base/os_calls.h"
 #include "fit_result.h"
 
-/* ---- Saves ------------------------------------------------------------------------------------------------------- */
-
 static int save(const fit_command *c, fxs_fit *fit)
 {
     fxs_message message;
     return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
 }
 
-/* Prints the command that resumes the saved fit. */
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps)
 {
     if (is_quiet())
         return;
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat fit", why, step, steps);
-    for (char **word = c->argv + 1; *word; word++)   /* not argv[0], which may be a path */
+    for (char **word = c->argv + 1; *word; word++)   /* argv[0] may be a path instead of the command's name */
         write_shell_word(stderr, *word);
     if (!c->saves_itself) {
         fputs(" --resume", stderr);
@@ -42,22 +39,19 @@ int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why)
     return 0;
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
-
 static int is_measured(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
 }
 
-/* A report makes a device wait, so it is requested only five times a second, for the log, for measurements and at
-   the last step. */
+/* A report makes a device wait, so reports are limited to five a second, the log, measurements and the last step. */
 static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
            fit_log_wants(c->log, step) || is_measured(c, p, step);
 }
 
-/* A fit with a failed step is not saved; the last save remains. */
+/* After a failed step the fit is not saved. The last save remains. */
 static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made, const fxs_message *why)
 {
     char needed[64];
@@ -67,7 +61,7 @@ static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made,
     return EXIT_FAILED;
 }
 
-/* Packs and measures the current scene as at the end. A failure does not stop the fit. */
+/* Packs and measures the current scene. A failure does not stop the fit. */
 static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fit_progress *p)
 {
     fxs_photos posed = *photos;
@@ -94,7 +88,7 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     fxs_packed_scene_free(&packed);
 }
 
-/* Runs steps until the last one or a signal. If a save fails, the previous one remains and the fit goes on. */
+/* Runs steps until the end or a signal. After a failed save the fit continues. */
 static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
 {
     fxs_fit_report report;
@@ -128,7 +122,6 @@ static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos 
         c->watcher->begin(fit, photos, &c->frame, !c->metrics_every, &now);
 }
 
-/* Saves the fit, then ends the program by the signal. */
 static int stop(const fit_command *c, fxs_fit *fit)
 {
     if (c->watcher)

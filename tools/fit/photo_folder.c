@@ -1,6 +1,6 @@
-/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG in batches on all threads,
-   finds masks, and groups photographs by size and lens. */
-#define _XOPEN_SOURCE 700          /* strdup */
+/* Prepares a folder of photographs for COLMAP: links the originals, converts HEIF to JPEG, finds masks, and groups
+   photographs by size and lens. */
+#define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "photo_folder.h"
 
@@ -15,8 +15,6 @@
 enum { BATCH = 16 };
 
 static const char skips[] = "--skip-bad leaves such photographs out";
-
-/* ---- Listing ----------------------------------------------------------------------------------------------------- */
 
 static int compare_names(const void *a, const void *b)
 {
@@ -66,10 +64,8 @@ int photographs_list(photographs *p, const char *path)
     return l.fits;
 }
 
-/* ---- Files for COLMAP -------------------------------------------------------------------------------------------- */
-
 typedef struct conversion {
-    const char *folder, *to, *const *names;        /* source and target folder, and names of a batch */
+    const char *folder, *to, *const *names;
     fxs_message messages[BATCH];
     int errors[BATCH];
 } conversion;
@@ -118,14 +114,13 @@ static int convert(task *t, conversion *c, size_t count, uint32_t threads, int s
     return status;
 }
 
-/* Makes a folder of links and converted photographs. */
 static int make_mixed(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
 {
     static conversion c;
     char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
     const char **names = malloc(p->count * sizeof *names);
-    fxs_file_unlink(to);       /* `to` may link to someone else's folder, which must not be written to */
+    fxs_file_unlink(to);       /* `to` may be a link to the user's own folder */
     int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < p->count && !status; i++) {
         if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
@@ -158,8 +153,6 @@ int photo_folder_make(task *t, const photographs *p, const char *from, const cha
     return status;
 }
 
-/* ---- Sizes, lenses and masks ------------------------------------------------------------------------------------- */
-
 typedef struct seen {
     int width, height;
     fxs_exif exif;
@@ -186,7 +179,6 @@ int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PAT
     return fxs_photograph_kind_of(original) == FXS_PHOTOGRAPH_HEIF && fxs_photo_mask_in(masks, original, path);
 }
 
-/* If the photograph has a mask, checks that the mask fits it. */
 static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
 {
     fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};

@@ -6,32 +6,30 @@
 #include "tools/command/task.h"
 
 typedef struct photographs {
-    char **names;                  /* sorted */
-    size_t *lenses;                /* number of each photograph's size and lens, in order of first appearance; null
-                                      before photographs_look */
+    char **names;                  /* file names in ascending order */
+    size_t *lenses;                /* number of each photograph's lens; null before photographs_look */
     size_t count, room, lens_count;
 } photographs;
 
-/* Lists the photographs that the fit reads. Returns 0 if memory runs out. */
+/* Lists the photographs of a folder. Returns 0 if memory runs out. */
 int photographs_list(photographs *p, const char *folder);
 void photographs_free(photographs *p);
 
-/* Makes `to` a link to the folder `from`. If `from` holds HEIF photographs, or the system has no links to folders,
-   makes a folder of links instead, with each HEIF photograph converted once to NAME.heic.jpg. A failed conversion is
-   an error, or with skip_bad a note. Returns 0, or prints the error and returns the exit status. */
+/* Makes `to` a link to the folder `from`. If `from` has HEIF photographs, or folders cannot be linked, makes a
+   folder of links instead. HEIF photographs are converted to NAME.heic.jpg. A failed conversion is an error, or with
+   skip_bad a note. */
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
 
-/* Finds the mask of a photograph of such a folder as fxs_photo_mask_in does; NAME.heic.jpg may also use the mask of
-   NAME.heic. Returns 1 if it exists, else 0. */
+/* Finds the mask of a photograph like fxs_photo_mask_in. NAME.heic.jpg may also use the mask of NAME.heic. Returns 1
+   if found, else 0. */
 int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PATH]);
 
 typedef struct photograph_look {
-    const char *masks;             /* folder of the masks, or empty */
+    const char *masks;
     int masks_are_inverse, skip_bad;
 } photograph_look;
 
-/* Reads each photograph and its mask, finds damaged ones, and groups the photographs by size and lens. Returns as
-   photo_folder_make. */
+/* Reads each photograph and its mask, finds damaged files, and groups the photographs by size and lens. */
 int photographs_look(task *t, photographs *p, const char *folder, const photograph_look *how);
 
 #endif

@@ -1,7 +1,7 @@
-/* Structure from motion for `fixsplat fit`: takes frames of a film, lists photographs and masks in OUT.cameras, runs
-   COLMAP (features, matches, GLOMAP or else its own mapper), keeps the largest model, and
-   reports. An interrupted run is continued. */
-#define _XOPEN_SOURCE 700          /* strdup */
+/* Structure from motion for `fixsplat fit`. Prepares frames or photographs in the folder OUT.cameras. Runs COLMAP
+   for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model. An interrupted run is
+   continued. */
+#define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "reconstruct.h"
 
@@ -20,22 +20,21 @@
 #include "film_frames.h"
 #include "photo_folder.h"
 
-/* LEAST: fewest photographs. Up to ALL_PHOTOGRAPHS photographs, or ALL_FRAMES frames of a film, all pairs are
-   matched. */
+/* LEAST: fewest photographs. ALL_PHOTOGRAPHS, ALL_FRAMES: largest sets in which all pairs are matched. */
 enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
 
 typedef struct work {
     const reconstruct_options *options;
     task t;
     int is_film;
-    char source[TASK_PATH];        /* the film, or the folder of photographs */
-    char masked[TASK_PATH];        /* folder of the given masks, or empty; `masks` holds links to them */
+    char source[TASK_PATH];
+    char masked[TASK_PATH];        /* folder of the user's masks, or empty; `masks` has links to the masks */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
-    uint64_t looked_at;            /* photographs with features, until now */
-    uint32_t points;               /* points of the model; error: its error, pixels; 0: COLMAP printed none */
+    uint64_t looked_at;
+    uint32_t points;               /* points of the model; mean error in pixels; 0: unknown */
     double error;
 } work;
 
@@ -44,7 +43,6 @@ static int no_memory(void)
     return fail(EXIT_FAILED, "out of memory");
 }
 
-/* Writes a text file whole or not at all, even on a full disk. */
 static int write_text(const char *path, fxs_printed *printed)
 {
     fxs_message why;
@@ -56,8 +54,8 @@ static int write_text(const char *path, fxs_printed *printed)
     return error ? fail_for(&why) : 0;
 }
 
-/* Reads numbers of up to nine digits from another program's line, one for each % of the pattern. Returns 1 if the
-   line begins as the pattern says, else 0. */
+/* Parses numbers from a line of a program's output, one for each % of the pattern. Returns 1 if the line begins like
+   the pattern, else 0. */
 static int take_numbers(const char *line, const char *pattern, uint32_t *numbers)
 {
     for (; *pattern; pattern++) {
@@ -71,9 +69,6 @@ static int take_numbers(const char *line, const char *pattern, uint32_t *numbers
     return 1;
 }
 
-/* ---- Input ------------------------------------------------------------------------------------------------------- */
-
-/* Finds photographs in `in` or its subfolder images, and stores that folder. Returns their number. */
 static size_t find_photographs(char folder[TASK_PATH], const char *in)
 {
     photographs p = {0};
@@ -101,8 +96,6 @@ int reconstruct_is_needed(const char *in)
     return film_is_named(in) || (is_folder(in) && fxs_camera_file_find(in, cameras, &why));
 }
 
-/* ---- Photographs ------------------------------------------------------------------------------------------------- */
-
 static int take_film(work *w)
 {
     return is_folder(w->images) ? 0 : film_frames(&w->t, w->source, w->options->frames, w->images);
@@ -119,7 +112,6 @@ static int link_photographs(work *w)
     return status;
 }
 
-/* Writes an inverted mask in black and white: white where the photograph counts. */
 static int write_inverse(const char *from, const char *to)
 {
     uint8_t *rgba;
@@ -151,7 +143,6 @@ static int take_mask(const work *w, const char *from, const char *name)
     return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
-/* Links or converts all masks into OUT.cameras under COLMAP's names, replacing earlier ones. */
 static int take_masks(const work *w)
 {
     size_t taken = 0;
@@ -197,8 +188,6 @@ static int take_photographs(work *w, int are_placed)
     return status ? status : write_list(w, EVERY_LENS);
 }
 
-/* ---- Structure from motion --------------------------------------------------------------------------------------- */
-
 static void look_at_features(task *t, const char *line)
 {
     const work *w = t->argument;
@@ -213,8 +202,7 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* Runs COLMAP once for each lens, because COLMAP assumes one camera in a call, with the focal length from the first
-   photograph's EXIF data. */
+/* Finds features, with a call of COLMAP per lens, because COLMAP assumes one camera per call. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {
@@ -234,7 +222,6 @@ static int find_features(work *w)
     return status ? status : write_list(w, EVERY_LENS);
 }
 
-/* Exhaustive matching reports blocks with about equally many pairs; sequential matching reports photographs. */
 static void look_at_matches(task *t, const char *line)
 {
     enum { ROW, ROWS, COLUMN, COLUMNS };
@@ -290,7 +277,6 @@ static int map_cameras(work *w, const char *models)
     return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
 }
 
-/* The number of photographs in a model, from the head of images.bin. */
 static uint64_t size_of_model(const char *models, const char *name)
 {
     char path[TASK_PATH], folder[TASK_PATH];
@@ -307,7 +293,7 @@ static uint64_t size_of_model(const char *models, const char *name)
     return read == 8 ? count : 0;
 }
 
-/* Reads the model's files: on a full disk a mapper may truncate them and still exit with 0. */
+/* Reads the model's files, because on a full disk a mapper may truncate them and still exit with 0. */
 static int check_model(const work *w, const char *model)
 {
     char path[TASK_PATH];
@@ -322,7 +308,6 @@ static int check_model(const work *w, const char *model)
                         "command goes on", why.text, w->log_name) : 0;
 }
 
-/* Moves the largest model to sparse/0. */
 static int keep_largest(work *w, const char *models)
 {
     char sparse[TASK_PATH], from[TASK_PATH], to[TASK_PATH], best[16] = "", name[16];
@@ -349,19 +334,17 @@ static int find_cameras(work *w)
     join_path(models, w->folder, "models");
     int status = find_features(w);
     status = status ? status : find_matches(w);
-    remove_models(models);         /* left by a mapper that was stopped */
+    remove_models(models);         /* a stopped mapper may have left camera models */
     status = status ? status : make_folder(models);
     if (status)
         return status;
     status = map_cameras(w, models);
-    /* COLMAP's mapper also fails if no pair is good enough to start from; then it leaves no model. */
+    /* COLMAP's mapper also fails, and leaves no model, if no pair is good enough to start from. */
     status = task_is_cut(status) || (status && size_of_model(models, "0"))
                  ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
     remove_models(models);
     return status;
 }
-
-/* ---- The report -------------------------------------------------------------------------------------------------- */
 
 static void look_at_report(task *t, const char *line)
 {
@@ -420,9 +403,6 @@ static int report(work *w)
     return 0;
 }
 
-/* ---- The folder -------------------------------------------------------------------------------------------------- */
-
-/* FNV-1a hash of the names and sizes of the photographs or the film. */
 static uint64_t number_of(const work *w, const photographs *p)
 {
     fxs_file_facts facts;
@@ -439,7 +419,6 @@ static uint64_t number_of(const work *w, const photographs *p)
     return number;
 }
 
-/* Finds the folder of masks, if any. OUT.cameras/masks is refused, since masks are written there. */
 static int find_masks(work *w)
 {
     const char *given = w->options->masks;
@@ -457,7 +436,6 @@ static int find_masks(work *w)
     return 0;
 }
 
-/* Checks that the folder belongs to the same photographs and, if given, the same number of frames. */
 static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t frames)
 {
     if (of != number)
@@ -468,7 +446,6 @@ static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t fr
     return 0;
 }
 
-/* Claims a new folder, or checks the existing one. */
 static int claim_folder(const work *w)
 {
     photographs p = {0};
@@ -493,7 +470,6 @@ static int claim_folder(const work *w)
     return write_text(path, &text);
 }
 
-/* Locks the folder for the life of this process, since the fit reads its photographs. */
 static int lock_folder(const work *w)
 {
     char path[TASK_PATH];
@@ -509,7 +485,7 @@ static int open_folder(work *w)
     const size_t room = TASK_PATH - 64;
     if (strlen(w->options->out) > room || strlen(w->options->in) > room)
         return fail(EXIT_FAILED, "a name of more than %zu characters", room);
-    /* COLMAP rejects a path that begins like an option. */
+    /* COLMAP rejects a path that begins like an option */
     snprintf(w->folder, TASK_PATH, "%s%s.cameras", *w->options->out == '-' ? "./" : "", w->options->out);
     strcpy(w->source, w->options->in);
     if (!w->is_film && !find_photographs(w->source, w->options->in))
@@ -540,7 +516,7 @@ int reconstruct(const reconstruct_options *options, char **folder)
     memset(&w, 0, sizeof w);
     w.options = options;
     w.is_film = film_is_named(options->in);
-    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP's commands load Qt even without a window */
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP loads Qt even without a window */
     int status = open_folder(&w);
     join_path(found, w.folder, "sparse/0");
     const int are_placed = !status && is_folder(found);

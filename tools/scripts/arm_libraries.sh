@@ -1,8 +1,7 @@
 #!/bin/sh
-# tools/scripts/arm_libraries.sh FOLDER [PACKAGE...]: unpacks Debian's newest AArch64 packages of this release into FOLDER/usr,
-# without their dependencies. Default: libpng, zlib and libjpeg-turbo, for tests/scripts/processors.sh. Fetches them
-# again when this machine's own versions change. apt checks the signatures; it uses separate lists for arm64, so the
-# system's state is unchanged. If fetching fails, the tests are skipped.
+# arm_libraries.sh FOLDER [PACKAGE...]: unpacks Debian's AArch64 packages into FOLDER/usr, without dependencies.
+# Default: libpng, zlib and libjpeg-turbo. apt checks the signatures, with separate lists of packages, so the system's
+# state is unchanged.
 folder=${1:?folder}
 shift
 packages=${*:-libpng-dev zlib1g-dev libjpeg62-turbo-dev}

@@ -1,13 +1,10 @@
 #!/bin/sh
 # bench.sh [PART...]: measures, and writes the parts of a document between their marker lines. Default parts: tables,
-# gles, sizes, limits, stereo, foveated, levels. FOVEATED: back ends of that part (cpu gles). The document is replaced
-# once, after all measurements; on a failure or an interrupt it is unchanged.
-# Only by name, half an hour: fit and fit_stages. fit: fits with each cut-off; fit_stages: the stages of a step, with
-# FIT_CPUS. Both take FIT_STEPS and FIT_SIZE (3000, 600).
-# Only by name: cuts, budgets, steps, boards (levels of detail, by tests/web/budgets.mjs, half an hour). CAPTURED:
-# scenes of the first two (all); KEPT: folder of intermediate files (B/levels). boards is a part of docs/boards.md.
-# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/measured.md, or a copy of it.
-# Medians of 10 frames or more, from `fixsplat bench --json`; all rows of a table come from one run.
+# gles, sizes, limits, stereo, foveated, levels. On a failure or an interrupt the document is unchanged.
+# Parts on request, half an hour each: fit and fit_stages (options FIT_STEPS, FIT_SIZE, FIT_CPUS), cuts, budgets, steps
+# and boards (options CAPTURED: scenes; KEPT: folder of intermediate files).
+# B: build folder; SCENES: folder of scenes; PHOTOS: folder of photographs; DOCUMENT: docs/measured.md, or a copy;
+# FOVEATED: back ends of that part.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
 DOCUMENT=${DOCUMENT:-docs/measured.md}
@@ -20,7 +17,7 @@ two=2
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# row LABEL OPTION...: a table row with the stages and the frame time of a bench run.
+# row LABEL OPTION...: prints a table row with the stages' times of a bench run.
 row() {
     label=$1
     shift
@@ -95,7 +92,6 @@ scenes() {
     fi
 }
 
-# import_row NAME FILE: import time by one thread and by two, milliseconds, median of three.
 import_row() {
     for threads in 1 $two; do
         for run in 1 2 3; do
@@ -121,7 +117,6 @@ imports() {
     fi
 }
 
-# cutoff_rows NAME FILE OPTION...: pairs, blend time and difference of the two cut-offs, for one camera.
 cutoff_rows() {
     name=$1 file=$2
     shift 2
@@ -150,7 +145,6 @@ cutoffs() {
         --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
-# gles_rows NAME FILE OPTION...: times of the OpenGL ES back ends and their difference from the CPU, for one camera.
 gles_rows() {
     name=$1 file=$2
     shift 2
@@ -181,7 +175,6 @@ gles() {
     fi
 }
 
-# Rows for a view in 1, 1/2, 1/4 and 1/8 of the memory that fxs_frame_bytes states.
 limit_rows() {
     name=$1 file=$2 all=
     shift 2
@@ -213,14 +206,13 @@ limits() {
         --cameras "$SCENES/snowmiku/cameras.json" --view 8
 }
 
-# Rows from test_quality, without those of the pixel stage alone.
 sizes() {
     printf '960x640, 8-bit pictures against double precision from the floats of the file: mean (worst) of four views.\n\n'
     FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|' | grep -v 'pixel stage alone'
 }
 
-# One row: one eye, both eyes, and their ratio. The two alternate and the fastest of three runs counts, because a busy
-# machine only slows them.
+# Prints render times of one eye and both eyes. Takes the fastest of alternating runs, because a busy machine only slows
+# them.
 stereo_row() {
     name=$1 file=$2 apart=$3
     shift 3
@@ -247,8 +239,6 @@ stereo() {
     fi
 }
 
-# One row: median times of the whole and the foveated picture in alternation; then pixels, milliseconds and PSNR of each
-# ring.
 foveated_row() {
     name=$1 backend=$2 size=$3
     shift 3
@@ -285,8 +275,6 @@ foveated() {
     done
 }
 
-# Rows for a scene and its decimated versions; PSNR "equal" for the full one. Runs alternate and the fastest counts, as
-# in stereo_row.
 level_rows() {
     name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
     for share in $shares; do
@@ -324,7 +312,7 @@ budgets() { detail budgets; }
 steps() { detail steps; }
 boards() { detail boards; }
 
-# Stages of a step, over 40 steps on one thread, resumed from the fit saved after FIT_STEPS steps.
+# Times the stages of a fit's step over 40 steps on one thread, after FIT_STEPS steps.
 fit_stages() {
     steps=${FIT_STEPS:-3000}
     set -- fit "$PHOTOS/snowmiku" -o "$work/stages.ply" --resolution "${FIT_SIZE:-600}"
@@ -348,7 +336,6 @@ fit_stages() {
     done
 }
 
-# The same fit with each cut-off: milliseconds a step without reading, and quality of the held-out photographs.
 fit() {
     printf 'snowmiku at %s pixels, %s steps of the reference recipe, %s threads; 13 photographs held out.\n\n' \
         "${FIT_SIZE:-600}" "${FIT_STEPS:-3000}" $two
@@ -378,7 +365,6 @@ fail() {
     exit 1
 }
 
-# A line with date, commit and machine.
 stamp() {
     commit=$(git rev-parse --short HEAD 2>/dev/null) || commit=unknown
     [ -z "$(git status --porcelain --untracked-files=no 2>/dev/null)" ] || commit="$commit with changes"
@@ -387,7 +373,7 @@ stamp() {
         "$(${CC:-cc} --version | head -n 1)"
 }
 
-# measure PART: prints the part's text. A missing number would leave two spaces in its cell.
+# measure PART: prints the text of a part. Fails if a number is missing, which leaves two spaces in a table cell.
 measure() {
     case $1 in
     tables | gles | sizes | limits | stereo | foveated | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
@@ -401,7 +387,6 @@ measure() {
     cat "$work/$1"
 }
 
-# put PART: inserts the text between the part's marker lines in the copy of the document.
 put() {
     awk -v text="$work/$1" -v begin="<!-- $1: begin" -v end="<!-- $1: end" '
         index($0, begin) == 1 { print; print ""; while ((getline line < text) > 0) print line; skip = 1 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fits a scene in blocks, as local jobs or Slurm jobs: a coarse fit of the whole, a fit of each block that continues
-# from it, and a merge into one scene. See --help.
+# Fits a scene in blocks, as local or Slurm jobs: a coarse fit of the whole scene, a fit of each block that continues
+# the coarse fit, and a merge. See --help.
 set -u
 
 help() {
@@ -47,8 +47,6 @@ stop() {
 is_count() {
     case $1 in '' | *[!0-9]* | 0* | ??????????*) return 1 ;; esac
 }
-
-# ---- Options ---------------------------------------------------------------------------------------------------------
 
 photos= out= blocks= work= engine=parallel jobs=1 sbatch= coarse_steps=3000 coarse_resolution=400 steps=30000 poll=10
 submit_only= dry_run=
@@ -100,9 +98,6 @@ case $out in -*) out=./$out ;; esac
 work=${work:-$out.jobs}
 mkdir -p -- "$work" || exit 1
 
-# ---- The jobs --------------------------------------------------------------------------------------------------------
-
-# whole NAME: the absolute path.
 whole() {
     folder=$(cd -- "$(dirname -- "$1")" && pwd) || exit 1
     printf '%s\n' "$folder/$(basename -- "$1")"
@@ -123,14 +118,14 @@ esac
 fit=$(words "$FIXSPLAT" fit "$(whole "$photos")" "$@")
 parts=$(seq 0 "$blocks" | sed "s/.*/part-&.ply/" | tr '\n' ' ')
 
-# Refuses results made with other options.
+# Refuses results of jobs with other options.
 settings="blocks $blocks, coarse fit $coarse_steps steps at $coarse_resolution, $steps steps,$fit"
 if [ -e "$work/settings" ] && [ "$(cat "$work/settings")" != "$settings" ]; then
     stop "$work: the jobs there are of other options: $(cat "$work/settings"); remove it, or choose another --work"
 fi
 printf '%s\n' "$settings" >"$work/settings.new" && mv "$work/settings.new" "$work/settings" || exit 1
 
-# The last --resolution on the command line counts.
+# The last --resolution on the command line takes effect.
 cat >"$work/coarse.sh" <<END
 #!/bin/sh
 cd $(words "$work") || exit 1
@@ -154,20 +149,17 @@ END
 chmod +x "$work/coarse.sh" "$work/block.sh" "$work/merge.sh" || exit 1
 [ -z "$dry_run" ] || { printf '%s: coarse.sh, block.sh and merge.sh are written\n' "$work"; exit 0; }
 
-# missing: the numbers of blocks without a result, separated by commas.
+# missing: prints the numbers of blocks without a result, separated by commas.
 missing() {
     for block in $(seq 0 "$blocks"); do
         [ -e "$work/part-$block.ply" ] || printf '%s,' "$block"
     done | sed 's/,$//'
 }
-# say_failed: prints the reason from each failed job's log.
 say_failed() {
     for log in coarse $(seq 0 "$blocks") merge; do
         [ ! -s "$work/$log.log" ] || grep -h '^fixsplat: ' "$work/$log.log" | tail -n 1 | sed "s/^/$log.log: /"
     done >&2
 }
-
-# ---- By GNU parallel -------------------------------------------------------------------------------------------------
 
 by_parallel() {
     (FIXSPLAT_QUIET=1 "$work/coarse.sh" >"$work/coarse.log" 2>&1) || return 1
@@ -176,10 +168,8 @@ by_parallel() {
     (FIXSPLAT_QUIET=1 "$work/merge.sh" >"$work/merge.log" 2>&1)
 }
 
-# ---- By Slurm --------------------------------------------------------------------------------------------------------
-
-# submit NAME OPTION... SCRIPT: prints the job's number. Slurm expands % and \ in an output's name but not in a
-# folder's.
+# submit NAME OPTION... SCRIPT: submits a job and prints its number. Slurm expands % and \ in an output's name but not
+# in a folder's.
 submit() {
     name=$1
     shift
@@ -209,8 +199,6 @@ by_slurm() {
     done
     [ -e "$work/all.fxs" ]
 }
-
-# ----------------------------------------------------------------------------------------------------------------------
 
 if [ ! -e "$work/all.fxs" ]; then
     by_$engine || {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# completions.sh PROGRAM FOLDER: writes completions for bash, zsh and fish to their usual places below a folder `share`.
-# Commands and options come from the program's help.
+# completions.sh PROGRAM FOLDER: writes shell completions for bash, zsh and fish below a folder `share`. Commands and
+# options come from the program's help.
 program=$1 folder=$2
 mkdir -p "$folder/bash-completion/completions" "$folder/zsh/site-functions" "$folder/fish/vendor_completions.d" || exit 1
 list() { "$program" --help | awk -v title="$1" '$0 == title { on = 1; next } /^[^ ]/ { on = 0 } on { print $1 }'; }
@@ -10,13 +10,13 @@ backends="auto $("$program" help backends | awk '/^  / { print $1 }')"
 work=$(mktemp) || exit 1
 trap 'rm -f "$work"' EXIT
 
-# One line for each option, separated by tabs: command, name, letter, value, choices, help.
+# A line per option, separated by tabs: command, name, letter, value, choices, help.
 "$program" help --table | awk -F '\t' -v OFS='\t' -v backends="$(echo $backends)" '
     $4 ~ /^\[/ { $4 = "" }
     $2 == "backend" && $5 == "" { $5 = backends }
     { print }' >"$work"
 
-# options COMMAND: its option names. values BEFORE AFTER, branches BEFORE AFTER: case branches for bash and zsh.
+# options COMMAND: prints the option names. values, branches BEFORE AFTER: print case branches for bash and zsh.
 options() { awk -F '\t' -v c="$1" '$1 == c { print "--" $2; if ($3 != "") print "-" $3 }' "$work"; }
 values() { awk -F '\t' -v before="$1" -v after="$2" '$5 != "" { printf "    \"%s --%s\") %s%s%s ;;\n", $1, $2, before, $5, after }' "$work"; }
 branches() { for command in $commands; do echo "    $command) $1$(echo $(options "$command"))$2 ;;"; done; }

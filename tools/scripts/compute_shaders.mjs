@@ -10,7 +10,7 @@ const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
 
-// Removes functions that main does not reach; keeps their order.
+// Removes functions that main does not reach.
 function reachable(text)
 {
     const functions = [...text.matchAll(/^(?!const|struct|layout)\w+ (\w+)\([^\n]*\) \{\n[^]*?^\}\n/gm)];
@@ -26,7 +26,7 @@ function reachable(text)
     return functions.reduce((rest, one) => needed.has(one[1]) ? rest : rest.replace(one[0], ""), text);
 }
 
-// Joins a block of naga's lines to one expression: a `type name = value;` is substituted at its use, assignments are
+// Joins a block of naga's lines to one expression. A `type name = value;` is substituted at its use, assignments are
 // joined by commas.
 function oneLine(lines, last = "")
 {
@@ -41,8 +41,7 @@ function oneLine(lines, last = "")
     return last ? whole(last) : done.join(", ");
 }
 
-// Rewrites naga's endless loops, which step at the start of all rounds except the first, as for loops that drivers
-// unroll.
+// Rewrites naga's endless loops as for loops, which drivers can unroll.
 function loops(glsl)
 {
     return glsl
@@ -52,9 +51,8 @@ function loops(glsl)
                  (_, start, rest, before, test) => `${start}${oneLine(before, test)}; ${rest}`);
 }
 
-// Adapts naga's output: adds the bindings, which GLSL ES requires; removes the zeroing of workgroup memory by a single
-// thread, which no stage relies on; and replaces read-modify-write atomics by plain loads and stores of atomics, which
-// threads need not wait for.
+// Adapts naga's output. Adds the bindings that GLSL ES requires. Removes the zeroing of workgroup memory. Replaces
+// read-modify-write atomics by plain loads and stores, which threads need not wait for.
 function glslText(wgsl, entry)
 {
     const module = parseWgsl(wgsl), info = validate(module);
@@ -69,7 +67,7 @@ function glslText(wgsl, entry)
                  "    return uvec2(low, high);\n}");
 }
 
-// Removes white space that GLSL does not need, and breaks the text into lines of at most 120 columns.
+// Removes white space that GLSL does not need, and breaks lines at 120 columns.
 function minified(glsl)
 {
     const short = (part) => part.trim().replace(/\s+/g, " ").replace(/ ?([{}()[\],;=*/<>!&|?:^%]) ?/g, "$1")

@@ -1,7 +1,7 @@
 #!/bin/sh
-# cutoffs.sh SCENE[@PHOTOS]...: prints a Markdown table of both cut-offs for each scene. PHOTOS is a folder for fit with
-# photographs in images/; every eighth by name, which fit holds out, is compared with the rendered scene. B: build
-# folder. VIEWS: views of each scene in which the cut-offs are compared (8). SIZE: of the timed frames.
+# cutoffs.sh SCENE[@PHOTOS]...: prints a Markdown table of two cut-off radii for each scene. Every eighth photograph in
+# PHOTOS/images is compared with the rendered scene. B: build folder. VIEWS: views per scene (8). SIZE: size of timed
+# frames.
 set -eu
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d)
@@ -10,7 +10,6 @@ trap 'exit 130' INT TERM
 
 field() { sed -n "s/.*[{ ]\"$1\": \([0-9.a-z]*\).*/\1/p"; }
 
-# photographs FOLDER CUTOFF: mean PSNR and SSIM of the held-out photographs.
 photographs() {
     ls "$1/images" | awk 'NR % 8 == 1' | while read -r name; do
         "$fixsplat" render "$work/scene.fxs" --cameras "$1" --view "$name" --cutoff "$2" -o "$work/view.png" >&2
@@ -21,7 +20,6 @@ photographs() {
         awk '{ psnr += $1; ssim += $2 } END { printf "%.2f | %.4f", psnr / NR, ssim / NR }'
 }
 
-# row NAME PHOTOS CUTOFF SCENE: a table row; PHOTOS may be empty.
 row() {
     "$fixsplat" bench "$work/scene.fxs" --cutoff "$3" --size "${SIZE:-1280x720}" --json ${2:+--cameras "$2"} >"$work/times"
     "$fixsplat" info "$4" --compare "$4" --cutoff "$3" --compare-cutoff square \

@@ -1,10 +1,8 @@
 #!/bin/sh
-# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed by $CC, without
-# inline functions, and with an enum for each integer #define. -c: as the C source of a library that contains them. Run
-# at the root.
-#
-# Each #define is read from an appended line "NAME" = NAME;, in which the preprocessor keeps the quoted name and
-# replaces the other by its value.
+# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed, without inline
+# functions, and with an enum for each integer #define. -c: prints a C source that contains the declarations as text.
+# Each #define is read from an appended line "NAME" = NAME; in which the preprocessor replaces the unquoted name by its
+# value.
 as_c=
 [ "$1" != -c ] || { as_c=yes; shift; }
 text=$({
@@ -13,12 +11,12 @@ text=$({
 } | ${CC:-cc} -E -std=c99 -DFXS_API= '-DFXS_DEPRECATED(instead)=' -Isrc/include -x c -) || exit 1
 
 declarations() { printf '%s\n' "$text" | awk '
-    { sub(/\r$/, "") }                       # of a compiler of Windows
+    { sub(/\r$/, "") }                       # line ending of Windows compilers
     /^#/ { of_headers = $3 ~ /include\/fixsplat\//; of_values = $3 == "\"<stdin>\""; next }
     of_values { values = values $0; next }
     !of_headers || NF == 0 { next }
     /^static inline/ { body = 1 }
-    /^typedef char .*\[sizeof/ { size = 1 }    # one that is checked as the headers are compiled
+    /^typedef char .*\[sizeof/ { size = 1 }    # skips compile-time checks
     !body && !size { gsub(/__attribute__\(\(format\([^()]*\)\)\)/, ""); print }
     body && /^}/ { body = 0 }
     size && /;/ { size = 0 }

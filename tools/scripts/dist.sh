@@ -1,8 +1,7 @@
 #!/bin/sh
-# tools/scripts/dist.sh OUT BUILD: builds the release of the last commit in the folder OUT: sources, a tarball and a wheel for
-# each processor, a zip and a wheel for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The
-# same commit, tools and libraries give the same bytes, independent of BUILD. Environment: NVCC PYTHON WEB_SOURCES. OUT
-# appears only once everything is built.
+# dist.sh OUT BUILD: builds a release of the last commit in the folder OUT: sources, a tarball and a wheel per
+# processor, a zip and a wheel for Windows, Debian packages, the npm package, SHA256SUMS. The build is reproducible.
+# Environment: NVCC PYTHON WEB_SOURCES.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
@@ -21,7 +20,6 @@ mkdir "$out"
 here=$(uname -m)
 git diff --quiet HEAD || echo "dist: of the last commit, without what changed since" >&2
 
-# pack FOLDER FILE: makes a tarball of FOLDER.
 pack() {
     tar -C "${1%/*}" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@"$SOURCE_DATE_EPOCH" --format=gnu \
         -c "${1##*/}" | gzip -9n >"$2"
@@ -39,11 +37,10 @@ npm_package() {
     cp "build/web/$name.tgz" "$out/$name-npm.tgz"
 }
 
-# needs FILE: the shared libraries that it is linked with, except glibc's.
+# needs FILE: prints the shared libraries of a program, except glibc's.
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
 
-# complete ARCHIVE LIBRARIES...: adds the objects of the libraries to the archive, except the C++ library, the libraries
-# of the window and the server only, and libraries contained in others.
+# complete ARCHIVE LIBRARIES...: adds the libraries' objects to a static library.
 complete() {
     archive=$1
     {
@@ -62,7 +59,7 @@ complete() {
     mv "$archive.new" "$archive"
 }
 
-# relocate FOLDER LIBS: makes the pkg-config and CMake files relative to their folder, with LIBS as private libraries.
+# relocate FOLDER LIBS: makes the pkg-config and CMake files relative to their folder.
 relocate() {
     sed -i -e 's|^prefix=.*|prefix=${pcfiledir}/../..|' -e 's|^libdir=.*|libdir=${prefix}/lib|' \
         -e "s|^Libs.private:.*|Libs.private: $2|" "$1"/lib/pkgconfig/*.pc
@@ -70,12 +67,11 @@ relocate() {
         -e "s|\(INTERFACE_LINK_LIBRARIES \"\)[^\"]*-lm.*\"|\1$2\"|" "$1"/lib/cmake/fixsplat/fixsplat-config.cmake
 }
 
-# documents: copies the documents and the licences of $libraries into $folder.
 documents() {
     documents=$folder/share/doc/fixsplat
     mkdir -p "$documents/licences"
     cp -r LICENSE NEWS.md README.md CONTRIBUTING.md SECURITY.md docs "$documents"
-    # Points links to headers and to the page at their places here; links to sources become plain text.
+    # Adapts links to headers and to the page. Links to sources become plain text.
     find "$documents" -name '*.md' -exec sed -i -E \
         -e 's#\]\(((\.\./)*)src/include/#](\1../../../include/#g' \
         -e 's#\]\(((\.\./)*)port/web/#](\1../../fixsplat/web/#g' \
@@ -84,7 +80,6 @@ documents() {
     cp tools/package/licences.md "$documents/licences/README.md"
 }
 
-# linux MACHINE ARCHITECTURE: builds a tarball and a wheel.
 linux() {
     machine=$1 arch=$2 libraries=$build/libraries/$1
     sh tools/scripts/libraries.sh "$libraries" "$machine"
@@ -93,7 +88,7 @@ linux() {
     folder=$build/tarball/$name-linux-$arch
     rm -rf "$folder"
     nvcc=$NVCC headers="-isystem $libraries/include" linked="-L$libraries/lib"
-    # The window links Debian's shared libraries. For another processor they come without their own dependencies.
+    # The window's program links Debian's shared libraries.
     [ $arch = "$here" ] || {
         nvcc=none window=$libraries/window/usr
         sh tools/scripts/arm_libraries.sh "$libraries/window" libsdl2-dev libsdl2-2.0-0 libsdl2-ttf-dev libsdl2-ttf-2.0-0
@@ -121,10 +116,9 @@ linux() {
         [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
     done
     pack "$folder" "$out/$name-linux-$arch.tar.gz"
-    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # glibc of Debian 12 or later
+    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # requires glibc of Debian 12 or later
 }
 
-# wheel LIBRARY PLATFORM: builds a wheel with a release's library, and the licences in $documents.
 wheel() {
     rm -rf "$build/wheel"
     mkdir "$build/wheel"
@@ -136,7 +130,7 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# The shared libraries of mingw-w64 that FILE needs, except Windows's own.
+# needs_on_windows FILE: prints the shared libraries of mingw-w64 that a program needs.
 needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
 
 windows() {
@@ -154,7 +148,6 @@ windows() {
     cp -r build/web/package "$folder/share/fixsplat/web"
     complete "$folder/lib/libfixsplat.a" /usr/$machine/lib/libz.a "$libraries"/lib/*.a
     documents
-    # Licences of the parts from Debian's compiler: zlib, start-up code, threads, libgcc.
     for package in libz-mingw-w64 mingw-w64-common gcc-mingw-w64-base; do
         cp /usr/share/doc/$package/copyright "$documents/licences/$package"
     done
@@ -167,7 +160,7 @@ windows() {
     wheel "$folder/bin/libfixsplat-${version%%.*}.dll" win_amd64
 }
 
-# Links Debian's shared libraries, so no CUDA runtime. Version 1.0.0-rc1 becomes 1.0.0~rc1, which sorts before 1.0.0.
+# Builds Debian packages. Version 1.0.0-rc1 becomes 1.0.0~rc1, which sorts before 1.0.0.
 debian() {
     rm -rf "$build/deb"
     mkdir "$build/deb"

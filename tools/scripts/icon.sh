@@ -1,11 +1,10 @@
 #!/bin/sh
-# tools/scripts/icon.sh PICTURE.svg ICON.ico: makes a Windows icon with a .png for each size (by rsvg-convert).
+# icon.sh PICTURE.svg ICON.ico: makes a Windows icon with a .png for each size.
 svg=${1:?picture} ico=${2:?icon}
 sizes='16 24 32 48 64 256'
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# bytes COUNT NUMBER: a little-endian number.
 bytes() {
     number=$2
     for i in $(seq "$1"); do
@@ -14,7 +13,8 @@ bytes() {
     done
 }
 
-# Rows of the directory: width, height (0: 256), colours, planes, bits a pixel, length and offset of the picture.
+# Prints the icon's directory: width, height (0: 256), colours, planes, bits per pixel, length and offset of the
+# picture.
 rows() {
     at=$((6 + 16 * $#))
     for size; do

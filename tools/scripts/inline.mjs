@@ -1,7 +1,6 @@
-// Turns files of the npm package into modules:
-// node tools/scripts/inline.mjs style STYLE.css: a module with the text of a style sheet.
-// node tools/scripts/inline.mjs files NAME=FILE...: a module that gives these files to the package, WebAssembly as gzip in
-// base64, scripts as text.
+// Turns files of the npm package into JavaScript modules.
+// inline.mjs style STYLE.css: a module with the text of a style sheet.
+// inline.mjs files NAME=FILE...: a module with scripts as text and WebAssembly as gzip in base64.
 import { readFileSync } from 'node:fs'
 import { gzipSync } from 'node:zlib'
 

@@ -1,19 +1,16 @@
 #!/bin/sh
-# tools/scripts/libraries.sh FOLDER MACHINE: builds the static libraries for `make dist` and `make windows` in FOLDER/include
-# and FOLDER/lib, for the target of MACHINE-gcc (x86_64-linux-gnu, x86_64-w64-mingw32). They come from Debian's sources
-# with Debian's patches, and are rebuilt when the installed versions change. Reasons against Debian's own archives: they
-# lack -fPIC; libzip needs OpenSSL and libmicrohttpd GnuTLS; cJSON and qrencode have no archive; Windows has only zlib
-# (libz-mingw-w64-dev). apt fetches the sources from this system's Debian repositories and checks signatures; apt's own
-# state is unchanged. FOLDER/licences gets the packages' copyright files. A library that cannot be built is reported on
-# a line; the others remain usable.
+# libraries.sh FOLDER MACHINE: builds the static libraries for `make dist` and `make windows` in FOLDER/include and
+# FOLDER/lib, with the compiler MACHINE-gcc. The sources are Debian's; Debian's own archives lack -fPIC or have more
+# dependencies. apt checks the signatures, and its state is unchanged. A failed library is reported, and the others
+# remain usable.
 folder=${1:?folder} machine=${2:?machine}
-unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # a caller's values are for other machines
+unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # meant for other targets
 names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
     *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb
-               # For the window; on Linux it links Debian's shared libraries.
+               # libraries of the window program; Linux uses shared libraries instead
                names="$names freetype libsdl2 libsdl2-ttf"
                packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
@@ -44,8 +41,8 @@ list_sources() {
             'Created-By: Packages' | sort -ru >"$work/sources.list" && apt apt-get update
 }
 
-# fetch SOURCE: the newest version with all files in the repositories. For qrencode the original source is enough,
-# because Debian does not patch the library and a mirror lacks the patch file.
+# fetch SOURCE: fetches the newest complete version. For qrencode the original source is enough, because Debian does not
+# patch the library.
 fetch() {
     for version in $(apt apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -ruV); do
         apt apt-get source --only-source "$1=$version" && return
@@ -55,7 +52,6 @@ fetch() {
         cp /usr/share/doc/libqrencode-dev/copyright "$original/debian/"
 }
 
-# made_by_cmake SOURCE OPTION..., made_by_configure SOURCE OPTION...: build and install a library.
 made_by_cmake() {
     source=$1
     shift
@@ -80,7 +76,7 @@ build_zlib() {
         ./configure --static --prefix="$there" && make -j "$(nproc)" libz.a && make install)
 }
 build_cjson() { made_by_cmake "$1" -DENABLE_CJSON_TEST=OFF -DENABLE_CUSTOM_COMPILER_FLAGS=OFF; }
-# Debian's patch uses XML_DTD's value, which the CMake template leaves undefined.
+# Debian's patch uses the value of XML_DTD, which the CMake template leaves undefined.
 build_expat() {
     sed -i 's/^#cmakedefine XML_DTD$/& 1/' "$1/expat/expat_config.h.cmake" &&
         made_by_cmake "$1/expat" $(printf -- '-DEXPAT_%s=OFF ' SHARED_LIBS BUILD_TOOLS BUILD_EXAMPLES BUILD_TESTS)
@@ -93,7 +89,7 @@ build_libwebp() {
     made_by_cmake "$1" $(printf -- '-DWEBP_BUILD_%s=OFF ' ANIM_UTILS CWEBP DWEBP GIF2WEBP IMG2WEBP VWEBP WEBPINFO \
         LIBWEBPMUX WEBPMUX EXTRAS)
 }
-# The source has no configure script.
+# The source of libexif has no configure script.
 build_libexif() {
     (cd "$1" && : >config.h && echo '#include <stdint.h>' >libexif/_stdint.h &&
         $machine-gcc -O2 $flags -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c libexif/*/*.c &&
@@ -120,7 +116,7 @@ build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
 build_freetype() {
     made_by_cmake "$1" -DFT_REQUIRE_ZLIB=ON $(printf -- '-DFT_DISABLE_%s=ON ' BZIP2 PNG HARFBUZZ BROTLI)
 }
-# Only windows, events and pixels: no sound, joysticks or other renderers; no C++.
+# Builds SDL with windows, events and pixels only, without C++.
 build_libsdl2() {
     sed -i 's/^project(SDL2 C CXX)/project(SDL2 C)/' "$1/CMakeLists.txt" &&
         made_by_cmake "$1" -DSDL_SHARED=OFF -DSDL_STATIC=ON -DSDL_TEST=OFF -DSDL2_DISABLE_SDL2MAIN=ON \
@@ -131,7 +127,7 @@ build_libsdl2_ttf() {
         -c SDL_ttf.c && $machine-ar rcs "$there/lib/libSDL2_ttf.a" SDL_ttf.o && cp SDL_ttf.h "$there/include/SDL2/")
 }
 
-# Links processor-independent headers of Debian: stb, and the libraries opened at run time.
+# Links Debian's headers that do not depend on the processor.
 link_headers() {
     for header in $headers; do
         [ ! -d "/usr/include/$header" ] || ln -sfn "/usr/include/$header" "$there/include/${header##*/}" || return

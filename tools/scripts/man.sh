@@ -1,5 +1,5 @@
 #!/bin/sh
-# man.sh PROGRAM FOLDER: makes a manual page for the program and one for each command from --help all, by help2man.
+# man.sh PROGRAM FOLDER: makes manual pages of the program and its commands with help2man.
 program=$1 folder=$2
 if ! command -v help2man >/dev/null; then
     echo "no manual pages: no help2man here"
@@ -12,7 +12,7 @@ pages="fixsplat $(printf 'fixsplat-%s ' $commands)"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# page NAME DOES [WORD]: help2man names a page after the file that it runs, hence the script NAME.
+# help2man names a page after the program that it runs, hence a script of that name.
 page() {
     printf '#!/bin/sh\nexec "%s" %s "$@"\n' "$program" "$3" >"$work/$1"
     chmod +x "$work/$1"

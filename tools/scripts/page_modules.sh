@@ -1,7 +1,6 @@
 #!/bin/sh
-# tools/scripts/page_modules.sh FOLDER [SOURCE [part]]: installs the npm modules that tests of the viewer's page and of convert
-# need, exactly as in the package-lock.json of tests/web or SOURCE, without running install scripts. With `part`, leaves
-# out devDependencies. Without npm or network the tests are skipped.
+# page_modules.sh FOLDER [SOURCE [part]]: installs the npm modules of the package-lock.json in SOURCE (tests/web),
+# without install scripts. With `part`, leaves out devDependencies.
 folder=$1 source=${2:-tests/web} part=${3:+--omit=dev}
 stamp=$folder/package-lock.json${part:+.part}
 command -v npm >/dev/null || { echo "setup: no npm here, so tests of the page, and some of convert, are skipped"; exit 0; }

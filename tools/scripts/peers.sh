@@ -1,8 +1,7 @@
 #!/bin/sh
-# peers.sh [ROUNDS [SCENE...]]: compares the page with the newest @playcanvas/supersplat-viewer and @sparkjsdev/spark of
-# npm, in headless Chromium without a GPU, 1280x720: download, first complete picture, frame time in motion. Prints a
-# table; pictures go to B/peers/pictures. VIEWERS="fixsplat Spark" selects some. Method: docs/measured.md. B: build
-# folder after `make all web`; SCENES: folder of real scenes.
+# peers.sh [ROUNDS [SCENE...]]: compares fixsplat's page with the newest PlayCanvas and Spark viewers of npm, in
+# headless Chromium without a GPU. Prints a table; pictures go to B/peers/pictures. VIEWERS="fixsplat Spark" selects
+# some. B: build folder; SCENES: folder of scenes.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes}
 cores=

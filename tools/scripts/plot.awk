@@ -1,7 +1,6 @@
-# awk -v plot=NAME -f tools/scripts/plot.awk docs/measured.md: draws a table of tools/scripts/bench.sh as SVG.
-# sizes: bytes a Gaussian against PSNR, for each form. growth: milliseconds a frame against Gaussians. levels:
-# milliseconds a frame against PSNR, for decimated scenes. budgets, times: PSNR and milliseconds of a frame against its
-# budget.
+# awk -v plot=NAME -f tools/scripts/plot.awk docs/measured.md: draws a table of measurements as SVG. Plots: sizes (bytes
+# per Gaussian against PSNR), growth (frame time against Gaussians), levels (frame time against PSNR), budgets and times
+# (PSNR and frame time against the budget of Gaussians).
 BEGIN {
     FS = " *[|] *"
     if (plot == "sizes") {
@@ -63,8 +62,6 @@ in_table && plot == "budgets" && $7 != "equal" { add($2, $3 + 0, $7 + 0) }
 in_table && plot == "times" { add($2, $3 + 0, $9 + 0) }
 in_table && plot == "growth" && $2 ~ /^[0-9]+(, C)?$/ { add(names_of[$2 ~ /C$/ ? 1 : 2], $2 + 0, $(NF - 1) + 0) }
 
-# ---- Drawing -------------------------------------------------------------------------------------------------------
-
 function text(x, y, class, anchor, words) {
     gsub(/&/, "\\&amp;", words)
     gsub(/</, "\\&lt;", words)
@@ -78,7 +75,6 @@ function line(x1, y1, x2, y2, class) {
 function px(x) { return left + (x - low_x) / (high_x - low_x) * (right - left) }
 function py(y) { return bottom - (y - low_y) / (high_y - low_y) * (bottom - top) }
 
-# Series differ in shape as well as in colour.
 function mark(x, y, s,    shape) {
     shape = s % 6
     if (shape == 1)
@@ -91,7 +87,7 @@ function mark(x, y, s,    shape) {
 
 function floor_of(v) { return v < int(v) ? int(v) - 1 : int(v) }
 
-# An axis from one multiple of the step to another; a linear axis starts at 0 if the values come near it.
+# Rounds the ends of an axis to its step. A linear axis starts at 0 if the values come near 0.
 function ends(values, axis, is_log,    i, low, high, step) {
     low = high = values[1]
     for (i = 2; i <= points; i++) {

@@ -1,14 +1,13 @@
 #!/bin/sh
-# tools/scripts/probe.sh BUILD: finds the target of the compiler $CC and the optional libraries that it can compile and link
-# with, and writes BUILD/probe.mk for the Makefile. BUILD/with/NAME changes when that library appears, disappears or has
-# new headers. Probes again only if the compiler, its flags, the installed packages or its search folders changed.
-# Environment: CC CPPFLAGS CFLAGS LDFLAGS NVCC.
+# probe.sh BUILD: finds the target and the optional libraries of the compiler $CC, and writes BUILD/probe.mk for the
+# Makefile. BUILD/with/NAME changes when a library appears, disappears or has new headers. Probes again only if
+# compiler, flags, packages or search folders changed. Environment: CC CPPFLAGS CFLAGS LDFLAGS NVCC.
 build=${1:?build folder}
 mkdir -p "$build/with" "$build/tests" || exit 1
 
 libraries=$(sed -n 's/^LIBRARY_\([A-Z]*\) := /\1 /p' make/sources.mk)
 
-# compile ARGUMENT...: evaluates the flags like a recipe of make, since they may contain quotes.
+# The flags are evaluated like a recipe of make, since they may contain quotes.
 compile() { eval "$CC $CPPFLAGS $CFLAGS" '"$@"'; }
 link() { eval "$CC $CPPFLAGS $CFLAGS $LDFLAGS" '"$@"'; }
 search_folders() {

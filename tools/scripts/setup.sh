@@ -1,5 +1,5 @@
 #!/bin/sh
-# setup.sh PACKAGE...: installs the Debian packages that are missing, as root or by sudo.
+# setup.sh PACKAGE...: installs missing Debian packages, as root or by sudo.
 installed=$(dpkg-query -W -f='${Status} ${Package} \n' "$@" 2>/dev/null | sed -n 's/^[a-z]* ok installed//p')
 missing=
 for package in "$@"; do
@@ -11,7 +11,7 @@ root=
 [ "$(id -u)" = 0 ] || root=sudo
 echo "setup: installing$missing"
 apt() { $root env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
-# `update` has its own lock, and apt-get does not wait for that one.
+# apt-get does not wait for the lock of `update`.
 tries=0
 until said=$(apt update 2>&1); do
     case $said in *"Could not get lock"*) ;; *) tries=60 ;; esac

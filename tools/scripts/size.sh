@@ -1,5 +1,5 @@
 #!/bin/sh
-# tools/scripts/size.sh BUILD: prints the bytes of code and data of each part, without debugging information.
+# size.sh BUILD: prints the bytes of code and data of each part, without debugging information.
 build=${1:?build folder}
 stripped=$(mktemp) || exit 1
 objects=$(mktemp -d) || exit 1
@@ -7,7 +7,6 @@ trap 'rm -rf "$stripped" "$objects"' EXIT
 
 row() { printf '%-24s %9s %9s %9s\n' "$@"; }
 
-# part NAME SIZE FILE...: one row with the sum over the existing files.
 part() {
     name=$1 size=$2
     shift 2
@@ -22,7 +21,6 @@ part() {
     fi
 }
 
-# objects_of FOLDER: the object files of a folder's sources.
 objects_of() {
     for source in "$1"/*.c; do
         echo "$build/${source%.c}.o"

@@ -7,7 +7,7 @@ import { pathToFileURL } from "node:url";
 export const room = "kernels/compute/";
 export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
 
-// pixel.h uses so small a subset of C that these replacements turn it into WGSL.
+// Converts pixel.h from C to WGSL. These replacements suffice for its small subset of C.
 function pixelHeader()
 {
     return readFileSync("src/include/fixsplat/internal/pixel.h", "utf8")

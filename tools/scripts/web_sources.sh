@@ -1,7 +1,6 @@
 #!/bin/sh
-# tools/scripts/web_sources.sh FOLDER: fetches the sources of the libraries for the web port, with Debian's patches and in the
-# installed versions, to FOLDER/zlib and so on. apt checks the signatures, and its own state is unchanged. Without them,
-# the web port is built without the features that need them.
+# web_sources.sh FOLDER: fetches Debian's sources of the libraries for the web port, in the installed versions. apt
+# checks the signatures, and its state is unchanged. Without these libraries, the web port lacks some features.
 folder=${1:?folder}
 names='cjson libwebp libzip libzstd zlib'
 packages='libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev'
@@ -15,7 +14,7 @@ apt() {
         -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
 }
 
-# The reverse order asks a suite before its security updates, where both have the same version.
+# Reverse order prefers a Debian suite to its security updates if both have the same version.
 fetch() {
     mkdir -p "$work/lists/partial" "$work/none" &&
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
@@ -23,7 +22,7 @@ fetch() {
         apt update && { apt source --only-source $wanted || apt source --only-source $names; }
 }
 
-# The error messages of libzip, which its CMake generates from the header.
+# Generates the error messages of libzip from its header.
 name_errors() {
     echo '#include "zipint.h"'
     echo 'const char *const _zip_err_str[] = {'
@@ -34,7 +33,7 @@ name_errors() {
     echo '};'
 }
 
-# An interrupted replacement invalidates FOLDER/versions.
+# A removed FOLDER/versions marks an interrupted replacement.
 take() {
     rm -f ../versions
     for name in $names; do

@@ -1,4 +1,4 @@
-#define _XOPEN_SOURCE 700   /* strdup */
+#define _XOPEN_SOURCE 700   /* declares strdup */
 #include "scene_list.h"
 
 #include <ctype.h>
@@ -20,7 +20,6 @@ static int is_taken(const scene_list *list, const char *name)
     return taken;
 }
 
-/* The title is the name without its ending; the name in addresses has only letters, digits and dashes. */
 static void name_scene(const scene_list *list, listed_scene *s)
 {
     const char *slash = strrchr(s->path, '/'), *base = slash && slash[1] ? slash + 1 : s->path;
@@ -59,7 +58,7 @@ static int compare_paths(const void *a, const void *b)
     return strcmp(((const listed_scene *)a)->path, ((const listed_scene *)b)->path);
 }
 
-/* True if a folder contains a file with a fixed name in the table of formats, such as tileset.json. */
+/* True if a folder has a file with the fixed name of a scene format, such as tileset.json. */
 static int is_scene_of_files(const char *folder)
 {
     const fxs_scene_format *format;
@@ -81,7 +80,6 @@ int is_folder_of_scenes(const char *path)
     return is_folder(path) && !fxs_scene_format_of(path, 0) && !is_scene_of_files(path);
 }
 
-/* For a folder of photographs, suggests fixsplat fit. */
 static int fail_without_scene(const char *path)
 {
     fxs_printed command;

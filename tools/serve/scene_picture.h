@@ -1,4 +1,4 @@
-/* Renders a picture of an open scene from the start view of the viewer's page. */
+/* Renders a picture of a scene, from the first view of the viewer's page. */
 #ifndef SCENE_PICTURE_H
 #define SCENE_PICTURE_H
 
@@ -7,8 +7,8 @@
 
 enum { PICTURE_WIDTH = 1280, PICTURE_HEIGHT = 720, PICTURE_QUALITY = 85 };
 
-/* Encodes the picture as .jpg. `threads` 0: one for each processor; `background`: red, green, blue. Returns 0 and an
-   `encoded` for fxs_encoded_free, or an error and a message. */
+/* Encodes the picture as .jpg. `threads` 0: one per processor. Returns 0, or an error code and a message. Free
+   `encoded` with fxs_encoded_free. */
 int scene_picture(const fxs_opened *opened, int width, int height, const uint8_t background[3], uint32_t threads,
                   fxs_encoded *encoded, fxs_message *message);
 

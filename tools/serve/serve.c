@@ -1,4 +1,4 @@
-/* fixsplat-web: the program behind `fixsplat view --web` and `fixsplat fit --preview`, with the same arguments. */
+/* fixsplat-web: the web server behind `fixsplat view --web` and `fixsplat fit --preview`, with the same arguments. */
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -18,8 +18,8 @@
 
 typedef struct site {
     fxs_http_site served;
-    fxs_http_file *files;                   /* files of the scenes, then of the views and of the list, if any */
-    const char **starts;                    /* start pages: of the only scene, or of the list and then each scene */
+    fxs_http_file *files;
+    const char **starts;
     scene_list list;
     served_options how;
     served_scenes *scenes;
@@ -41,8 +41,6 @@ char *text_of(const char *format, ...)
     va_end(arguments);
     return text;
 }
-
-/* ---- Files of the site ------------------------------------------------------------------------------------------- */
 
 int keep_written(FILE *file)
 {
@@ -69,7 +67,7 @@ static int add_kept(site *s, const char *name, const char *of, int descriptor)
     return descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", of, strerror(errno)) : 0;
 }
 
-/* Serves the views of any camera file as cameras.json, beginning with the one that --view names. */
+/* Serves the views of a camera file as cameras.json, starting with the view that --view names. */
 static int add_views(site *s, const frame_options *o)
 {
     fxs_message message;
@@ -91,7 +89,7 @@ static int add_views(site *s, const frame_options *o)
     return add_kept(s, "/cameras.json", o->cameras, keep_written(file));
 }
 
-/* Escapes a text for an address: bytes that are not plain become %XX. `out` needs 3 times the text's length + 1. */
+/* Escapes a text for a URL. `out` must have room for 3 times the text's length + 1 bytes. */
 static void escape(char *out, const char *text)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.~/";
@@ -100,7 +98,6 @@ static void escape(char *out, const char *text)
     *out = 0;
 }
 
-/* The address of a scene's page; null: out of memory. */
 static char *page_of(const site *s, int scene, const frame_options *o)
 {
     const uint8_t *bg = o->render.background;
@@ -138,8 +135,7 @@ static int add_list(site *s, int scenes)
     return status ? status : add_start(s, "/list.html");
 }
 
-/* True if the path was named on the command line. Such scenes are read before serving; scenes found in a folder are
-   not. */
+/* True for a scene that the command line names, rather than its folder. Such scenes are read before serving. */
 static int is_named(const world_options *given, const char *path)
 {
     for (int i = 0; i < given->scene_count; i++)
@@ -193,11 +189,8 @@ static int fill_site(site *s, const frame_options *o)
     return status;
 }
 
-/* ---- Serving ----------------------------------------------------------------------------------------------------- */
-
 typedef struct told {
-    char near[128], far[128];               /* first address of this machine only, and first address for others;
-                                               empty: none */
+    char near[128], far[128];               /* first local and first public web address; empty: none */
 } told;
 
 static void tell(void *self, const char *address, int is_local)
@@ -209,7 +202,6 @@ static void tell(void *self, const char *address, int is_local)
     printf("%s/\n", address);
 }
 
-/* Interactive extras, which scripts do not get: a browser window and a QR code. */
 static void tell_people(const told *t, const view_options *o)
 {
     const int is_terminal = fxs_is_terminal(stdout);
@@ -230,7 +222,6 @@ static void tell_all(const fxs_http_server *server, const view_options *o)
     tell_people(&t, o);
 }
 
-/* Runs until shutdown is requested, or the only scene fails. */
 static int work(site *s)
 {
     int did;
@@ -254,7 +245,7 @@ static int serve(site *s, const view_options *o)
     return status;
 }
 
-/* Recognises `fit` by its option --preview or an abbreviation: under emulators argv[0] differs. */
+/* True if an argument is --preview or an abbreviation. argv[0] is not used, because emulators change it. */
 static int is_fit(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {

@@ -1,4 +1,4 @@
-/* Shared by the parts of fixsplat-web. */
+/* Helpers of fixsplat-web, the web server program. */
 #ifndef SERVE_H
 #define SERVE_H
 
@@ -11,17 +11,15 @@
    the file is null, or writing it failed. */
 int keep_written(FILE *file);
 
-/* Writes bytes to a temporary file and returns its descriptor, as keep_written does. */
+/* Writes bytes to a temporary file. Returns a descriptor of the file, or -1 with errno. */
 int keep(const void *data, size_t bytes);
 
-/* Formats a string, which the caller frees. Returns null if memory runs out. */
+/* Formats a string, which the caller frees. Null: out of memory. */
 char *text_of(const char *format, ...) FXS_PRINTF(1, 2);
 
-/* Prints the QR code of an address, readable on dark and light terminals. Returns 0, or -1 in a build without
-   libqrencode. */
+/* Prints the QR code of an address on the terminal. Returns -1 in a build without libqrencode, else 0. */
 int print_qr_code(const char *address);
 
-/* Runs `fixsplat fit --preview`. Returns its exit status. */
 int serve_fit(int argc, char **argv);
 
 #endif

@@ -1,4 +1,4 @@
-/* Prints the QR code of `fixsplat view --web` on a terminal. */
+/* Prints the QR code of an address on a terminal. */
 #include <errno.h>
 #include <string.h>
 
@@ -9,19 +9,17 @@
 #ifdef FXS_WITH_QRENCODE
 #include <qrencode.h>
 
-enum { MARGIN = 4 };                        /* width of the quiet zone in modules, ISO/IEC 18004 */
+enum { MARGIN = 4 };                        /* width of the quiet zone in modules (ISO/IEC 18004) */
 
 static int is_dark(const QRcode *code, int x, int y)
 {
     return x >= 0 && y >= 0 && x < code->width && y < code->width && (code->data[y * code->width + x] & 1);
 }
 
-/* Prints two rows of modules a line, white blocks on black regardless of the terminal's colours. */
 static void print_code(const QRcode *code)
 {
     const int is_coloured = fxs_terminal_takes_codes(stdout);
-    static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};   /* light modules: both, the upper, the
-                                                                                  lower, none */
+    static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};
     for (int y = -MARGIN; y < code->width + MARGIN; y += 2) {
         fputs(is_coloured ? "\033[40;97m" : "", stdout);
         for (int x = -MARGIN; x < code->width + MARGIN; x++)

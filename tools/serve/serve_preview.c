@@ -1,5 +1,5 @@
-/* `fixsplat fit --preview`: runs the fit, and serves a page that shows it. Every few seconds the fit packs its scene
-   into a temporary file and writes its numbers to /fit.json; the server's thread sends both to the page. */
+/* `fixsplat fit --preview`: runs the fit and serves a page that shows its progress. Every few seconds the fit packs
+   its scene into a temporary file and writes its numbers to /fit.json. */
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
@@ -20,18 +20,18 @@
 
 #define SECOND ((uint64_t)1000000000)
 enum {
-    SCENE_SECONDS = 3,              /* least time between two scenes */
-    SHARE = 40,                     /* packing scenes takes at most 1/SHARE of the time; so does measuring points */
-    POINTS = 20,                    /* points of the quality curve of a whole fit */
-    MEASURED_MOST = 4,              /* photographs that a point is measured by */
-    PAGE_SECONDS = 3,               /* a page silent for this time is gone */
-    GOODBYE_SECONDS = 5             /* longest wait at the end, until the page has loaded the last scene */
+    SCENE_SECONDS = 3,              /* least time between two packed scenes */
+    SHARE = 40,                     /* packing and measuring take at most 1/SHARE of the time each */
+    POINTS = 20,
+    MEASURED_MOST = 4,              /* most photographs that measure a point of the quality curve */
+    PAGE_SECONDS = 3,               /* a page without requests for that long is closed */
+    GOODBYE_SECONDS = 5             /* longest wait at the end for a page to load the last scene */
 };
 
 /* A served file that is replaced from time to time. */
 typedef struct live_file {
-    int descriptor;                 /* -1: no version yet */
-    uint32_t asked;                 /* requests for the current version */
+    int descriptor;
+    uint32_t asked;
     uint64_t asked_at;
 } live_file;
 
@@ -42,33 +42,30 @@ typedef struct point {
     double psnr, ssim;
 } point;
 
-/* The state of the preview; a program runs one fit. */
 static struct preview {
     fxs_http_server *server;
     fxs_http_site site;
     fxs_http_file files[FILES];
     char folder[PAGE_PATH];
-    pthread_mutex_t lock;           /* guards `live` */
+    pthread_mutex_t lock;           /* the lock guards `live` */
     live_file live[FILES];
 
     const char *out, *state;
-    int has_failed;                 /* a failure was reported */
-    int is_written;                 /* the final scene is written; further measurements are of it */
-    const fxs_photos *photos;       /* valid until the scene is written */
-    int held_out;                   /* measured by held-out photographs */
+    int has_failed;
+    int is_written;
+    const fxs_photos *photos;       /* photographs stay valid until the final scene is written */
+    int held_out;
     frame_options frame;
-    fxs_photos few;                 /* photographs measured at each point of the curve; all 0: none */
+    fxs_photos few;                 /* photographs measured for each point of the quality curve */
     fit_now now;
-    uint64_t began, told, packed;   /* times in nanoseconds: start of the fit, last numbers served, last scene served */
+    uint64_t began, told, packed;   /* times of the start, last numbers and last scene in nanoseconds */
     uint64_t spent_on_scenes, spent_on_points;
     uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
-    uint32_t measured;              /* last step measured */
+    uint32_t measured;
     point *points;
     size_t point_count, point_room;
-    quality result;                 /* measurement of all photographs, at the end: count and means only */
+    quality result;
 } preview = {.lock = PTHREAD_MUTEX_INITIALIZER, .live = {{-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}}, .state = "reads"};
-
-/* ---- Served files ------------------------------------------------------------------------------------------------ */
 
 static int open_live(void *file)
 {
@@ -82,7 +79,7 @@ static int open_live(void *file)
     return descriptor;
 }
 
-/* Takes ownership of the descriptor. -1, with errno set: a failure, which is reported once. */
+/* Replaces a served file and takes ownership of the descriptor. A descriptor of -1 reports errno. */
 static void give(struct preview *p, int which, int descriptor)
 {
     live_file *live = &p->live[which];
@@ -110,7 +107,6 @@ static uint32_t asked_for_numbers(struct preview *p, uint64_t *at)
     return asked;
 }
 
-/* Writes null for a number that JSON cannot hold. */
 static void write_number(FILE *file, const char *before, double number)
 {
     fprintf(file, isfinite(number) ? "%s%.4f" : "%snull", before, number);
@@ -128,7 +124,6 @@ static void write_points(FILE *file, const struct preview *p)
     putc(']', file);
 }
 
-/* Writes /fit.json, described in docs/web.md. */
 static void tell(struct preview *p)
 {
     FILE *file = fxs_stream_temporary();
@@ -157,7 +152,6 @@ static void tell(struct preview *p)
     give(p, NUMBERS, keep_written(file));
 }
 
-/* Serves the views of the photographs that measure the scene, so that the page can show them. */
 static void tell_views(struct preview *p)
 {
     FILE *file = fxs_stream_temporary();
@@ -173,10 +167,7 @@ static void tell_views(struct preview *p)
     give(p, VIEWS, keep_written(file));
 }
 
-/* ---- The scene --------------------------------------------------------------------------------------------------- */
-
-/* Sets the start view to the view of the first held-out photograph, or else of the first photograph, if that can be a
-   start view. The up direction is the mean over the fitted photographs. */
+/* Sets the start view to the first held-out photograph, or else the first photograph. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
@@ -208,7 +199,6 @@ static void add_point(struct preview *p, uint32_t step, const quality *q)
     p->points[p->point_count++] = (point){step, q->psnr, q->ssim};
 }
 
-/* Chooses every n-th photograph, to keep a point cheap. */
 static void choose_few(struct preview *p)
 {
     const fxs_photos *all = p->photos;
@@ -239,7 +229,8 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->spent_on_points += fxs_clock(0) - start;
 }
 
-/* True if a point of the curve is due: at the first scene, at the final one, and between as the time share allows. */
+/* True if a point of the quality curve is due: at the first scene, at the final scene, and between if the time share
+   allows. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;
@@ -248,7 +239,7 @@ static int wants_point(const struct preview *p)
     return (p->few.held_out || p->few.fit) && (!p->point_count || is_due || p->is_written);
 }
 
-/* `measured`: the scene that the curve's point measures. `start`: when packing began. */
+/* Serves the packed scene and, if due, measures `measured`. `start` is the time when packing began. */
 static void show(struct preview *p, fxs_packed_scene *packed, fxs_packed_scene *measured, uint64_t start)
 {
     give_scene(p, packed);
@@ -282,8 +273,6 @@ static void pack_and_show(struct preview *p, fxs_fit *fit)
     show(p, &packed, &packed, start);
     fxs_packed_scene_free(&packed);
 }
-
-/* ---- The fit's watcher ------------------------------------------------------------------------------------------- */
 
 static void say_address(void *self, const char *address, int is_local)
 {
@@ -368,8 +357,6 @@ static void tell_stopped(void)
     tell(&preview);
 }
 
-/* Waits until a page that is still open has loaded the last scene. The page asks for the numbers once more
-   afterwards. */
 static void wait_for_page(struct preview *p)
 {
     const uint64_t end = fxs_clock(0) + GOODBYE_SECONDS * SECOND;

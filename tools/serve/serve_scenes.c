@@ -1,6 +1,5 @@
-/* Packs and serves the scenes of `fixsplat view --web`. Pages ask for a scene's facts as JSON and for its file; the
-   questions mark the scene as wanted, and scenes_work packs wanted scenes into temporary files. A changed file
-   is packed again once it has settled. */
+/* Packs and serves the scenes of `fixsplat view --web`. A request marks its scene as wanted, and scenes_work packs
+   wanted scenes into temporary files. A changed file is packed again once it is stable. */
 #include "serve_scenes.h"
 
 #include <ctype.h>
@@ -16,17 +15,16 @@
 #include "serve.h"
 
 #define SECOND ((uint64_t)1000000000)
-#define SETTLED (SECOND * 3 / 4)            /* a file unchanged for this time is complete */
-#define LOOKS (5 * SECOND)                  /* a page that asked within this time is still open */
-#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes kept of packed scenes that no page shows */
-enum { SMALL = 64 };                        /* files of at most this many bytes a Gaussian are sent unpacked */
+#define SETTLED (SECOND * 3 / 4)            /* a scene file unchanged for that long is complete */
+#define LOOKS (5 * SECOND)                  /* a page with a request within that time is open */
+#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes of packed scenes that no page shows */
+enum { SMALL = 64 };                        /* bytes per Gaussian; smaller scene files are sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
-/* Successive versions alternate between two addresses, so that a page can go on reading the version it shows. */
+/* Versions of a scene alternate between two addresses, so that a page can continue to read its version. */
 enum { VERSIONS = 2, FILES = SCENE_FILES };
 
-/* Special values of descriptors. AS_IT_LIES: the scene's file is opened by name for each request, on systems where
-   an open file cannot be replaced. */
+/* Special values of a descriptor. AS_IT_LIES: opens the scene's file by name for each request. */
 enum { NONE = -1, AS_IT_LIES = -2 };
 
 enum scene_state { WAITS, PACKS, READY, FAILED, GONE };
@@ -34,22 +32,22 @@ static const char *const state_names[] = {"waits", "packs", "ready", "failed", "
 
 typedef struct served_scene {
     served_scenes *all;
-    const char *given;                      /* path as given, for messages */
-    char *path;                             /* absolute path with links resolved */
-    char *names[FILES];                     /* addresses: versions, facts, picture */
-    int number, is_twice;                   /* is_twice: another scene has the same base name */
-    fxs_file_facts taken, seen;             /* facts of the file: when served, and at the last check */
+    const char *given;
+    char *path;
+    char *names[FILES];                     /* web addresses of the versions, the facts and the picture */
+    int number, is_twice;
+    fxs_file_facts taken, seen;             /* size, time and inode when the file was served and last checked */
     uint64_t seen_at;
 
-    /* Guarded by the lock: */
+    /* Fields guarded by the lock: */
     enum scene_state state;
-    int descriptors[VERSIONS];              /* a descriptor, NONE or AS_IT_LIES */
-    int picture;                            /* a descriptor or NONE */
-    uint64_t kept;                          /* bytes of a scene packed into a temporary file */
-    uint32_t version;                       /* from 1; 0: no version yet */
-    double done;                            /* packing progress, 0 to 1 */
-    uint64_t asked_at;                      /* last request of a page that shows it; 0: never */
-    char words[256];                        /* reason of a failure */
+    int descriptors[VERSIONS];
+    int picture;
+    uint64_t kept;
+    uint32_t version;                       /* version of the scene, from 1; 0: none yet */
+    double done;
+    uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
+    char words[256];
 } served_scene;
 
 struct served_scenes {
@@ -57,7 +55,7 @@ struct served_scenes {
     served_scene *scenes;
     int count;
     pthread_mutex_t lock;
-    uint64_t listed_at;                     /* last request of a list; 0: never */
+    uint64_t listed_at;                     /* time of the last request for the list; 0: never */
 };
 
 static int slot_of(const served_scene *s)
@@ -65,7 +63,6 @@ static int slot_of(const served_scene *s)
     return (int)(s->version + VERSIONS - 1) % VERSIONS;
 }
 
-/* Sets *base to the last component of a path, and returns its length. */
 static int base_of(const char **base, const char *path)
 {
     const char *end = path + strlen(path);
@@ -75,8 +72,6 @@ static int base_of(const char **base, const char *path)
         ;
     return (int)(end - *base);
 }
-
-/* ---- Facts as JSON ----------------------------------------------------------------------------------------------- */
 
 static void write_facts(FILE *file, const served_scene *s)
 {
@@ -125,8 +120,7 @@ static int open_again(const served_scene *s, int descriptor)
          : descriptor == AS_IT_LIES ? fxs_descriptor_open(s->path) : fxs_descriptor_again(descriptor);
 }
 
-/* Opens a version, or the current one if that version is gone. If the scene has no version, the request marks it as
-   wanted. */
+/* Opens a version of a scene, or the current version if that is gone. Marks a scene without a version as wanted. */
 static int open_version(served_scene *s, int slot)
 {
     pthread_mutex_lock(&s->all->lock);
@@ -171,9 +165,7 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
     *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
 }
 
-/* ---- Packing a scene --------------------------------------------------------------------------------------------- */
-
-/* Returns 0, or -1 if the path cannot be a scene: missing, a link, a FIFO. */
+/* Returns -1 if the path cannot be a scene: missing, a link or a FIFO. */
 static int look_at_file(const char *path, fxs_file_facts *facts)
 {
     const enum fxs_file_kind kind = fxs_file_look_at_name(path, facts);
@@ -188,7 +180,6 @@ static int is_same(const fxs_file_facts *a, const fxs_file_facts *b)
     return a->device == b->device && a->inode == b->inode && a->size == b->size && a->modified == b->modified;
 }
 
-/* True for a single file. A JSON file is not: it names others. */
 static int is_one_file(const char *path)
 {
     if (fxs_file_kind(path) != FXS_FILE_REGULAR)
@@ -202,10 +193,8 @@ static int is_one_file(const char *path)
     return c != '{';
 }
 
-/* Facts about a scene's file before it is loaded. */
 typedef struct first_look {
-    int is_fxs, is_sent;                    /* is_sent: the file is sent unchanged, since it is an .fxs, or packing
-                                               would gain nothing and no option needs it */
+    int is_fxs, is_sent;
 } first_look;
 
 static int look_first(const char *path, const load_options *o, first_look *look)
@@ -223,7 +212,6 @@ static int look_first(const char *path, const load_options *o, first_look *look)
     return 0;
 }
 
-/* Shows progress on the terminal and to pages. A shutdown request ends the program. */
 static int tell_progress(void *scene, double done)
 {
     served_scene *s = scene;
@@ -254,7 +242,7 @@ static int picture_of(const served_scene *s, const loaded_scene *scene)
     return descriptor;
 }
 
-/* Call with the lock held if the descriptor belongs to a scene. */
+/* Closes and replaces a descriptor. Call with the lock held if the descriptor belongs to a scene. */
 static void replace(int *descriptor, int by)
 {
     if (*descriptor >= 0)
@@ -263,7 +251,7 @@ static void replace(int *descriptor, int by)
 }
 
 typedef struct taken {
-    int descriptor, picture;                /* like the fields of served_scene */
+    int descriptor, picture;
     uint64_t kept;
 } taken;
 
@@ -273,15 +261,13 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
         t->picture = picture_of(s, scene);
     if (look->is_sent)
         return 0;
-    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so not a mapped
-                                                                                      file */
+    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
     t->kept = scene->opened->bytes;
     t->descriptor = keep(scene->opened->data, scene->opened->bytes);
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
 }
 
-/* Prepares the file to send and a picture. Loads the scene in any case, so that errors show up here and not in the
-   page. */
+/* Loads a scene for the server, even if it is sent unpacked, to find errors. */
 static int take_file(served_scene *s, taken *t)
 {
     load_options o;
@@ -315,7 +301,7 @@ static void set_state(served_scene *s, enum scene_state state, const char *words
     pthread_mutex_unlock(&s->all->lock);
 }
 
-/* Call with the lock held. */
+/* Frees the versions of a scene. Call with the lock held. */
 static void drop(served_scene *s)
 {
     for (int i = 0; i < VERSIONS; i++)
@@ -324,7 +310,7 @@ static void drop(served_scene *s)
     s->state = WAITS;
 }
 
-/* Drops the packed scenes that no page shows, oldest request first, until they take at most KEPT_MOST bytes. */
+/* Frees packed scenes that no page shows, the least recently requested first, until at most KEPT_MOST bytes remain. */
 static void make_room(served_scenes *all)
 {
     const uint64_t now = fxs_clock(0);
@@ -347,7 +333,7 @@ static void make_room(served_scenes *all)
     pthread_mutex_unlock(&all->lock);
 }
 
-/* Removes the scene's path from a message, since pages on other machines may see it. */
+/* Removes the scene's path from a message, because pages on other machines may see it. */
 static const char *without_path(const served_scene *s, const char *words)
 {
     const size_t length = strlen(s->path);
@@ -378,16 +364,13 @@ static int take(served_scene *s, const fxs_file_facts *now)
     return 0;
 }
 
-/* ---- Scheduling -------------------------------------------------------------------------------------------------- */
-
-/* Packs a scene again after its file has changed and settled. */
 static void follow(served_scene *s)
 {
     const uint64_t time = fxs_clock(0);
     fxs_file_facts now;
     if (look_at_file(s->path, &now)) {
         set_state(s, GONE, "the file is not there any more");
-        s->taken = s->seen = now;   /* all 0 */
+        s->taken = s->seen = now;
         return;
     }
     if (!is_same(&now, &s->seen)) {
@@ -407,7 +390,7 @@ static int take_first(served_scene *s)
     return fail(EXIT_FAILED, "%s: there is no such file", s->given);
 }
 
-/* Whether a page shows the scene, or lists it before its picture exists. */
+/* Interest of open pages in a scene: none, listed but without a picture, or shown. */
 enum interest { NOBODY, LISTED, SHOWN };
 
 static enum interest interest_in(served_scene *s, enum scene_state *state)
@@ -441,8 +424,6 @@ int scenes_work(served_scenes *all)
     return take_first(next) && !all->options->has_list ? -1 : 1;
 }
 
-/* ---- The scenes -------------------------------------------------------------------------------------------------- */
-
 served_scenes *scenes_new(const served_options *options, int most)
 {
     served_scenes *all = calloc(1, sizeof *all);
@@ -469,7 +450,6 @@ static int name_scene(served_scene *s, int is_sent)
     return 0;
 }
 
-/* Scenes with the same base name are listed by their whole paths. */
 static void find_twins(served_scenes *all, served_scene *s)
 {
     const char *base, *other;
@@ -491,14 +471,13 @@ int scenes_add(served_scenes *all, const char *path, int is_sure)
     s->picture = s->descriptors[0] = s->descriptors[1] = NONE;
     if (is_sure && look_first(path, &all->options->load, &look))
         return EXIT_FAILED;
-    s->path = fxs_path_whole(path);   /* links are resolved once, now */
+    s->path = fxs_path_whole(path);
     if (!s->path && !(is_sure ? 0 : (s->path = strdup(path))))
         return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     find_twins(all, s);
     if (name_scene(s, look.is_sent))
         return EXIT_FAILED;
-    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* nothing to pack, so it is
-                                                                                        ready at once */
+    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;
 }
 
 const char *scenes_address(const served_scenes *all, int scene)

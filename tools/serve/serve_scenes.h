@@ -1,6 +1,5 @@
-/* The scenes that `fixsplat view --web` serves. Each is packed if that makes it smaller, with its progress reported
- * to the page, and packed again when its file changes. One thread, which calls scenes_work, packs them; the server's
- * thread sends the files that are ready. */
+/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller. A single thread packs
+   scenes in scenes_work. The server's thread sends the ready files. */
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 
@@ -9,34 +8,30 @@
 
 typedef struct served_scenes served_scenes;
 
-/* How scenes are packed. Must outlive the scenes. */
+/* Options of packing. Must outlive the list of scenes. */
 typedef struct served_options {
     load_options load;
-    uint8_t background[3];                  /* background of pictures */
-    int has_list;                           /* 1: several scenes in a list with pictures, each packed once somebody
-                                               looks at it; 0: one scene, packed at once, and the program ends if
-                                               that fails */
+    uint8_t background[3];
+    int has_list;                           /* 1: serves a list, and packs its scenes on demand */
 } served_options;
 
-/* Room for `most` scenes. Returns null if memory runs out. Free with scenes_free. */
+/* Allocates a list of at most `most` scenes. Null: out of memory. Free the list with scenes_free. */
 served_scenes *scenes_new(const served_options *options, int most);
 
-/* Adds a scene. With is_sure its file is read now, and a failure is an error. Returns 0, or prints the reason and
-   returns EXIT_FAILED. */
+/* Adds a scene. is_sure 1: reads the scene's file, and fails if it cannot be read. */
 int scenes_add(served_scenes *all, const char *path, int is_sure);
 
-/* scenes_address: the address of a scene's first version. scenes_title: its name in a list. */
 const char *scenes_address(const served_scenes *all, int scene);
 const char *scenes_title(const served_scenes *all, int scene);
 
-/* The files that the server sends, valid until scenes_free: SCENE_FILES for each scene, and one about all scenes.
-   `files` must have room for scenes_file_count of them. */
+/* Describes the files that the server sends, valid until scenes_free. `files` must have room for scenes_file_count
+   entries. */
 enum { SCENE_FILES = 4 };
 int scenes_file_count(const served_scenes *all);
 void scenes_files(served_scenes *all, fxs_http_file *files);
 
-/* Packs the next wanted or changed scene. Call it a few times a second. Returns 1 if it packed one, 0 if not, and -1
-   if the first packing of the only scene failed. */
+/* Packs the next wanted or changed scene. Call scenes_work a few times a second. Returns 1: packed, 0: idle, -1: the
+   only scene failed. */
 int scenes_work(served_scenes *all);
 
 void scenes_free(served_scenes *all);

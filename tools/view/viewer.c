@@ -1,5 +1,5 @@
-/* The window's thread of `fixsplat view`: opens and installs scenes, turns keys, pointer and wheel into camera
-   motion, adapts the budget to the frame rate, and queues requests for the renderer's thread (viewer_frame.c). */
+/* The window's thread of `fixsplat view`. Opens scenes, turns keys and pointer into camera motion, adapts the budget
+   (Gaussians per frame) to the frame rate, and queues requests for the renderer's thread. */
 #include "viewer.h"
 
 #include <math.h>
@@ -16,10 +16,7 @@
 enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
        FILM_NS = 1000000000 / FILM_RATE };
 
-/* ---- Scene and views --------------------------------------------------------------------------------------------- */
-
-/* Shows a view of v->views. The pivot is the --look point, or else the point ahead that is nearest to the scene's
-   middle. */
+/* Shows a view. The pivot is the --look point, or else the point ahead that is nearest to the scene's middle. */
 static void show_view(viewer *v, long index)
 {
     const double *low = v->world.inner_low, *high = v->world.inner_high;
@@ -39,7 +36,6 @@ static void show_view(viewer *v, long index)
     v->changed = 1;
 }
 
-/* The up direction, in this order: --up, the scene's file, the mean of a camera file's views, the default. */
 static void find_up(viewer *v)
 {
     double mean[3];
@@ -50,7 +46,8 @@ static void find_up(viewer *v)
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 
-/* A chunk's origin in the world: p = R o s + t */
+/* Computes the origin of a chunk (256 Gaussians) in the world: p = R o s + t, with rotation R,
+   origin o, scale s and translation t. */
 static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
 {
     fxs_chunk header;
@@ -64,7 +61,7 @@ static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
     }
 }
 
-/* Samples the scene at every n-th chunk. Chunks hold equally many Gaussians, so the sample is even. */
+/* Samples the scene at every n-th chunk. Each chunk has 256 Gaussians, so the sample is even. */
 static void find_points(viewer *v)
 {
     uint64_t chunks = 0, number = 0;
@@ -84,7 +81,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The distance to the nearest twentieth of the scene, within 0.01 to 2 scene radii. */
+/* Returns the distance within which the nearest twentieth of the scene lies, clamped to 0.01 to 2 scene radii. */
 static double reach(const viewer *v)
 {
     double distances[NEAR_POINTS];
@@ -97,9 +94,6 @@ static double reach(const viewer *v)
     return fmin(fmax(near, 0.01 * v->radius), 2 * v->radius);
 }
 
-/* ---- Opening scenes ---------------------------------------------------------------------------------------------- */
-
-/* Saves a scene that was opened alone in the recent list. Reports only the first failure. */
 static void keep_recent(loading *l)
 {
     fxs_message message;
@@ -107,7 +101,6 @@ static void keep_recent(loading *l)
         note("recent scenes are not kept: %s", message.text);
 }
 
-/* Called on a pager's thread. */
 static void note_arrived(void *viewer_)
 {
     viewer *v = viewer_;
@@ -115,7 +108,6 @@ static void note_arrived(void *viewer_)
         fxs_window_wake();
 }
 
-/* Stores the failure's message, with the path shortened to its last component. */
 static void note_why(loading *l)
 {
     const world_options *given = &l->options.world;
@@ -125,7 +117,6 @@ static void note_why(loading *l)
     snprintf(l->why, sizeof l->why, "%.255s", why);
 }
 
-/* On the loader's thread: opens the scenes and views that v->loading names. */
 static void load(void *argument)
 {
     viewer *v = argument;
@@ -162,7 +153,7 @@ static void start_loading(viewer *v)
     fxs_worker_do(v->loader, load, v);
 }
 
-/* Opens a dropped file in place of the current scenes, or after the one being opened. */
+/* Opens a dropped file in place of the current scenes, or after the scene that is being opened. */
 static void drop(viewer *v, const char *path)
 {
     char **place = v->loading.on ? &v->loading.next : &v->loading.path;
@@ -188,8 +179,8 @@ static void end_loading(viewer *v)
     free(next);
 }
 
-/* A dropped file that fails leaves the current scenes on show. If the scenes of the command line fail, the program
-   ends, unless it owns its terminal and the messages would vanish with it. */
+/* Installs loaded scenes. After a failed drop the current scenes remain. A failure at the start ends the program,
+   unless its terminal would vanish with the message. */
 static void collect_loaded(viewer *v)
 {
     if (!v->loading.on || v->installing || fxs_worker_busy(v->loader))
@@ -240,8 +231,6 @@ void viewer_install(viewer *v)
         fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
     end_loading(v);
 }
-
-/* ---- Keys and pointer -------------------------------------------------------------------------------------------- */
 
 static void next_view(viewer *v, int key)
 {
@@ -317,7 +306,7 @@ static void toggle_measure(viewer *v, int key)
         snprintf(v->note, sizeof v->note, "measure: click one end");
 }
 
-/* Starts recording the camera's path, then writes it as a film; a third press cancels the writing. */
+/* Starts to record the camera's path. The next call writes the film, and the third call cancels the writing. */
 static void toggle_film(viewer *v, int key)
 {
     (void)key;
@@ -336,7 +325,6 @@ static void toggle_film(viewer *v, int key)
     }
 }
 
-/* Records the current view for each frame due since the last step. */
 static void take_way(viewer *v, uint64_t now)
 {
     v->filmed = v->way_count ? v->filmed : now;
@@ -346,8 +334,6 @@ static void take_way(viewer *v, uint64_t now)
         ask_film(v);
 }
 
-/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
-
 int viewer_has_levels(const viewer *v)
 {
     for (uint32_t i = 0; i < v->world.count; i++)
@@ -356,7 +342,7 @@ int viewer_has_levels(const viewer *v)
     return 0;
 }
 
-/* Half of each pool is left for prefetched and recently visible chunks. */
+/* Half of each memory pool is left for prefetched and recently visible chunks. */
 uint32_t viewer_budget_most(const viewer *v)
 {
     uint64_t most = 0;
@@ -366,7 +352,7 @@ uint32_t viewer_budget_most(const viewer *v)
     return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
 }
 
-/* The largest budget means no budget, unless scenes are paged. */
+/* The largest budget of Gaussians stands for no budget, unless scenes are partly in memory. */
 static void set_budget(viewer *v, double gaussians)
 {
     const uint32_t most = viewer_budget_most(v);
@@ -397,7 +383,7 @@ static void toggle_levels(viewer *v, int key)
     v->changed = 1;
 }
 
-/* Changes by a factor of 0.8 to 1.25 a frame, and grows only if the budget limits the frame. */
+/* The budget of Gaussians changes by a factor of 0.8 to 1.25 per frame, and grows only if it limits the frame. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
 {
     const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
@@ -414,7 +400,6 @@ static void toggle_theme(viewer *v, int key) { (void)key; v->light = !v->light; 
 
 static void toggle_help(viewer *v, int key) { (void)key; v->help = !v->help; }
 
-/* Ends the innermost activity: writing, cropping, or the viewer itself. */
 static void leave(viewer *v, int key)
 {
     (void)key;
@@ -429,7 +414,7 @@ static void leave(viewer *v, int key)
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key, of_scene;                  /* ignored without a scene */
+        int key, of_scene;
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
                 {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
@@ -446,7 +431,6 @@ static void press(viewer *v, int pressed)
         }
 }
 
-/* Hovers over or drags a handle of the crop box. Returns whether one is dragged. */
 static int point_at_handle(viewer *v, const fxs_window_event *event)
 {
     v->dragged = v->dragged && event->left;
@@ -460,7 +444,7 @@ static int point_at_handle(viewer *v, const fxs_window_event *event)
     return v->dragged;
 }
 
-/* Dragging across the window's height turns by half a turn; a look or pan keeps the scene under the pointer. */
+/* A drag across the window's height is half a turn. Looking and panning keep the scene under the pointer. */
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
@@ -521,7 +505,6 @@ static void open_recent(viewer *v, int i)
         drop(v, v->recent.paths[i]);
 }
 
-/* Handles the pointer in the window without a scene. */
 static void choose_recent(viewer *v, const fxs_window_event *event)
 {
     if (event->type == FXS_EVENT_WHEEL || v->help)
@@ -565,14 +548,11 @@ static void take(viewer *v, const fxs_window_event *event)
     }
 }
 
-/* ---- The viewer -------------------------------------------------------------------------------------------------- */
-
 static int milliseconds_until(uint64_t now, uint64_t then)
 {
     return then > now ? (int)((then - now) / 1000000) + 1 : 0;
 }
 
-/* Milliseconds to wait for events: as asked, limited by the next timed action. */
 static int time_to_wait(const viewer *v, int milliseconds)
 {
     const uint64_t now = fxs_clock(0);
@@ -588,7 +568,6 @@ static int time_to_wait(const viewer *v, int milliseconds)
     return milliseconds;
 }
 
-/* Handles events and flight. */
 static void move(viewer *v, int milliseconds)
 {
     const fxs_file_view view = v->view;
@@ -604,8 +583,7 @@ static void move(viewer *v, int milliseconds)
     v->clock = now;
     if (v->moving)
         v->moved = now;
-    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* out of the renderer's range: undo the
-                                                                             motion */
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* the camera is out of range */
         v->view = view;
         v->distance = distance;
     }
@@ -621,14 +599,13 @@ static void move(viewer *v, int milliseconds)
     }
 }
 
-/* Draws a new frame after missing chunks were loaded. */
 static void take_arrived(viewer *v)
 {
     if (v->missing && !v->request_count && __atomic_exchange_n(&v->arrived, 0, __ATOMIC_ACQ_REL))
         v->changed = 1;
 }
 
-/* True if the last frame had a reduced size and the camera has rested for STILL_MS. */
+/* True if the last frame was reduced and the camera has rested for STILL_MS. */
 static int is_still(const viewer *v)
 {
     return v->coarse && v->clock >= v->moved + STILL_MS * 1000000;
@@ -723,7 +700,7 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* before the window: pagers wake it */
+    world_close(&v->world);                             /* before the window: the world's threads wake it */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

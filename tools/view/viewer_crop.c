@@ -1,13 +1,11 @@
-/* The crop box of the window and its six handles. Dragging a handle moves it along its axis to the point nearest to
-   the pointer's ray. */
+/* The crop box of the window and its six handles. A dragged handle moves along its axis to the point nearest to the
+   pointer's ray. */
 #include <math.h>
 #include <string.h>
 
 #include "viewer.h"
 
-/* ---- The box ----------------------------------------------------------------------------------------------------- */
-
-/* A side of the crop box, rounded so that few digits print it exactly. */
+/* Rounds a side of the crop box, so that few digits print it exactly. */
 static double crop_side(double x)
 {
     return fabs(x) < 4096 ? (double)(float)x : floor(x * 1024 + 0.5) / 1024;
@@ -23,7 +21,6 @@ void crop_begin(viewer *v)
     v->face = CROP_NONE;
 }
 
-/* The axis of an object that is parallel to an axis of the world, or -1. */
 static int axis_along(const double row[3], double scale)
 {
     for (int k = 0; k < 3; k++)
@@ -32,7 +29,7 @@ static int axis_along(const double row[3], double scale)
     return -1;
 }
 
-/* Crop boxes belong to objects, so a world box can be applied only if all objects' axes are parallel to the world's. */
+/* True if all objects' axes are parallel to the world's. Only then can a box in the world crop the objects. */
 static int can_crop(const world *w)
 {
     for (uint32_t i = 0; i < w->count; i++) {
@@ -66,9 +63,8 @@ void crop_toggle(viewer *v)
     v->exposed = 1;
 }
 
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
-
-/* The world's box in the units of a placement: w_i = s r_k o_k + t_i */
+/* Converts a box in the world to the units of an object: w_i = s r_k o_k + t_i, with scale s, rotation r and
+   translation t. */
 static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
 {
     fxs_world_crop box = {.outside = 0};
@@ -84,7 +80,6 @@ static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
     return box;
 }
 
-/* Returns 0 if the intersection is empty. */
 static int intersect(fxs_world_crop *crop, const fxs_world_crop *box)
 {
     int common = 1;
@@ -96,7 +91,6 @@ static int intersect(fxs_world_crop *crop, const fxs_world_crop *box)
     return common;
 }
 
-/* Cuts the crops of a placement by the box; makes it invisible if nothing is left. */
 static void crop_placement(fxs_placement *p, const crop_box *crop)
 {
     const fxs_world_crop box = box_in(p, crop);
@@ -116,7 +110,7 @@ static void crop_placement(fxs_placement *p, const crop_box *crop)
         p->visible = 0;
 }
 
-/* Starts from the loaded placements, so that repeated calls do not accumulate. */
+/* Starts from the original placements of the objects, so repeated crops do not accumulate. */
 void crop_world(world *w, const crop_box *crop)
 {
     fxs_message message;
@@ -127,8 +121,6 @@ void crop_world(world *w, const crop_box *crop)
         fxs_object_place(&w->objects[i], w->scenes[p.file].opened->scene, &p, w->crops + i * FXS_MAX_CROPS, &message);
     }
 }
-
-/* ---- Handles ----------------------------------------------------------------------------------------------------- */
 
 void crop_handle(const crop_box *crop, int face, double point[3])
 {
@@ -151,7 +143,7 @@ int crop_face_at(const viewer *v, double x, double y)
     return found;
 }
 
-/* The ray of a window position in the last frame's view: origin `from`, direction `along`. */
+/* Computes the ray of a window position in the last frame: origin `from`, direction `along`. */
 static void find_ray(const viewer *v, double x, double y, double from[3], double along[3])
 {
     const fxs_file_view *view = &v->seen;
@@ -172,8 +164,8 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The point on the axis through the handle h that is nearest to the ray o + s d: t = (b (d w) / d^2 - e w) / (1 -
-   b^2 / d^2), with e along the axis, b = e d and w = h - o. Returns 0 if the two are nearly parallel. */
+/* Finds the point t on the axis e through the handle h that is nearest to the ray o + s d: t = (b (d w) / d^2 - e w)
+   / (1 - b^2 / d^2), with b = e d and w = h - o. Returns 0 if axis and ray are nearly parallel. */
 static int nearest_on_axis(const double h[3], int axis, const double o[3], const double d[3], double *t)
 {
     const double w[3] = {h[0] - o[0], h[1] - o[1], h[2] - o[2]}, b = d[axis], square = dot(d, d);

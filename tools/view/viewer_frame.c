@@ -1,5 +1,5 @@
-/* The jobs of the renderer's thread: frames, picks, screenshots, films, cropped scenes, change of the back end. Each
-   ask_... function queues one; its `work` part runs on the renderer's thread, its `done` part on the window's. */
+/* Jobs of the renderer's thread, such as frames, picks and screenshots. Each ask function queues a job. `work` runs
+   on the renderer's thread, `done` on the window's thread. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,9 +20,6 @@ int eyes_of(const viewer *v)
     return v->options.stereo > 0 ? 2 : 1;
 }
 
-/* ---- Requests ---------------------------------------------------------------------------------------------------- */
-
-/* The view with another picture size. */
 static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int height)
 {
     fxs_message message;
@@ -33,7 +30,6 @@ static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int hei
     return view;
 }
 
-/* One eye's view at the window's size divided by `divisor`. */
 static fxs_file_view fit_view(const viewer *v, int divisor)
 {
     int width, height;
@@ -44,7 +40,7 @@ static fxs_file_view fit_view(const viewer *v, int divisor)
     return fit(v, v->view, width, height);
 }
 
-/* Queues a request with the current view. Returns it, or null if the queue is full. */
+/* Queues a request for the renderer's thread. Returns null if the queue is full. */
 static request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor)
 {
     if (v->request_count == REQUESTS_MOST)
@@ -88,8 +84,6 @@ static void tell(viewer *v, const char *text)
     v->exposed = 1;
 }
 
-/* ---- Back ends --------------------------------------------------------------------------------------------------- */
-
 static void open_renderer(viewer *v, request *r)
 {
     r->status = renderer_open(&v->renderer, &v->opened);
@@ -109,7 +103,6 @@ void ask_open(viewer *v)
     ask(v, open_renderer, end_without, 1);
 }
 
-/* Opens the next available back end, possibly the same one again. */
 static void open_next(viewer *v, request *r)
 {
     int now = 0, count = 0;
@@ -158,9 +151,6 @@ int ask_install(viewer *v)
     return ask(v, forget, install, 1) != 0;
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
-/* Applies the crop box before objects are drawn or picked. */
 static void crop_objects(viewer *v, const crop_box *crop)
 {
     if (crop->on || v->cropped)
@@ -186,7 +176,7 @@ static void render(viewer *v, request *r)
 
 static void take_frame(viewer *v, request *r)
 {
-    if (r->status && fxs_worker_stopped(v->drawer))     /* stopped for the next frame */
+    if (r->status && fxs_worker_stopped(v->drawer))     /* a newer frame has stopped this one */
         return;
     if (r->status) {
         tell(v, "not rendered: see the terminal");
@@ -230,9 +220,7 @@ void stop_frame(viewer *v)
         fxs_worker_stop(v->drawer);
 }
 
-/* ---- Screenshots ------------------------------------------------------------------------------------------------- */
-
-/* The first free name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
+/* Finds the first free name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
 static int name_file(request *r, const char *stem, const char *ending)
 {
     for (int i = 1; i < 1000; i++) {
@@ -293,7 +281,6 @@ static void print_eyes(const viewer *v)
         printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
 }
 
-/* True if the view is unchanged from the camera file's. */
 static int is_of_file(const viewer *v, const fxs_file_view *view)
 {
     const fxs_file_view *start = &v->views[v->index];
@@ -302,7 +289,6 @@ static int is_of_file(const viewer *v, const fxs_file_view *view)
            view->width * (int64_t)start->height == start->width * (int64_t)view->height;
 }
 
-/* Prints eye, look, up and field of view. */
 static void print_camera(const viewer *v, const fxs_file_view *view)
 {
     const double *e = view->position, *down = view->rotation + 3, *ahead = view->rotation + 6, d = v->distance;
@@ -316,8 +302,8 @@ static void print_camera(const viewer *v, const fxs_file_view *view)
         printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
 }
 
-/* Prints the command that renders the picture again, byte for byte if pixels are square and the principal point is
-   central. */
+/* Prints the command that renders the picture again. The pictures are equal if pixels are square and the principal
+   point is central. */
 static void print_command(const viewer *v, const fxs_file_view *view, const fxs_options *render_options,
                           const char *path)
 {
@@ -374,9 +360,7 @@ void ask_screenshot(viewer *v)
     ask(v, write_picture, take_written, 1);
 }
 
-/* ---- Films ------------------------------------------------------------------------------------------------------- */
-
-/* Renders and writes the frames of the path. Returns 0, or nonzero with r->status or a message. */
+/* Renders and writes the frames of a film. Returns 0, or nonzero with r->status or a message. */
 static int write_frames(viewer *v, request *r, fxs_film *film)
 {
     fxs_encoded encoded = {0};
@@ -430,9 +414,7 @@ void ask_film(viewer *v)
         v->film = FILM_WRITTEN;
 }
 
-/* ---- Cropped scenes ---------------------------------------------------------------------------------------------- */
-
-/* The source's file ending if that format can be written, else .ply. */
+/* Returns the file ending of the source if its format can be written, else .ply. */
 static const char *cropped_ending(const viewer *v)
 {
     const fxs_scene_format *format = v->world.placed.file_count == 1 ? fxs_scene_format_of(v->path, 1) : 0;
@@ -441,7 +423,6 @@ static const char *cropped_ending(const viewer *v)
     return v->path + strlen(v->path) - strcspn(format->endings, " ");
 }
 
-/* SCENE-cropped-001.ply in the scene's folder. */
 static int name_cropped(const viewer *v, request *r)
 {
     const char *ending = cropped_ending(v), *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
@@ -473,7 +454,6 @@ static void write_cropped(viewer *v, request *r)
         r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);
 }
 
-/* Prints the convert command that writes the same cropped file. */
 static void print_conversion(const viewer *v, const request *r)
 {
     const load_options *o = &v->options.load;
@@ -510,8 +490,6 @@ void ask_crop(viewer *v)
         v->crop_written = 1;
 }
 
-/* ---- Points of the scene ----------------------------------------------------------------------------------------- */
-
 static void pick(viewer *v, request *r)
 {
     crop_objects(v, &r->crop);
@@ -523,7 +501,7 @@ static void ask_pick(viewer *v, void (*done)(viewer *, request *), double x, dou
     request *r = ask(v, pick, done, 1);
     if (!r)
         return;
-    x = fmod(x, r->view.width);              /* either eye */
+    x = fmod(x, r->view.width);
     r->x = (int)fmax(x, 0);
     r->y = (int)fmin(fmax(y, 0), r->view.height - 1);
 }
@@ -540,7 +518,7 @@ static double units(int64_t q32)
     return (double)q32 / 4294967296.0;
 }
 
-/* Moves the picked point to the middle of the picture, at its depth, and makes it the pivot. */
+/* Moves the picked point to the middle of the picture, at constant depth. The point becomes the pivot. */
 static void take_focus(viewer *v, request *r)
 {
     double seen[3] = {0, 0, 0};

@@ -15,7 +15,7 @@ int main(int argc, char **argv)
         status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
     if (status)
         return status;
-    fxs_output_remove_at_signals();   /* except the signals that the window handles as a request to close */
+    fxs_output_remove_at_signals();   /* the window handles other signals as a request to close */
     while (!v.quit)
         viewer_step(&v, -1);
     viewer_close(&v);

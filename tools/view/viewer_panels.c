@@ -8,17 +8,16 @@
 #include "tools/command/cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: font size, pixels */
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: smallest font size in pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
     int count;
-    int width, height, scale;               /* window size in pixels; scale: pixels a point */
+    int width, height, scale;               /* size of the window in pixels; pixels per point */
     const fxs_theme *theme;
     fxs_words *words;
 } panels;
 
-/* Returns the panel, or null if no panel is free. */
 static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius, uint32_t colour)
 {
     if (p->count == PANELS_MOST || fxs_panel_make(&p->list[p->count], x, y, width, height, radius, colour))
@@ -28,7 +27,7 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
 
 enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM };
 
-/* Adds one line of text on a panel, in the largest size that fits; an empty text adds nothing. */
+/* Adds a line of text on a panel, in the largest font size that fits. */
 static void add_words(panels *p, enum place place, const char *text)
 {
     const int pad = 10 * p->scale, edge = 12 * p->scale, room = p->width - 2 * (pad + edge);
@@ -45,19 +44,14 @@ static void add_words(panels *p, enum place place, const char *text)
         fxs_draw_words(p->words, &panel->picture, pad, pad / 2, text, p->theme->words);
 }
 
-/* ---- Lists ------------------------------------------------------------------------------------------------------- */
-
-/* A key and its action. */
 typedef struct key_line {
     char key[32], does[96];
 } key_line;
 
-/* Layout of a list on a panel, in one font size. */
 typedef struct key_table {
     int size, line, pad, rows, columns, key_width, column_width, width, height, left, top;
 } key_table;
 
-/* Uses the fewest columns that the window's height allows. */
 static key_table lay_out(const panels *p, const key_line *lines, int count, int size)
 {
     key_table t = {.size = size, .pad = size};
@@ -81,7 +75,6 @@ static key_table lay_out(const panels *p, const key_line *lines, int count, int 
     return t;
 }
 
-/* Centred in the window, in the largest size that fits. */
 static key_table lay_out_to_fit(const panels *p, const key_line *lines, int count)
 {
     key_table t = lay_out(p, lines, count, 14 * p->scale);
@@ -90,7 +83,6 @@ static key_table lay_out_to_fit(const panels *p, const key_line *lines, int coun
     return t;
 }
 
-/* Line `marked` gets the colour of keys. */
 static void add_list(panels *p, const key_line *lines, int count, int marked)
 {
     const key_table t = lay_out_to_fit(p, lines, count);
@@ -103,7 +95,6 @@ static void add_list(panels *p, const key_line *lines, int count, int marked)
     }
 }
 
-/* Shows the lines of viewer_keys. */
 static void add_help(panels *p)
 {
     key_line lines[KEYS_MOST];
@@ -124,9 +115,7 @@ const char *viewer_file_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* ---- Recent scenes ----------------------------------------------------------------------------------------------- */
-
-/* A heading, then a line for each recent scene: key, name, and the end of its folder. */
+/* Lists recent scenes: a heading, then a line with key, name and folder for each scene. */
 static int list_recent(const viewer *v, key_line lines[FXS_RECENT_MOST + 1])
 {
     enum { FOLDER = 40 };
@@ -172,8 +161,6 @@ static void add_recent(panels *p, const viewer *v)
         add_words(p, MIDDLE, "Drop a scene here");
 }
 
-/* ---- Others ------------------------------------------------------------------------------------------------------ */
-
 static void add_bar(panels *p, double done)
 {
     const int width = p->width / 3, height = 6 * p->scale, y = p->height / 2 + 28 * p->scale;
@@ -182,7 +169,6 @@ static void add_bar(panels *p, double done)
         fxs_draw_rectangle(&panel->picture, 0, 0, (int)(width * fmin(done, 1)), height, p->theme->mark);
 }
 
-/* Adds the panel that is shown until the first frame of a scene. */
 static void add_loading(panels *p, const viewer *v)
 {
     const world_options *o = &v->loading.options.world;
@@ -192,8 +178,6 @@ static void add_loading(panels *p, const viewer *v)
     add_words(p, MIDDLE, text);
     add_bar(p, v->loading.on ? fxs_worker_progress(v->loader) : 1);
 }
-
-/* ---- Points of the scene ----------------------------------------------------------------------------------------- */
 
 static void see(const fxs_file_view *view, const double point[3], double seen[3])
 {
@@ -211,7 +195,6 @@ static void pixel_of(const fxs_file_view *view, const double seen[3], double pix
     pixel[1] = (view->cy + view->fy * seen[1] / depth) * pixels;
 }
 
-/* Window pixels for each pixel of the last frame's view. */
 static double pixels_of(const viewer *v)
 {
     int width, height;
@@ -229,7 +212,7 @@ int viewer_project(const viewer *v, const double point[3], double pixel[2])
     return fabs(pixel[0]) < 1e5 && fabs(pixel[1]) < 1e5;
 }
 
-/* The measured distance: a dot at each end and a line between. The panel covers only the part inside the window. */
+/* Draws the measured distance: a line with a dot at each end. */
 static void add_measure(panels *p, const viewer *v)
 {
     const int wide = 3 * p->scale, dot = 9 * p->scale;
@@ -259,7 +242,7 @@ static void add_measure(panels *p, const viewer *v)
         fxs_draw_line(&panel->picture, ends[i], ends[i], dot, 0xffb020ff);
 }
 
-/* Clips a line, in camera coordinates, to the near plane and the four sides of the view; inside is n p + d >= 0.
+/* Clips a line in camera coordinates to the near plane and the four sides of the view. Inside is n p + d >= 0.
    Returns 0 if nothing is left. */
 static int clip(const fxs_file_view *view, double near, double from[3], double to[3])
 {
@@ -288,8 +271,7 @@ static int clip(const fxs_file_view *view, double near, double from[3], double t
     return first < last;
 }
 
-/* Draws the edge of the crop box that starts at a corner and follows an axis. Bit i of `corner` selects the high
-   side of axis i. */
+/* Draws an edge of the crop box from a corner along an axis. Bit i of `corner` selects the high side of axis i. */
 static void draw_edge(const fxs_picture *out, const viewer *v, int corner, int axis, double wide, uint32_t colour)
 {
     double ends[2][3], seen[2][3], pixel[2][2];
@@ -305,14 +287,14 @@ static void draw_edge(const fxs_picture *out, const viewer *v, int corner, int a
     fxs_draw_line(out, pixel[0], pixel[1], wide, colour);
 }
 
-/* The box, with a handle on each face: red for x, green for y, blue for z, larger under the pointer. */
+/* Adds the crop box with a handle on each face: red for x, green for y, blue for z. */
 static void add_crop(panels *p, const viewer *v)
 {
     static const uint32_t colours[3] = {0xe5484dff, 0x46a758ff, 0x3b82f6ff};
     const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
     double point[3], pixel[2];
     for (int i = 0; i < 48 && panel; i++) {
-        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;     /* first the shadows, then the lines */
+        const int axis = i / 8 % 3, corner = i % 8, is_line = i >= 24;
         if (!(corner & 1 << axis))
             draw_edge(&panel->picture, v, corner, axis, (is_line ? 1 : 3) * p->scale,
                       is_line ? 0xffffffff : 0x00000080);
@@ -335,7 +317,6 @@ static void add_graph(panels *p, const viewer *v)
         fxs_draw_frame_times(&panel->picture, &v->times, p->scale, p->theme, p->words);
 }
 
-/* Adds the frame rate; with levels of detail also the number of Gaussians drawn. */
 static void add_rate(panels *p, const viewer *v)
 {
     char text[160];
@@ -348,7 +329,6 @@ static void add_rate(panels *p, const viewer *v)
     add_words(p, TOP_RIGHT, text);
 }
 
-/* Adds the budget's slider, on a logarithmic scale from BUDGET_LEAST to the largest budget. */
 static void add_slider(panels *p, const viewer *v)
 {
     const double most = viewer_budget_most(v), budget = v->options.render.budget ? v->options.render.budget : most;
@@ -393,8 +373,6 @@ static void add_all(panels *p, const viewer *v)
     else if (v->hint && !v->help)
         add_words(p, BOTTOM_LEFT, "h: keys");
 }
-
-/* ---- The window -------------------------------------------------------------------------------------------------- */
 
 static void show_title(viewer *v)
 {
