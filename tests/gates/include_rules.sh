@@ -44,7 +44,7 @@ kernels/compute  compute
 kernels/cuda  cuda
 port/posix    clock map pool pager
 port/gl       egl osmesa
-port/backend  backend backends foveate renderer
+port/backend  backend backends renderer
 port/board    strip
 port/python   declarations
 '

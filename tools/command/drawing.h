@@ -2,8 +2,7 @@
 #ifndef DRAWING_H
 #define DRAWING_H
 
-#include <fixsplat/foveate.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/backend.h>
 #include "frame_options.h"
 
 /* Targets besides colour. */
@@ -29,17 +28,10 @@ typedef struct renderer {
     int draws;                              /* DRAW_*; at most one kind of depth */
     int mirrored;                           /* 1: the right eye's field of view mirrors the left one's */
     int has_scissor, scissor[4];            /* part of the picture to draw: x, y, width, height */
-    foveate_options foveate;
     int shows_part;                         /* paged worlds: 1 draws with the chunks that are loaded; 0 waits until
                                                none is missing */
     int lost;                               /* with shows_part: a chunk of the last picture cannot be read; */
     fxs_message why_lost;                   /* the reason */
-    int divisor;                            /* `foveate` is given for a picture this many times as large; 0: 1 */
-    void *rings;                            /* pixels of the rings of foveated pictures */
-    size_t ring_room;                       /* bytes */
-    fxs_pool *pool;                         /* composes the rings */
-    fxs_foveation foveation;                /* foveation of the last picture */
-    fxs_foveated foveated;
 } renderer;
 
 /* Opens the back end that the options name, on their first device. `format`, `draws` and the scissor may be set

@@ -9,12 +9,6 @@
 
 #define DEVICES_MOST 16
 
-typedef struct foveate_options {
-    int on;
-    int given;                              /* numbers given: 0 (defaults), 2, 4 or 5 */
-    double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
-} foveate_options;
-
 typedef struct frame_options {
     const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
     int orbit, frames;                      /* frames of an orbit; frames of a path through the views; 0: neither */
@@ -30,7 +24,6 @@ typedef struct frame_options {
     int has_tangents;
     double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
     double stereo;                          /* distance of the two eyes, scene units; 0: mono */
-    foveate_options foveate;
     fxs_options render;
     const char *cpu, *backend;
     int devices[DEVICES_MOST];              /* device_count of them are set; 0: all devices */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/pool.h>
 #include "src/fit/float_scene.h"
 #include "views.h"
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/clock.h>
+#include <fixsplat/pool.h>
 #include "src/base/system.h"
 #include "tools/command/file_guard.h"
 #include "film_frames.h"

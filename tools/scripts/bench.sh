@@ -1,7 +1,7 @@
 #!/bin/sh
 # bench.sh [PART...]: measures, and writes the parts of a document between their marker lines. Default parts: tables,
-# gles, sizes, limits, stereo, foveated, levels. FOVEATED: back ends of that part (cpu gles). The document is replaced
-# once, after all measurements; on a failure or an interrupt it is unchanged.
+# gles, sizes, limits, stereo, levels. The document is replaced once, after all measurements; on a failure or an
+# interrupt it is unchanged.
 # Only by name, half an hour: fit and fit_stages. fit: fits with each cut-off; fit_stages: the stages of a step, with
 # FIT_CPUS. Both take FIT_STEPS and FIT_SIZE (3000, 600).
 # Only by name: cuts, budgets, steps, boards (levels of detail, by tests/web/budgets.mjs, half an hour). CAPTURED:
@@ -247,44 +247,6 @@ stereo() {
     fi
 }
 
-# One row: median times of the whole and the foveated picture in alternation; then pixels, milliseconds and PSNR of each
-# ring.
-foveated_row() {
-    name=$1 backend=$2 size=$3
-    shift 3
-    rm -f "$work"/turn-*
-    for turn in 1 2 3; do
-        "$B/fixsplat" bench --json "$@" --backend "$backend" --size "$size" | field frame_ms >>"$work/turn-whole"
-        "$B/fixsplat" bench --json "$@" --backend "$backend" --size "$size" --foveate >"$work/turn-json-$turn"
-        field frame_ms <"$work/turn-json-$turn" >>"$work/turn-foveated"
-    done
-    printf '| %s, %s, %s ' "$backend" "$name" "$size"
-    sed 's/.*"rings": //; s/{/\n/g' "$work/turn-json-2" | tr -d '",}]' |
-        awk -v whole="$(sort -n "$work/turn-whole" | sed -n 2p)" -v size="$size" \
-            -v both="$(sort -n "$work/turn-foveated" | sed -n 2p)" '
-            /^rate/ { pixels += $4; rings = rings sprintf("| %d | %s | %s ", $4 / 1000, $8,
-                                                         $10 == "null" ? "equal" : sprintf("%.1f", $10)) }
-            END { split(size, side, "x")
-                  printf "| %.1f | %.1f | %.2f | %.2f %s|\n", whole, both, both / whole,
-                         pixels / (side[1] * side[2]), rings }'
-}
-
-foveated() {
-    printf 'Milliseconds, medians of three turns; rendered: the share of the picture'\''s pixels; full, half and quarter: the pixels of each ring in thousands; PSNR within the part that the ring shows.\n\n'
-    printf '| back end, view | whole | foveated | ratio | rendered | full | ms | PSNR | half | ms | PSNR | quarter | ms | PSNR |\n'
-    printf '|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
-    landscape 1000000
-    for backend in ${FOVEATED:-cpu gles}; do
-        for size in 1280x720 $([ "$backend" = gles ] || echo 2064x2208); do
-            foveated_row 'snowmiku, view 8' "$backend" "$size" "$SCENES/snowmiku/snowmiku.ply" \
-                --cameras "$SCENES/snowmiku/cameras.json" --view 8
-            foveated_row statue "$backend" "$size" "$SCENES/statue-st-peter/st-peter.ply"
-            foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
-                --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
-        done
-    done
-}
-
 # Rows for a scene and its decimated versions; PSNR "equal" for the full one. Runs alternate and the fastest counts, as
 # in stereo_row.
 level_rows() {
@@ -390,8 +352,8 @@ stamp() {
 # measure PART: prints the part's text. A missing number would leave two spaces in its cell.
 measure() {
     case $1 in
-    tables | gles | sizes | limits | stereo | foveated | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
-    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, levels, cuts, budgets, steps, boards, fit or fit_stages" ;;
+    tables | gles | sizes | limits | stereo | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
+    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, levels, cuts, budgets, steps, boards, fit or fit_stages" ;;
     esac
     {
         stamp
@@ -413,7 +375,7 @@ put() {
 }
 
 cp "$DOCUMENT" "$work/document"
-for part in ${*:-tables gles sizes limits stereo foveated levels}; do
+for part in ${*:-tables gles sizes limits stereo levels}; do
     measure "$part"
     put "$part"
 done
