@@ -69,8 +69,7 @@ FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t
 FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
 /* Fills in *cv, except cv->chunk, from a header that is already read. Returns 1 if the chunk may be visible. Returns 0
-   if it is culled: behind the near plane, outside the picture by more than its largest Gaussian reaches, or in the
-   hidden part. */
+   if it is culled: behind the near plane, or outside the picture by more than its largest Gaussian reaches. */
 FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header);
 
 /* Reads a chunk's header, then fxs_chunk_view_of; sets cv->chunk too. May also return FXS_ERR_SCENE. */

@@ -10,7 +10,7 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
 /* The camera in the space of a checked object. Returns 0, or FXS_ERR_OBJECT if the object is too far away. */
 int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
 
-/* Sets a view's edges to those of the whole picture that the camera is a window of, without a hidden part. */
+/* Sets a view's edges to those of the whole picture that the camera is a window of. */
 FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera);
 
 /* True if the rows have length 1 and are perpendicular, within 2^-10, and right-handed: row0 x row1 = row2. */
