@@ -110,8 +110,7 @@ static void fuzz_camera(fxs_camera *camera, const uint8_t *control)
     camera->cx_q12 = camera->width * 2048;
     camera->cy_q12 = camera->height * 2048;
     const int32_t wild = (int32_t)(fuzz_word(control) ^ fuzz_word(control) << 20);
-    int32_t *const parts[] = {&camera->whole_width, &camera->whole_height, &camera->whole_x, &camera->whole_y,
-                              &camera->hidden_x, &camera->hidden_y, &camera->hidden_width, &camera->hidden_height};
+    int32_t *const parts[] = {&camera->whole_width, &camera->whole_height, &camera->whole_x, &camera->whole_y};
     switch (control[1] % 16) {
     case 0: camera->fx_q12 = wild; break;
     case 1: camera->fy_q12 = wild & INT32_MAX; break;
@@ -122,18 +121,12 @@ static void fuzz_camera(fxs_camera *camera, const uint8_t *control)
     case 6: camera->fx_q12 = camera->fy_q12 = 1 + control[2]; break;
     case 7: camera->fx_q12 = camera->fy_q12 = INT32_MAX - control[2]; break;
     case 8:
-        camera->hidden_x = control[2] % camera->width;
-        camera->hidden_y = control[3] % camera->height;
-        camera->hidden_width = camera->width - camera->hidden_x;
-        camera->hidden_height = (camera->height - camera->hidden_y) / (1 + control[2] % 2);
-        break;
-    case 9:
         camera->whole_x = control[2];
         camera->whole_y = control[3] * 16;
         camera->whole_width = camera->width + camera->whole_x + control[3];
         camera->whole_height = camera->height + camera->whole_y;
         break;
-    case 10: *parts[control[2] % 8] = wild; break;
+    case 9: *parts[control[2] % 4] = wild; break;
     }
 }
 

@@ -82,17 +82,10 @@ static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t
         camera->whole_x = between(0, camera->whole_width - camera->width);
         camera->whole_y = between(0, camera->whole_height - camera->height);
     }
-    if (between(0, 3) == 0) {
-        camera->hidden_width = between(0, camera->width);
-        camera->hidden_height = between(0, camera->height);
-        camera->hidden_x = between(0, camera->width - camera->hidden_width);
-        camera->hidden_y = between(0, camera->height - camera->hidden_height);
-    }
     const uint32_t budgets[] = {0, 1, FXS_CHUNK, (uint32_t)between(1, 40) * FXS_CHUNK, (chunks - 1) * FXS_CHUNK,
                                 UINT32_MAX};
     options->budget = between(0, 2) ? (uint32_t)between(1, (int32_t)chunks * FXS_CHUNK) : budgets[between(0, 5)];
     options->detail_q8 = between(0, 2) ? 0 : (uint32_t)between(1, 1 << between(1, 16));
-    options->budget_of_window = between(0, 1);
 }
 
 /* The cut of a frame, computed by the processor. Returns its chunks (release with free), null if no cut is needed. */

@@ -197,10 +197,6 @@ static void random_window(fxs_camera *camera)
         camera->whole_width = camera->width + camera->whole_x + between(0, 50);
         camera->whole_height = camera->height + camera->whole_y + between(0, 50);
     }
-    if (between(0, 3) == 0) {
-        camera->hidden_width = between(0, camera->width);
-        camera->hidden_height = between(0, camera->height);
-    }
 }
 
 /* Drops random targets, and adds an occluder or a backdrop. */

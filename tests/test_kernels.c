@@ -331,18 +331,6 @@ static void move_off_axis(void)
     set_scale(chunk_of(), (sigma < 32 ? sigma : 32) * 65536);
 }
 
-static void hide_some(fxs_camera *camera)
-{
-    camera->hidden_x = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->width);
-    camera->hidden_y = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->height);
-    camera->hidden_width = camera->width - camera->hidden_x;
-    camera->hidden_height = camera->height - camera->hidden_y;
-    if (one_in(2))
-        camera->hidden_width = (int32_t)below((uint32_t)camera->hidden_width + 1);
-    if (one_in(2))
-        camera->hidden_height = (int32_t)below((uint32_t)camera->hidden_height + 1);
-}
-
 static void make_view(void)
 {
     fxs_options options;
@@ -365,8 +353,6 @@ static void make_view(void)
     if (parallel && kind == 2)
         zoom_to_point(&camera);
     camera.projection = parallel ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
-    if (one_in(3))
-        hide_some(&camera);
     CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
     if (parallel && kind == 2 && one_in(2))
         move_off_axis();

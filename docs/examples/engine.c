@@ -141,7 +141,7 @@ static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
         d->memory = malloc(fxs_compute_memory(request));
         return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
     }
-    fxs_init(&d->context, NULL);                           /* threads are optional: fixsplat/pool.h */
+    fxs_init(&d->context, NULL);                           /* threads are optional: fixsplat/system.h */
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     d->context.config.kernels = &fastest;

@@ -151,17 +151,13 @@ fn can_be_seen(l: ptr<function, Located>) -> bool
         return true;
     }
     let reach = reach_across(l);
-    var hidden = true;
     for (var i = 0u; i < 2u; i += 1u) {
         if (lies_beyond(l, i, 1, object.edge_low_q23[i], reach) ||
             lies_beyond(l, i, -1, -object.edge_high_q23[i], reach)) {
             return false;
         }
-        hidden = hidden && object.hidden_low_q23[i] < object.hidden_high_q23[i] &&
-                 lies_beyond(l, i, -1, -object.hidden_low_q23[i], reach) &&
-                 lies_beyond(l, i, 1, object.hidden_high_q23[i], reach);
     }
-    return !hidden;
+    return true;
 }
 
 fn has_chunk(at: u32) -> bool

@@ -1,5 +1,6 @@
 /* Plans a frame of the compute back ends: memory layout, dispatches, and growth of lists that were too short. */
 #include "plan.h"
+#include "src/core/sized.h"
 #include "src/core/memory.h"
 #include "src/core/targets.h"
 
@@ -233,10 +234,6 @@ static void fill_view(fxs_compute_object *o, const fxs_view *v)
         o->slope_high_q23[i] = v->slope_high_q23[i];
         o->edge_low_q23[i] = v->edge_low_q23[i];
         o->edge_high_q23[i] = v->edge_high_q23[i];
-        o->hidden_low_q23[i] = v->hidden_low_q23[i];
-        o->hidden_high_q23[i] = v->hidden_high_q23[i];
-        o->hidden[i] = v->hidden[i];
-        o->hidden_end[i] = v->hidden_end[i];
     }
     o->focal_q32 = v->focal_q32;
     o->focal_exponent = v->focal_exponent;

@@ -268,6 +268,7 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
     (*out).splat.vy_q24 = vy;
 }
 
+// False if the ellipse misses the picture.
 fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
 {
     var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
@@ -279,10 +280,6 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     let size = frame.size;
     if (c_q8.x + half_width < 0 || c_q8.x - half_width > (size.x - 1) << 8u || last < 0 || first >= size.y ||
         first > last) {
-        return false;
-    }
-    if (c_q8.x - half_width >= object.hidden.x * 256 && first >= object.hidden.y &&
-        c_q8.x + half_width <= (object.hidden_end.x - 1) * 256 && last < object.hidden_end.y) {
         return false;
     }
     (*out).splat.rows = vec2<i32>(max(first, 0), min(last, size.y - 1));

@@ -48,7 +48,6 @@ typedef struct fxs_compute_object {
     int32_t rotation_q30[3][4], row_q15[2][4], forward_q15[2][4], tint_q13[4];
     uint32_t near_q32[2], dilation_q30[2];
     int32_t f_q12[2], c_q12[2], slope_low_q23[2], slope_high_q23[2], edge_low_q23[2], edge_high_q23[2];
-    int32_t hidden_low_q23[2], hidden_high_q23[2], hidden[2], hidden_end[2];
     uint32_t focal_q32;
     int32_t focal_exponent, veil_exponent, jacobian_exponent, offset_q11, degree, antialiased, orthographic;
     int32_t plane_exponent;

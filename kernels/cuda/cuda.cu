@@ -478,8 +478,7 @@ void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
     fxs_view *views = (fxs_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
     for (uint32_t k = 0; k < f->object_count; k++) {
         views[k] = staged_objects(cuda, f)[k].view;
-        if (!cuda->options.budget_of_window)
-            fxs_view_of_whole(&views[k], &from->camera);
+        fxs_view_of_whole(&views[k], &from->camera);
     }
 }
 

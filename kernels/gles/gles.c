@@ -3,6 +3,7 @@
 #include <fixsplat/gl.h>
 
 #include "src/core/memory.h"
+#include "src/core/sized.h"
 #include "device.h"
 #include "shaders.h"
 

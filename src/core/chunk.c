@@ -114,16 +114,6 @@ static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, i
     return sum;
 }
 
-static int is_hidden(const fxs_chunk_view *cv, const fxs_view *view, int64_t reach)
-{
-    int hidden = 1;
-    for (int i = 0; i < 2 && hidden; i++)
-        hidden = view->hidden_low_q23[i] < view->hidden_high_q23[i] &&
-                 farthest(cv, view, i, -1, -(int64_t)view->hidden_low_q23[i]) + reach < 0 &&
-                 farthest(cv, view, i, 1, view->hidden_high_q23[i]) + reach < 0;
-    return hidden;
-}
-
 FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header)
 {
     locate(cv, view, header);
@@ -139,7 +129,7 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
         if (farthest(cv, view, i, 1, view->edge_low_q23[i]) + reach < 0 ||
             farthest(cv, view, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
             return 0;
-    return !is_hidden(cv, view, reach);
+    return 1;
 }
 
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk)

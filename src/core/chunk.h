@@ -62,8 +62,8 @@ FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t
 /* Copies and checks node i of the level-of-detail tree. Returns 0 or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
-/* Fills in *cv, except cv->chunk. Returns 0 if the chunk is behind the near plane, outside the picture or in its hidden
-   part, otherwise 1. */
+/* Fills in *cv, except cv->chunk, from a header that is already read. Returns 1 if the chunk may be visible. Returns 0
+   if it is culled: behind the near plane, or outside the picture by more than its largest Gaussian reaches. */
 FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header);
 
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);

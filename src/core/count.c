@@ -21,17 +21,12 @@ static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
                     &c->blended);
 }
 
-int fxs_count_pairs(const fxs_request *given, void *memory, size_t memory_bytes, uint64_t *evaluated,
-                    uint64_t *blended)
+static int count(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
 {
     counting c = {.evaluated = 0, .blended = 0};
     fxs_context context;
     fxs_init(&context, 0);
-    fxs_request request;
-    int error = fxs_request_read(&request, given);
-    if (error || !evaluated || !blended)
-        return error ? error : FXS_ERR_ARGUMENT;
-    error = fxs_frame_init(&c.frame, &context, &request, memory, memory_bytes);
+    int error = fxs_frame_init(&c.frame, &context, request, memory, memory_bytes);
     if (error)
         return error;
     c.frame.targets = &c.targets;
@@ -40,4 +35,13 @@ int fxs_count_pairs(const fxs_request *given, void *memory, size_t memory_bytes,
     *evaluated = c.evaluated;
     *blended = c.blended;
     return error;
+}
+
+int fxs_count_pairs(const fxs_request *given, void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
+{
+    fxs_request request;
+    const int error = fxs_request_read(&request, given);
+    if (error || !evaluated || !blended)
+        return error ? error : FXS_ERR_ARGUMENT;
+    return count(&request, memory, memory_bytes, evaluated, blended);
 }

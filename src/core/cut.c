@@ -108,8 +108,7 @@ static void set_view(search *s, uint32_t object)
         return;
     s->viewed = object;
     s->view = cut->views[object].view;
-    if (!cut->options->budget_of_window)
-        fxs_view_of_whole(&s->view, cut->camera);
+    fxs_view_of_whole(&s->view, cut->camera);
 }
 
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)

@@ -200,8 +200,8 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Sets the rows of pixels that the ellipse of radius r touches, with a margin of 1/8 pixel and 1/256 of the size.
-   sigma_q8 is the vertical sigma. Returns 0 if the ellipse misses the visible picture. */
+/* Sets the rows that the ellipse of radius r can touch. sigma_q8 is its vertical sigma; the margin is 1/8 pixel and
+   1/256 of the size. Returns 0 if the ellipse misses the picture. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
     int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);       /* below 2^27, because exponent <= 16 */
@@ -211,9 +211,6 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint
     const int32_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
     if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (view->width - 1) * 256 || last < 0 ||
         first >= view->height || first > last)
-        return 0;
-    if (cx_q8 - half_width_q8 >= view->hidden[0] * 256 && first >= view->hidden[1] &&
-        cx_q8 + half_width_q8 <= (view->hidden_end[0] - 1) * 256 && last < view->hidden_end[1])
         return 0;
     splat->first_row = (uint16_t)(first < 0 ? 0 : first);
     splat->last_row = (uint16_t)(last >= view->height ? view->height - 1 : last);

@@ -51,20 +51,10 @@ static int check_window(const fxs_camera *camera)
     return 0;
 }
 
-static int check_hidden(const fxs_camera *camera)
-{
-    const int32_t own[2] = {camera->width, camera->height}, first[2] = {camera->hidden_x, camera->hidden_y};
-    const int32_t length[2] = {camera->hidden_width, camera->hidden_height};
-    for (int i = 0; i < 2; i++)
-        if (first[i] < 0 || first[i] > own[i] || length[i] < 0 || length[i] > own[i] - first[i])
-            return FXS_ERR_SIZE;
-    return 0;
-}
-
 static int check_camera(const fxs_camera *camera)
 {
     if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE ||
-        (is_window(camera) && check_window(camera)) || check_hidden(camera))
+        (is_window(camera) && check_window(camera)))
         return FXS_ERR_SIZE;
     if (camera->fx_q12 <= 0 || camera->fy_q12 <= 0 || !fxs_is_rotation(camera->rotation_q30) ||
         (camera->projection != FXS_PERSPECTIVE && camera->projection != FXS_ORTHOGRAPHIC))
@@ -88,20 +78,8 @@ static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low
     *high_q23 = cut_slope((((size + 18) << 12) - c_q12) * (1 << 23) / f_q12, (int64_t)64 << 23);
 }
 
-/* Slopes of the hidden rectangle's edges, moved inwards by twice the reach of the dilation. low > high: nothing is
-   hidden. */
-static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
-{
-    const int64_t most = (int64_t)64 << 23;
-    const int64_t low = (((int64_t)view->hidden[i] + 4) * 4096 - c_q12) * (1 << 23) / f_q12;
-    const int64_t high = (((int64_t)view->hidden_end[i] - 4) * 4096 - c_q12) * (1 << 23) / f_q12;
-    const int none = low >= high || low > most || high < -most;
-    view->hidden_low_q23[i] = none ? (int32_t)most : cut_slope(low, most);
-    view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
-}
-
-/* Field of view plus 30 % (Kerbl et al. 2023), as slopes x/z: -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size /
-   (2 f). Clamped to +-60. */
+/* Field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
+   -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     const int64_t most = (int64_t)60 << 23;
@@ -182,7 +160,6 @@ static void derive(fxs_view *view, const fxs_camera *camera)
     for (int i = 0; i < 2; i++) {
         slope_limits(whole[i], f_q12[i], whole_c_q12[i], &view->slope_low_q23[i], &view->slope_high_q23[i]);
         edge_slopes(size[i], f_q12[i], c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
-        hidden_slopes(view, i, f_q12[i], c_q12[i]);
         if (view->orthographic)                  /* the Jacobian does not depend on the centre */
             view->slope_low_q23[i] = view->slope_high_q23[i] = 0;
     }
@@ -198,10 +175,8 @@ FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
     int64_t whole[2], whole_c_q12[2];
     find_whole(camera, whole, whole_c_q12);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         edge_slopes(whole[i], f_q12[i], whole_c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
-        view->hidden_low_q23[i] = view->hidden_high_q23[i] = 0;
-    }
 }
 
 /* Returns the larger of twice the picture's size, and 1/16 of the largest distance from the principal point to an
@@ -255,10 +230,6 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
     view->fy_q12 = camera->fy_q12;
     view->cx_q12 = camera->cx_q12;
     view->cy_q12 = camera->cy_q12;
-    view->hidden[0] = camera->hidden_x;
-    view->hidden[1] = camera->hidden_y;
-    view->hidden_end[0] = camera->hidden_x + camera->hidden_width;
-    view->hidden_end[1] = camera->hidden_y + camera->hidden_height;
     view->orthographic = camera->projection == FXS_ORTHOGRAPHIC;
     if (view->orthographic)
         choose_plane(view, camera, fxs_scale_of(FXS_ONE_Q32));

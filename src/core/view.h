@@ -10,8 +10,7 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
 /* Prepares the camera in the space of a checked object. Returns 0, or FXS_ERR_OBJECT if the object is too far away. */
 int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
 
-/* Replaces a view's edges by those of the whole picture, without a hidden part. The camera may be a window of the
-   picture. */
+/* Sets a view's edges to those of the whole picture that the camera is a window of. */
 FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera);
 
 /* Returns true if the matrix is a right-handed rotation, within 2^-10. */

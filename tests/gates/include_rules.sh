@@ -29,7 +29,7 @@ tools           public
 
 # The lowest room that may include each public header.
 public='
-src/core      fixsplat packed stage pixel fixed
+src/core      fixsplat packed parts stage pixel fixed
 src/base      allocator message scene system
 src/gaussian  pack
 src/camera    camera
@@ -40,7 +40,7 @@ kernels       kernels
 kernels/gl    gl
 kernels/cuda  cuda
 port/posix    pager
-port/backend  backend foveate renderer
+port/backend  backend renderer
 port/board    board
 port/python   declarations
 '

@@ -73,10 +73,8 @@ for options in "--budget 1" "--budget 30000" "--budget 400000" "--detail 3" "--b
 done
 
 say "two eyes: hashes, processor and CUDA, and what a frame takes"
-for options in "--stereo 0.063" "--stereo 0.063 --foveate" "--foveate" \
-               "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" \
-               "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --foveate" \
-               "--stereo 0.063 --budget 30000" "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
+for options in "--stereo 0.063" "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" "--stereo 0.063 --budget 30000" \
+               "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
     options="$options --size 960x1024 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
     for limit in "" "--max-memory 240M"; do    # with the limit the device holds part of the scene

@@ -4,7 +4,6 @@
 
 #include <fixsplat/backend.h>
 #include <fixsplat/camera.h>
-#include <fixsplat/foveate.h>
 #include <fixsplat/system.h>
 #include "src/core/frame.h"
 #include "src/core/targets.h"
@@ -1163,47 +1162,6 @@ static void test_table(void)
     world_free(&w);
 }
 
-/* Foveated pictures of two eyes: the bytes of the processor. */
-static void test_foveated(void)
-{
-    const fxs_backend *backends[] = {&fxs_backend_cpu, &fxs_backend_cuda};
-    const fxs_backend_options settings = {.size = sizeof(fxs_backend_options)};
-    const fxs_foveation f = {{{80, 40}, {50, 60}}, {20, 48}, 5};
-    fxs_camera cameras[2];
-    fxs_options options;
-    fxs_foveated out;
-    world w;
-    state = 37;
-    random_world(&w, 3, 2000);
-    fxs_options_init(&options);
-    for (int eye = 0; eye < 2; eye++) {
-        random_camera(&cameras[0]);
-        cameras[1 - eye] = cameras[0];
-    }
-    cameras[0].width = cameras[1].width = 200;
-    cameras[0].height = cameras[1].height = 120;
-    cameras[1].cx_q12 += 20 << 12;
-    const size_t bytes = 2 * 200 * 120 * 4, ring_bytes = fxs_foveation_bytes(&f, cameras, 2);
-    unsigned char *pixels[2] = {room(bytes), room(bytes)}, *rings = room(ring_bytes);
-    fxs_request request = request_for(w.objects, w.count, &options, 2, cameras, 0);
-    for (int i = 0; i < 2; i++) {
-        void *self;
-        for (int eye = 0; eye < 2; eye++) {
-            fxs_targets_init(&request.targets[eye]);
-            request.targets[eye].colour = (fxs_image){pixels[i] + eye * 800, 1600};
-        }
-        if (!CHECK(!backends[i]->open(&self, &settings, &why)))
-            break;
-        CHECK(!fxs_foveate(backends[i], self, &request, &f, rings, ring_bytes, 0, 0, &out, &why) && out.count == 3);
-        backends[i]->close(self);
-    }
-    CHECK(!memcmp(pixels[0], pixels[1], bytes));
-    free(pixels[0]);
-    free(pixels[1]);
-    free(rings);
-    world_free(&w);
-}
-
 int main(int argc, char **argv)
 {
     quick = argc > 1 && !strcmp(argv[1], "--quick");
@@ -1233,7 +1191,6 @@ int main(int argc, char **argv)
     RUN(test_stopped);
     RUN(test_in_place);
     RUN(test_table);
-    RUN(test_foveated);
     RUN(test_files);
     fxs_cuda_destroy(cuda);
     return check_report();

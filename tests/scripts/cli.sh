@@ -92,7 +92,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
     'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
     'stereo 0.1 --stats' 'tangents 1,2,3' 'tangents x' \
-    'tangents -1,1,1,-1 --ortho 3' 'foveate --stats' 'foveate --depth x.pfm' 'foveate --ids x.raw'; do
+    'tangents -1,1,1,-1 --ortho 3'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
@@ -149,11 +149,9 @@ check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend c
 if [ -e /dev/nvidia0 ]; then
     check "one hash with --backend cuda" equal "$(hash_of knot.ply $small --backend cuda)" "$hash"
     check "one hash with every device" equal "$(hash_of knot.ply $small --backend cuda --device all)" "$hash"
-    for more in '' --foveate; do
-        run render knot.ply $small --stereo 0.1 $more --backend cuda --hash
-        check "one hash with --stereo $more --backend cuda" equal "$status $(cat logs/out logs/err)" \
-            "0 $(hash_of knot.ply $small --stereo 0.1 $more)"
-    done
+    run render knot.ply $small --stereo 0.1 --backend cuda --hash
+    check "one hash with --stereo --backend cuda" equal "$status $(cat logs/out logs/err)" \
+        "0 $(hash_of knot.ply $small --stereo 0.1)"
 else
     fails "--backend cuda without a GPU" 1 "--backend cuda: (no NVIDIA .*was found|this build is without nvcc)" \
         render knot.ply $small --hash --backend cuda
@@ -211,28 +209,6 @@ check "--tangents: the right eye" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1
 fails "--tangents: the wrong way round" 1 "expected left < right and down < up" render knot.ply $small \
     --tangents 1,-1,1,-1 --hash
 
-# Foveated: differs from the picture only in its outer rings; one hash.
-fovea='--size 160x120 --foveate=20,100,10,30,4'
-succeeds "--foveate" render knot.ply $small --foveate -o fovea.png
-check "--foveate: full rate as far as the edges" equal "$(hash_of knot.ply $small --foveate=30,20,40,60)" "$hash_small"
-check "--foveate: coarser rings" differ "$(hash_of knot.ply --size 160x120)" "$(hash_of knot.ply $fovea)"
-check "--foveate: one hash with --cpu c" equal "$(hash_of knot.ply $fovea)" \
-    "$(hash_of knot.ply $fovea --cpu c --threads 1)"
-check "--foveate: a band of a quarter" equal "$(hash_of knot.ply --size 160x120 --foveate=20,100,16,40)" \
-    "$(hash_of knot.ply --size 160x120 --foveate=20,100,16,40,4)"
-succeeds "--foveate --stereo" render knot.ply $small --stereo 0.1 --foveate --alpha -o fovea.png
-succeeds "--foveate --pick" render knot.ply $small --foveate --pick 32,24
-for bad in x 1 1,2,3 1,2,0,4 1,2,4,4 1,2,4,20000 1,2,4,8,-1 1,2,4,8,5 1,2,4,8,2,1 nan,0 99999,0 ''; do
-    fails "--foveate=$bad" 2 "--foveate=$bad: expected X,Y or" render knot.ply $small --hash "--foveate=$bad"
-done
-fails "bench --foveate --draw" 2 "--foveate has colours only" bench knot.ply $small --foveate --draw ids
-succeeds "bench --foveate" bench knot.ply --size 160x120 --foveate
-check "bench --foveate: the full rate is exact" grep -q '^  rate 1/1 .* equal$' logs/out
-check "bench --foveate: three rings" equal "$(($(grep -c '^  rate 1/' logs/out)))" 3
-succeeds "bench --foveate --json" bench knot.ply --size 160x120 --foveate --stereo 0.1 --json
-check "bench --foveate --json: rings" grep -q \
-    '"rings": \[{"rate": 1, "rendered": 4608, "shown": [0-9]*, "ms": [0-9.]*, "psnr": null}, {.*"psnr": [0-9.]*}\]}$' \
-    logs/out
 succeeds "16384x1" render knot.ply --size 16384x1 -o long.png
 succeeds "1x16384" render knot.ply --size 1x16384 -o tall.png
 succeeds "--eye inside a Gaussian" render knot.ply $small --eye 0,0.9,0 --hash
@@ -494,15 +470,14 @@ for backend in gles gles-fetch gles-compute osmesa; do
         check "bench --backend $backend: said" grep -q "\"backend\": \"$backend\"" logs/out
     fi
     [ "$backend$reason" = gles-compute ] || continue
-    for more in '' '--tangents -1.38,1.19,1.0,-1.2' --foveate '--foveate=20,30,10,20,4 --alpha'; do
+    for more in '' '--tangents -1.38,1.19,1.0,-1.2' --alpha; do
         check "one hash with --stereo $more --backend gles-compute" equal \
             "$(hash_of knot.ply $small --stereo 0.1 $more --backend gles-compute)" \
             "$(hash_of knot.ply $small --stereo 0.1 $more)"
     done
-    for more in --foveate '--foveate=20,30,10,20,4 --alpha' '--foveate --ortho 4'; do
-        check "one hash with $more --backend gles-compute" equal \
-            "$(hash_of knot.ply --size 160x120 $more --backend gles-compute)" "$(hash_of knot.ply --size 160x120 $more)"
-    done
+    check "one hash with --ortho --backend gles-compute" equal \
+        "$(hash_of knot.ply --size 160x120 --ortho 4 --backend gles-compute)" \
+        "$(hash_of knot.ply --size 160x120 --ortho 4)"
 done
 export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
 fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
@@ -1113,7 +1088,7 @@ succeeds "--panorama of a file's view" render knot.ply --cameras three.json --pa
 check "--panorama of a file's view: 2048x1024" equal "$(sed -n 2p around.ppm)" "2048 1024"
 succeeds "--panorama --alpha" render knot.ply --panorama --size 64x32 --alpha -o around.raw
 fails "--panorama --size 64x48" 2 "twice as wide" render knot.ply --panorama $small --hash
-for bad in stereo\ 0.1 ortho\ 3 tangents\ -1,1,1,-1 foveate; do
+for bad in stereo\ 0.1 ortho\ 3 tangents\ -1,1,1,-1; do
     fails "--panorama --$bad" 2 "--panorama" render knot.ply --panorama --hash --$bad
 done
 for bad in 'depth x.pfm' 'ids x.png' 'pick 1,1' stats; do

@@ -311,7 +311,7 @@ fails "--scissor beyond the picture" 1 "--scissor 190,0,11,5: view look-at is 20
 for bad in 1,2,3 1,2,3,4,5 -1,0,5,5 0,0,0,5 0,0,5,0 1,2,x,4; do
     fails "--scissor $bad" 2 "--scissor $bad: expected X,Y,WIDTH,HEIGHT" render $whole --scissor $bad --hash
 done
-for other in panorama 'stereo 0.1' foveate 'pick 1,1'; do
+for other in panorama 'stereo 0.1' 'pick 1,1'; do
     fails "--scissor --$other" 2 "--scissor does not go with" render $whole --scissor 0,0,8,8 --hash --$other \
         $([ "$other" != panorama ] || echo --size 64x32)
 done

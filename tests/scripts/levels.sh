@@ -84,7 +84,7 @@ done
 # ---- Paging ----------------------------------------------------------------------------------------------------------
 
 size=$(wc -c <knot.fxs)
-for options in "" "--budget 9000" "--detail 4" "--budget 9000 --stereo 0.1" "--budget 9000 --foveate" \
+for options in "" "--budget 9000" "--detail 4" "--budget 9000 --stereo 0.1" \
     "--budget 9000 --panorama --size 200x100" "--eye 0,-1,-4 --look 0,0,0 --budget 12000"; do
     check "render --pool $options: the same bytes" equal "$(hash_of knot.fxs --pool "$size" $options)" \
         "$(hash_of knot.fxs $options)"

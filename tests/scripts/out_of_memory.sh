@@ -72,7 +72,6 @@ survives o.fxs fit set --quiet --steps 4 --threads 2 -o o.fxs
 survives o.ply fit set --quiet --steps 4 --resume half.fxs.fit -o o.ply
 survives o.ppm render packed.fxs --size 64x48 --stereo 0.1 -o o.ppm
 survives o.ppm render packed.fxs packed.fxs --place 1:1,0,0 --size 64x48 -o o.ppm
-survives o.png render knot.ply --size 64x48 --foveate=32,24,10,20 --threads 2 -o o.png
 survives o.png render knot.ply --size 64x32 --panorama -o o.png
 for aux in depth ids; do survives o.png render knot.ply --size 64x48 --$aux o.png; done
 survives o.fxs convert knot.ply o.fxs

@@ -11,7 +11,7 @@ i686=i686-linux-gnu-gcc
 library="$(echo src/core src/base src/gaussian src/scene src/scene/read src/scene/write src/pack |
     sed 's|[^ ]*|&/*.c|g') port/posix/output.c port/posix/files.c"
 golden="$library $(echo src/scene/edit src/scene/make src/camera src/image | sed 's|[^ ]*|&/*.c|g') tests/test_golden.c \
-    tools/command/metrics.c port/backend/[!f]*.c port/backend/foveate.c port/posix/[!fo]*.c"
+    tools/command/metrics.c port/backend/[!f]*.c port/posix/[!fo]*.c"
 photos="tests/test_photo_bytes.c src/base/*.c src/camera/[!fgswy]*.c src/image/image_file.c src/image/photograph.c \
     src/core/view.c src/scene/read/ply_*.c src/fit/photo*.c port/posix/files.c port/posix/output.c port/posix/pool.c"
 files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"

@@ -1,11 +1,9 @@
 /* fixsplat bench: times the stages of rendering, and compares the times with an earlier run. */
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bench_earlier.h"
-#include "metrics.h"
 #include "drawing.h"
 #include "views.h"
 
@@ -16,12 +14,8 @@ typedef struct bench_options {
     int draws;
 } bench_options;
 
-enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
-
-typedef struct ring_picture {
-    uint64_t shaded, shown;
-    double psnr;
-} ring_picture;
+/* Columns of times: the stages, the frame, and the device's share. */
+enum { FRAME = FXS_STAGES, DEVICE, COLUMNS };
 
 static int take_draw(const option_row *row, void *field, const char *value)
 {
@@ -59,8 +53,6 @@ static int read_options(bench_options *o, int argc, char **argv)
         return EXIT_USAGE;
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
-    if (o->draws && o->frame.foveate.on)
-        return fail(EXIT_USAGE, "--foveate has colours only: no --draw");
     if (o->compare && o->json)
         return fail(EXIT_USAGE, "--compare prints a table: no --json");
     o->frames = o->path ? o->path : o->frames ? o->frames : 10;
@@ -94,14 +86,6 @@ static fxs_file_view view_of_frame(const bench_options *o, const world *w, const
     return turned;
 }
 
-static void take_ring_times(const renderer *r, double *times, int frames, int i)
-{
-    const fxs_foveated *f = &r->foveated;
-    for (uint32_t k = 0; k < FXS_RINGS; k++)
-        times[(RING + (int)k) * frames + i] = k < f->count ? (double)f->rings[k].stats.frame_nanoseconds * 1e-6 : 0;
-    times[COMPOSE * frames + i] = (double)f->compose_nanoseconds * 1e-6;
-}
-
 static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o, const world *w,
                    const fxs_file_view *view)
 {
@@ -119,75 +103,13 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
             times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
         if (i >= 0) {
             times[FRAME * frames + i] = (double)stats.frame_nanoseconds * 1e-6;
-            times[DEVICE * frames + i] = (double)(r->foveate.on ? r->foveated.device_nanoseconds
-                                                                : r->backend->nanoseconds(r->self)) * 1e-6;
-            take_ring_times(r, times, frames, i);
+            times[DEVICE * frames + i] = (double)r->backend->nanoseconds(r->self) * 1e-6;
         }
     }
     for (int s = 0; s < COLUMNS && !status; s++)
         columns[s] = spread_of(times + s * frames, frames);
     free(times);
     picture_free(&pixels);
-    return status;
-}
-
-/* True for a coordinate inside of a window and outside of its blending bands. */
-static int is_inside(int at, int first, int length, int whole, int band)
-{
-    return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
-}
-
-/* Returns the finest ring at a pixel. In a blending band, returns the coarser of the two blended rings. */
-static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
-{
-    const fxs_foveated *f = &r->foveated;
-    uint32_t k = 0;
-    for (; k + 1 < f->count; k++) {
-        const fxs_ring *ring = &f->rings[k];
-        if (is_inside(x, ring->x[eye], ring->width * ring->rate, width, r->foveation.band) &&
-            is_inside(y, ring->y[eye], ring->height * ring->rate, height, r->foveation.band))
-            break;
-    }
-    return k;
-}
-
-static void compare_rings(ring_picture rings[FXS_RINGS], const renderer *r, const picture *a, const picture *b,
-                          int eyes)
-{
-    const fxs_foveated *f = &r->foveated;
-    const int width = a->width / eyes;
-    uint64_t squares[FXS_RINGS] = {0};
-    for (int y = 0; y < a->height; y++)
-        for (int x = 0; x < a->width; x++) {
-            const int eye = x / width;
-            const uint32_t k = ring_at(r, eye, x - eye * width, y, width, a->height);
-            const size_t at = 4 * ((size_t)y * (size_t)a->width + (size_t)x);
-            rings[k].shown++;
-            for (size_t c = at; c < at + 3; c++)
-                squares[k] += (uint64_t)((a->pixels[c] - b->pixels[c]) * (a->pixels[c] - b->pixels[c]));
-        }
-    for (uint32_t k = 0; k < f->count; k++) {
-        rings[k].shaded = (uint64_t)f->rings[k].width * (uint64_t)f->rings[k].height * (uint64_t)eyes;
-        rings[k].psnr = squares[k] ? 10 * log10(255.0 * 255.0 * 3 * (double)rings[k].shown / (double)squares[k])
-                                   : INFINITY;
-    }
-}
-
-static int measure_rings(ring_picture rings[FXS_RINGS], renderer *r, const bench_options *o, const world *w,
-                         const fxs_file_view *view)
-{
-    picture foveated = {.pixels = 0}, whole = {.pixels = 0};
-    memset(rings, 0, FXS_RINGS * sizeof *rings);
-    int status = r->foveate.on ? renderer_render(r, w, view, &o->frame.render, &foveated, 0) : 0;
-    if (!status && r->foveate.on) {
-        r->foveate.on = 0;
-        status = renderer_render(r, w, view, &o->frame.render, &whole, 0);
-        r->foveate.on = 1;
-        if (!status)
-            compare_rings(rings, r, &foveated, &whole, r->stereo > 0 ? 2 : 1);
-    }
-    picture_free(&foveated);
-    picture_free(&whole);
     return status;
 }
 
@@ -198,11 +120,11 @@ static const char *column_name(int column)
 
 #define SCENES_ROOM 4096
 #define CAMERA_ROOM 640
-#define FACTS 19
+#define FACTS 18
 
 typedef struct bench_facts {
     bench_fact facts[FACTS];
-    char scenes[SCENES_ROOM], camera[CAMERA_ROOM], foveation[160], processor[128];
+    char scenes[SCENES_ROOM], camera[CAMERA_ROOM], processor[128];
 } bench_facts;
 
 static void name_scenes(char names[SCENES_ROOM], const world *w)
@@ -235,28 +157,19 @@ static void name_processor(char name[128])
         fclose(file);
 }
 
-static void name_foveation(char text[160], const foveate_options *f)
-{
-    size_t used = (size_t)snprintf(text, 160, "%s", f->on ? "on" : "off");
-    for (int i = 0; f->on && i < f->given && used < 160; i++)
-        used += (size_t)snprintf(text + used, 160 - used, " %.9g", f->numbers[i]);
-}
-
 static void state(bench_facts *f, const renderer *r, const bench_options *o, const world *w,
                   const fxs_file_view *view)
 {
     name_scenes(f->scenes, w);
     name_camera(f->camera, view);
     name_processor(f->processor);
-    name_foveation(f->foveation, &o->frame.foveate);
     const bench_fact facts[FACTS] = {
         {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
         {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
         {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_MARKED},
         {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
         {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
-        {"stereo", 0, o->frame.stereo, FACT_SAME}, {"foveation", f->foveation, 0, FACT_SAME},
-        {"draws", 0, o->draws, FACT_SAME},
+        {"stereo", 0, o->frame.stereo, FACT_SAME}, {"draws", 0, o->draws, FACT_SAME},
         {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME}, {"budget", 0, o->frame.render.budget, FACT_MARKED},
         {"detail", 0, o->frame.render.detail_q8 / 256.0, FACT_MARKED},
         {"max_memory", 0, (double)o->frame.max_memory, FACT_MARKED}, {"processor", f->processor, 0, FACT_MARKED}};
@@ -279,18 +192,10 @@ static void print_ratios(const spread columns[COLUMNS], const bench_earlier *ear
         printf("* not like with like: %s\n", earlier->marks);
 }
 
-static void print_rings(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r)
-{
-    char psnr[32];
-    printf("  %-12s %12s %12s %9s   PSNR\n", "ring", "rendered", "shown", "median");
-    for (uint32_t k = 0; k < r->foveated.count; k++)
-        printf("  rate 1/%-5d %12" PRIu64 " %12" PRIu64 " %9.3f   %s\n", r->foveated.rings[k].rate, rings[k].shaded,
-               rings[k].shown, columns[RING + k].median, fxs_metrics_psnr(psnr, rings[k].psnr, "equal"));
-    printf("  %-38s %9.3f\n", "put together", columns[COMPOSE].median);
-}
+/* ---- Printed ----------------------------------------------------------------------------------------------------- */
 
-static void print_text(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r,
-                       const bench_options *o, const world *w, const fxs_file_view *view)
+static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o, const world *w,
+                       const fxs_file_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
            w->gaussians, view->width, view->height, o->frame.threads, cutoff_names[o->frame.render.cutoff], o->frames,
@@ -300,23 +205,9 @@ static void print_text(const spread columns[COLUMNS], const ring_picture rings[F
         printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
                columns[s].most, 100 * columns[s].median / columns[FRAME].median,
                s < FXS_STAGES ? r->backend->version(r->self, (enum fxs_stage)s) : "");
-    if (r->foveate.on)
-        print_rings(columns, rings, r);
 }
 
-static void print_json_rings(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r)
-{
-    char psnr[32];
-    printf(", \"compose_ms\": %.3f, \"rings\": [", columns[COMPOSE].median);
-    for (uint32_t k = 0; k < r->foveated.count; k++)
-        printf("%s{\"rate\": %d, \"rendered\": %" PRIu64 ", \"shown\": %" PRIu64 ", \"ms\": %.3f, \"psnr\": %s}",
-               k ? ", " : "", r->foveated.rings[k].rate, rings[k].shaded, rings[k].shown, columns[RING + k].median,
-               fxs_metrics_psnr(psnr, rings[k].psnr, "null"));
-    printf("]");
-}
-
-static void print_json(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r,
-                       const bench_fact facts[FACTS], const world *w)
+static void print_json(const spread columns[COLUMNS], const bench_fact facts[FACTS], const world *w)
 {
     for (int i = 0; i < FACTS; i++) {
         printf("%s\"%s\": ", i ? ", " : "{", facts[i].name);
@@ -330,28 +221,23 @@ static void print_json(const spread columns[COLUMNS], const ring_picture rings[F
            columns[DEVICE].median, (double)w->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
-    printf("}");
-    if (r->foveate.on)
-        print_json_rings(columns, rings, r);
-    puts("}");
+    puts("}}");
 }
 
 static int bench(renderer *r, const bench_options *o, const world *w, const fxs_file_view *view)
 {
     spread columns[COLUMNS];
-    ring_picture rings[FXS_RINGS];
     bench_facts f;
     bench_earlier earlier;
     state(&f, r, o, w, view);
     int status = o->compare ? bench_earlier_read(&earlier, o->compare, f.facts, FACTS) : 0;
     status = status ? status : measure(columns, r, o, w, view);
-    status = status ? status : measure_rings(rings, r, o, w, view);
     if (status)
         return status;
     if (o->json)
-        print_json(columns, rings, r, f.facts, w);
+        print_json(columns, f.facts, w);
     else
-        print_text(columns, rings, r, o, w, view);
+        print_text(columns, r, o, w, view);
     if (o->compare)
         print_ratios(columns, &earlier, o->compare);
     return 0;
@@ -386,8 +272,7 @@ const command command_bench = {
     "bench", "times each stage", run,
     "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
     "Renders one view repeatedly and prints the median milliseconds of each stage, and the device's own times if\n"
-    "the back end has a timer. With --foveate: also pixels, milliseconds and PSNR of each ring, against the full\n"
-    "picture.\n",
+    "the back end has a timer.\n",
     0,
     "  $ fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
     "  $ fixsplat bench scene.ply --json > before.json\n"

@@ -178,19 +178,16 @@ static int check_drawing(const render_options *o)
     if (f->stereo > 0 && (o->stats || o->has_pick))
         return fail(EXIT_USAGE, "%s does not go with --stereo%s", o->stats ? "--stats" : "--pick",
                     o->stats ? "; see: fixsplat bench --stereo" : "");
-    if (f->foveate.on && (o->draws || o->stats))
-        return fail(EXIT_USAGE, "--foveate has colours only: no --depth, --ids, --stats; see: fixsplat bench "
-                    "--foveate");
-    if (o->has_scissor && (f->panorama || f->stereo > 0 || f->foveate.on || o->has_pick))
-        return fail(EXIT_USAGE, "--scissor does not go with --panorama, --stereo, --foveate, --pick");
+    if (o->has_scissor && (f->panorama || f->stereo > 0 || o->has_pick))
+        return fail(EXIT_USAGE, "--scissor does not go with --panorama, --stereo, --pick");
     if (o->has_scissor && f->render.cutoff == FXS_CUTOFF_SQUARE)
         return fail(EXIT_USAGE, "--scissor does not go with --cutoff square, which depends on the picture's tiles");
     if (f->lens && !f->cameras)
         return fail(EXIT_USAGE, "--lens needs --cameras");
     if (f->lens && (o->draws || o->has_pick || o->stats || o->has_scissor || f->panorama || f->stereo > 0 ||
-                    f->foveate.on || f->ortho > 0 || f->has_tangents || f->orbit || f->frames))
+                    f->ortho > 0 || f->has_tangents || f->orbit || f->frames))
         return fail(EXIT_USAGE, "--lens draws the colours of views of a camera file only: no --depth, --ids, --pick, "
-                    "--stats, --scissor, --panorama, --stereo, --foveate, --ortho, --tangents, --orbit, --frames");
+                    "--stats, --scissor, --panorama, --stereo, --ortho, --tangents, --orbit, --frames");
     if (o->json && !o->has_pick)
         return fail(EXIT_USAGE, "--json is for --pick");
     if (o->draws && backend && !(backend->can & FXS_CAN_TRACE))
@@ -248,8 +245,7 @@ const command command_render = {
     "  $ fixsplat render scene.ply --eye 0,-1,-4 --look 0,0,0 --fov 40 --bg ffffff -o white.png --hash\n"
     "  $ fixsplat render room.fxs chair.spz --place chair.spz:1,0,2 --place chair.spz:-1,0,2,0,0,1,0 -o room.png\n"
     "  $ fixsplat render scene.ply --ortho 4 --size 1000x1000 -o plan.png --ids ids.png\n"
-    "  $ fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 --foveate \\\n"
-    "      -o eyes.png\n"
+    "  $ fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 -o eyes.png\n"
     "  $ fixsplat render scene.ply --panorama --size 4096x2048 -o around.png\n",
     {{own_rows, 0}, FRAME_TABLES(render_options), POOL_TABLE(render_options), COMMON_TABLE}
 };

@@ -1,5 +1,5 @@
-/* Renders views for the commands: sets up back end, cameras and targets, foveates, and picks. For scenes partly in
-   memory, loads missing chunks (256 Gaussians each) and renders again. */
+/* Renders views for the commands: opens a back end, sets up cameras and targets for one or two eyes, loads
+   missing chunks of paged scenes and draws again, and picks. */
 #include "drawing.h"
 
 #include <inttypes.h>
@@ -27,17 +27,12 @@ int renderer_open(renderer *r, const frame_options *options)
     memset(r, 0, sizeof *r);
     r->stereo = options->stereo;
     r->mirrored = options->has_tangents;
-    r->foveate = options->foveate;
     r->max_memory = options->max_memory;
     int devices[DEVICES_MOST];
     choose_devices(options, devices);
     int status = choose_backend(options, devices[0], &r->backend, &how);
     if (!status && r->backend->open(&r->self, &how, &why))
         status = fail(EXIT_FAILED, "--backend %s: %s", options->backend, why.text);
-    if (!status && r->foveate.on && options->threads > 1 && !(r->pool = fxs_pool_create(options->threads))) {
-        renderer_close(r);
-        status = fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", options->threads);
-    }
     return status;
 }
 
@@ -51,11 +46,6 @@ void renderer_close(renderer *r)
     if (r->self)
         r->backend->close(r->self);
     r->self = 0;
-    fxs_pool_destroy(r->pool);
-    r->pool = 0;
-    free(r->rings);
-    r->rings = 0;
-    r->ring_room = 0;
 }
 
 void renderer_forget(renderer *r, const world *w)
@@ -170,42 +160,6 @@ static int fail_frame(const renderer *r, const fxs_file_view *view, int error, c
     return fail(EXIT_FAILED, "view %s: %s", view->name, why->text);
 }
 
-static fxs_foveation foveation_of(const renderer *r, const fxs_camera *cameras, uint32_t eyes)
-{
-    const foveate_options *o = &r->foveate;
-    const double scale = r->divisor > 1 ? 1.0 / r->divisor : 1;
-    fxs_foveation f;
-    fxs_foveation_init(&f, cameras, eyes);
-    for (uint32_t eye = 0; eye < eyes && o->given; eye++) {
-        f.gaze[eye][0] = (int32_t)(o->numbers[0] * scale) + ((cameras[eye].cx_q12 - cameras->cx_q12) >> 12);
-        f.gaze[eye][1] = (int32_t)(o->numbers[1] * scale) + ((cameras[eye].cy_q12 - cameras->cy_q12) >> 12);
-    }
-    if (o->given >= 4) {
-        f.radius[0] = (int32_t)fmax(o->numbers[2] * scale, 1);
-        f.radius[1] = (int32_t)fmax(o->numbers[3] * scale, f.radius[0] + 1);
-        f.band = (int32_t)(o->given == 5 ? fmin(o->numbers[4] * scale, f.radius[0]) : f.radius[0] / 4);
-    }
-    return f;
-}
-
-static int render_foveated(renderer *r, const fxs_request *request, fxs_stats *stats, fxs_message *why)
-{
-    r->foveation = foveation_of(r, request->cameras, request->eyes);
-    const size_t bytes = fxs_foveation_bytes(&r->foveation, request->cameras, request->eyes);
-    if (!grow(&r->rings, &r->ring_room, bytes))
-        return fxs_fail_memory(why, 0, bytes);
-    const int error = fxs_foveate(r->backend, r->self, request, &r->foveation, r->rings, r->ring_room,
-                                  r->pool ? fxs_pool_run : 0, r->pool, &r->foveated, why);
-    *stats = r->foveated.stats;
-    return error;
-}
-
-static int draw(renderer *r, const fxs_request *request, fxs_stats *stats, fxs_message *why)
-{
-    return r->foveate.on ? render_foveated(r, request, stats, why)
-                         : r->backend->render(r->self, request, stats, why);
-}
-
 static int is_stopped(const fxs_options *options)
 {
     return options->stop && options->stop(options->stop_argument);
@@ -273,7 +227,7 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
         fxs_pager_state state;
         world_turn(w, &state, why);
         g.missing = 0;
-        int error = draw(r, &asking, stats, why);
+        int error = r->backend->render(r->self, &asking, stats, why);
         if (!error && (g.missing == 0 || r->shows_part))
             r->lost = world_turn(w, &state, &r->why_lost) != 0 && g.missing;
         if (g.missing == 0 || r->shows_part || (error && error != FXS_ERR_STOPPED))
@@ -306,7 +260,8 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     out->depth_bits = choose_depth_bits(w, view);
     for (int eye = 0; eye < eyes; eye++)
         aim(r, out, eye, &request.targets[eye]);
-    const int error = world_is_paged(w) ? draw_in_part(r, w, &request, stats, &why) : draw(r, &request, stats, &why);
+    const int error = world_is_paged(w) ? draw_in_part(r, w, &request, stats, &why)
+                                        : r->backend->render(r->self, &request, stats, &why);
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 

@@ -2,8 +2,7 @@
 #ifndef DRAWING_H
 #define DRAWING_H
 
-#include <fixsplat/foveate.h>
-#include <fixsplat/system.h>
+#include <fixsplat/backend.h>
 #include "frame_options.h"
 
 /* Optional render targets. */
@@ -26,19 +25,13 @@ typedef struct renderer {
     double stereo;                          /* distance of the eyes in scene units; 0: mono */
     size_t max_memory;
     enum fxs_format format;
-    int draws;                              /* DRAW_* flags of the render targets */
-    int mirrored;                           /* 1: mirrors the left eye's field of view for the right eye */
-    int has_scissor, scissor[4];
-    foveate_options foveate;
-    int shows_part;                         /* 1: renders a paged scene without its missing parts */
-    int lost;                               /* 1: a part of the scene cannot be read */
-    fxs_message why_lost;
-    int divisor;                            /* factor by which the picture is smaller than `foveate` expects */
-    void *rings;
-    size_t ring_room;
-    fxs_pool *pool;
-    fxs_foveation foveation;
-    fxs_foveated foveated;
+    int draws;                              /* DRAW_*; at most one kind of depth */
+    int mirrored;                           /* 1: the right eye's field of view mirrors the left one's */
+    int has_scissor, scissor[4];            /* part of the picture to draw: x, y, width, height */
+    int shows_part;                         /* paged worlds: 1 draws with the chunks that are loaded; 0 waits until
+                                               none is missing */
+    int lost;                               /* with shows_part: a chunk of the last picture cannot be read; */
+    fxs_message why_lost;                   /* the reason */
 } renderer;
 
 /* Opens the first device of the back end that the options name. Set `format`, `draws` and the scissor afterwards. */

@@ -62,22 +62,6 @@ int take_threads(const option_row *row, void *field, const char *value)
     return status;
 }
 
-static int take_foveate(const option_row *row, void *field, const char *value)
-{
-    static const int counts[] = {2, 4, 5};
-    foveate_options *foveate = field;
-    double *n = foveate->numbers;
-    foveate->on = 1;
-    foveate->given = 0;
-    for (int i = 0; i < 3 && value && !foveate->given; i++)
-        foveate->given = parse_vector(value, counts[i], n) ? counts[i] : 0;
-    const int given = foveate->given;
-    const int right = !value || (given && fabs(n[0]) <= FXS_MAX_SIZE && fabs(n[1]) <= FXS_MAX_SIZE &&
-                                 (given < 4 || (n[2] >= 1 && n[3] >= n[2] + 1 && n[3] <= FXS_MAX_SIZE)) &&
-                                 (given < 5 || (n[4] >= 0 && n[4] <= n[2])));
-    return right ? 0 : wrong_value(row, value);
-}
-
 static int take_detail(const option_row *row, void *field, const char *value)
 {
     double pixels = 0;
@@ -143,11 +127,6 @@ const option_row camera_rows[] = {
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
      "render two eyes side by side, DISTANCE scene units apart (above 0), each byte for byte as its own camera renders "
      "it"},
-    {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
-     "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
-     "full resolution within R1 pixels of the gaze X,Y, half up to R2, a quarter beyond; edges blend over BAND pixels. "
-     "With --stereo, X,Y is in the left picture (default: straight ahead; R1 and R2 1/5 and 2/5 of the shorter side; "
-     "BAND 1/4 of R1)"},
     {0}
 };
 
@@ -249,9 +228,8 @@ int frame_options_check(const frame_options *options)
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
     if (options->auto_up && options->up.given)
         return fail(EXIT_USAGE, "--auto-up and --up: give one");
-    if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents ||
-                              options->foveate.on))
-        return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, --ortho, --tangents, --foveate");
+    if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents))
+        return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, --ortho, --tangents");
     if (options->has_tangents && options->ortho > 0)
         return fail(EXIT_USAGE, "--tangents and --ortho: give one");
     if (options->panorama && options->width != 2 * options->height)

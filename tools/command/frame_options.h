@@ -9,12 +9,6 @@
 
 #define DEVICES_MOST 16
 
-typedef struct foveate_options {
-    int on;
-    int given;                              /* number of elements of `numbers`: 0 (defaults), 2, 4 or 5 */
-    double numbers[5];                      /* foveation: gaze x, y; radii of full and half rate; band; pixels */
-} foveate_options;
-
 typedef struct frame_options {
     const char *cameras, *view;
     int orbit, frames;                      /* numbers of frames of an orbit and of a path through the views */
@@ -28,9 +22,8 @@ typedef struct frame_options {
     int panorama;
     int width, height;
     int has_tangents;
-    double tangents[4];                     /* field of view as tangents: left, right, up, down */
-    double stereo;                          /* distance of the eyes in scene units; 0: mono */
-    foveate_options foveate;
+    double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
+    double stereo;                          /* distance of the two eyes, scene units; 0: mono */
     fxs_options render;
     const char *cpu, *backend;
     int devices[DEVICES_MOST];

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/system.h>
 #include "src/fit/float_scene.h"
 #include "views.h"
 

@@ -9,6 +9,7 @@
 
 #include "src/image/depth_file.h"
 #include <fixsplat/image.h>
+#include <fixsplat/system.h>
 #include "src/image/panorama.h"
 #include "src/camera/lens_warp.h"
 #include "file_guard.h"

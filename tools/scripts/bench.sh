@@ -1,10 +1,9 @@
 #!/bin/sh
 # bench.sh [PART...]: measures, and writes the parts of a document between their marker lines. Default parts: tables,
-# gles, sizes, limits, stereo, foveated, levels. On a failure or an interrupt the document is unchanged.
+# gles, sizes, limits, stereo, levels. On a failure or an interrupt the document is unchanged.
 # Parts on request, half an hour each: fit and fit_stages (options FIT_STEPS, FIT_SIZE, FIT_CPUS), cuts, budgets, steps
 # and boards (options CAPTURED: scenes; KEPT: folder of intermediate files).
-# B: build folder; SCENES: folder of scenes; PHOTOS: folder of photographs; DOCUMENT: docs/measured.md, or a copy;
-# FOVEATED: back ends of that part.
+# B: build folder; SCENES: folder of scenes; PHOTOS: folder of photographs; DOCUMENT: docs/measured.md, or a copy.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
 DOCUMENT=${DOCUMENT:-docs/measured.md}
@@ -239,42 +238,8 @@ stereo() {
     fi
 }
 
-foveated_row() {
-    name=$1 backend=$2 size=$3
-    shift 3
-    rm -f "$work"/turn-*
-    for turn in 1 2 3; do
-        "$B/fixsplat" bench --json "$@" --backend "$backend" --size "$size" | field frame_ms >>"$work/turn-whole"
-        "$B/fixsplat" bench --json "$@" --backend "$backend" --size "$size" --foveate >"$work/turn-json-$turn"
-        field frame_ms <"$work/turn-json-$turn" >>"$work/turn-foveated"
-    done
-    printf '| %s, %s, %s ' "$backend" "$name" "$size"
-    sed 's/.*"rings": //; s/{/\n/g' "$work/turn-json-2" | tr -d '",}]' |
-        awk -v whole="$(sort -n "$work/turn-whole" | sed -n 2p)" -v size="$size" \
-            -v both="$(sort -n "$work/turn-foveated" | sed -n 2p)" '
-            /^rate/ { pixels += $4; rings = rings sprintf("| %d | %s | %s ", $4 / 1000, $8,
-                                                         $10 == "null" ? "equal" : sprintf("%.1f", $10)) }
-            END { split(size, side, "x")
-                  printf "| %.1f | %.1f | %.2f | %.2f %s|\n", whole, both, both / whole,
-                         pixels / (side[1] * side[2]), rings }'
-}
-
-foveated() {
-    printf 'Milliseconds, medians of three turns; rendered: the share of the picture'\''s pixels; full, half and quarter: the pixels of each ring in thousands; PSNR within the part that the ring shows.\n\n'
-    printf '| back end, view | whole | foveated | ratio | rendered | full | ms | PSNR | half | ms | PSNR | quarter | ms | PSNR |\n'
-    printf '|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
-    landscape 1000000
-    for backend in ${FOVEATED:-cpu gles}; do
-        for size in 1280x720 $([ "$backend" = gles ] || echo 2064x2208); do
-            foveated_row 'snowmiku, view 8' "$backend" "$size" "$SCENES/snowmiku/snowmiku.ply" \
-                --cameras "$SCENES/snowmiku/cameras.json" --view 8
-            foveated_row statue "$backend" "$size" "$SCENES/statue-st-peter/st-peter.ply"
-            foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
-                --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
-        done
-    done
-}
-
+# Rows for a scene and its decimated versions; PSNR "equal" for the full one. Runs alternate and the fastest counts, as
+# in stereo_row.
 level_rows() {
     name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
     for share in $shares; do
@@ -376,8 +341,8 @@ stamp() {
 # measure PART: prints the text of a part. Fails if a number is missing, which leaves two spaces in a table cell.
 measure() {
     case $1 in
-    tables | gles | sizes | limits | stereo | foveated | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
-    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, levels, cuts, budgets, steps, boards, fit or fit_stages" ;;
+    tables | gles | sizes | limits | stereo | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
+    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, levels, cuts, budgets, steps, boards, fit or fit_stages" ;;
     esac
     {
         stamp
@@ -398,7 +363,7 @@ put() {
 }
 
 cp "$DOCUMENT" "$work/document"
-for part in ${*:-tables gles sizes limits stereo foveated levels}; do
+for part in ${*:-tables gles sizes limits stereo levels}; do
     measure "$part"
     put "$part"
 done

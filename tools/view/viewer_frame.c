@@ -163,7 +163,6 @@ static void render(viewer *v, request *r)
     static const int draws[] = {[SHOW_DEPTH] = DRAW_MEDIAN_DEPTH, [SHOW_IDS] = DRAW_IDS};
     const picture *p = &v->drawn;
     crop_objects(v, &r->crop);
-    v->renderer.divisor = r->divisor;
     v->renderer.shows_part = r->shows_part;
     v->renderer.draws = draws[r->shown];
     r->status = renderer_render(&v->renderer, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
@@ -270,17 +269,7 @@ static void print_scenes(const world_options *o)
         print_named(" --place", o->places[i]);
 }
 
-static void print_eyes(const viewer *v)
-{
-    const foveate_options *o = &v->options.foveate;
-    if (v->options.stereo > 0)
-        printf(" --stereo %.17g", v->options.stereo);
-    if (o->on)
-        printf(" --foveate");
-    for (int i = 0; i < o->given; i++)
-        printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
-}
-
+/* True if the view is unchanged from the camera file's. */
 static int is_of_file(const viewer *v, const fxs_file_view *view)
 {
     const fxs_file_view *start = &v->views[v->index];
@@ -323,7 +312,8 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
         printf(" --ortho %.17g", view->height / view->fy);
     if (!of_file || v->options.width || view->width != start->width)
         printf(" --size %dx%d", view->width, view->height);
-    print_eyes(v);
+    if (v->options.stereo > 0)
+        printf(" --stereo %.17g", v->options.stereo);
     if (render_options->budget)
         printf(" --budget %" PRIu32, render_options->budget);
     if (render_options->detail_q8)

@@ -6,20 +6,19 @@ block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint f
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;
-ivec2 edge_low_q23_;ivec2 edge_high_q23_;ivec2 hidden_low_q23_;ivec2 hidden_high_q23_;ivec2 hidden;ivec2 hidden_end;
-uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;
-int orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
-palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
-uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint
-v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;
-int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Located{uvec2
-base_q16_[3];int m_q16_[9];int scale_q16_;int shift;int plane_zeros;int near;};const uint CHUNK=256u;const uint
-THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const
-uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
-VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
-ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,
+ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int
+offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int scene_degree;uint
+chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;
+uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];
+};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{
+ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};
+struct Located{uvec2 base_q16_[3];int m_q16_[9];int scale_q16_;int shift;int plane_zeros;int near;};const uint
+CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int
+LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint
+CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;
+const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const
+uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;
+const uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,
 binding=1)uniform Object_block_0Compute{Object _group_0_binding_1_cs;};layout(std140,binding=0)uniform
 Frame_block_1Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_13_block_2Compute{uint
 _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_13_block_3Compute{uint _group_1_binding_1_cs[];};
@@ -118,28 +117,21 @@ _e73);if(_e77){uvec2 _e79=shift_left(_e73,16u);uvec2 _e80=sub_wide(_e79,_e73);uv
 _e83=sum;uvec2 _e87=add_wide(_e82,uvec2(1u,0u));uvec2 _e88=add_wide(_e83,_e87);sum=_e88;}}}uvec2 _e92=sum;return _e92;}
 bool lies_beyond(inout Located l_3,uint i_9,int sign_1,int slope_q23_1,uvec2 reach){uvec2 _e5=farthest(l_3,i_9,sign_1,
 slope_q23_1);uvec2 _e6=add_wide(_e5,reach);bool _e7=is_negative(_e6);return _e7;}bool can_be_seen(inout Located l_4){
-uvec2 z_q16_=uvec2(0u);uint j_2=6u;bool hidden=true;uint i_10=0u;bool local_15=false;bool local_16=false;bool
-local_17=false;bool local_18=false;uvec2 _e3=l_4.base_q16_[2];z_q16_=_e3;for(;(j_2<9u);j_2=(j_2 + 1u)){{uvec2
-_e10=z_q16_;uint _e12=j_2;int _e14=l_4.m_q16_[_e12];uvec2 _e18=mul_signed(max(_e14,0),65535);uvec2 _e19=add_wide(_e10,
-_e18);z_q16_=_e19;}}int _e24=l_4.near;uvec2 _e25=wide_of(_e24);uvec2 _e26=z_q16_;uvec2 _e28=shift_signed(_e26,16u);bool
-_e29=less(_e25,_e28);if(!(_e29)){return false;}int _e34=_group_0_binding_0_cs.cutoff;if((_e34==1)){return true;}uvec2
-_e38=reach_across(l_4);for(;(i_10<2u);i_10=(i_10 + 1u)){{uint _e46=i_10;uint _e50=i_10;int
-_e52=_group_0_binding_1_cs.edge_low_q23_[_e50];bool _e53=lies_beyond(l_4,_e46,1,_e52,_e38);if(!(_e53)){uint _e57=i_10;
-uint _e61=i_10;int _e63=_group_0_binding_1_cs.edge_high_q23_[_e61];bool _e65=lies_beyond(l_4,_e57,-1,-(_e63),_e38);
-local_15=_e65;}else{local_15=true;}bool _e67=local_15;if(_e67){return false;}bool _e69=hidden;if(_e69){uint _e74=i_10;
-int _e76=_group_0_binding_1_cs.hidden_low_q23_[_e74];uint _e79=i_10;int
-_e81=_group_0_binding_1_cs.hidden_high_q23_[_e79];local_16=(_e76<_e81);}else{local_16=false;}bool _e84=local_16;
-if(_e84){uint _e87=i_10;uint _e91=i_10;int _e93=_group_0_binding_1_cs.hidden_low_q23_[_e91];bool _e95=lies_beyond(l_4,
-_e87,-1,-(_e93),_e38);local_17=_e95;}else{local_17=false;}bool _e97=local_17;if(_e97){uint _e100=i_10;uint _e104=i_10;
-int _e106=_group_0_binding_1_cs.hidden_high_q23_[_e104];bool _e107=lies_beyond(l_4,_e100,1,_e106,_e38);local_18=_e107;}
-else{local_18=false;}bool _e109=local_18;hidden=_e109;}}bool _e113=hidden;return!(_e113);}bool has_chunk(uint at_5){
-uvec2 low_2[3]=uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u));uvec2 high_3[3]=uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u));uint
-i_11=0u;bool local_19=false;for(;(i_11<3u);i_11=(i_11 + 1u)){{uint _e8=i_11;uint _e10=i_11;uvec2 _e11=origin_of(at_5,
-_e10);low_2[_e8]=_e11;uint _e12=i_11;uint _e14=i_11;uvec2 _e16=low_2[_e14];uint _e17=i_11;uvec2 _e18=reach_of(at_5,
-_e17);uvec2 _e19=add_wide(_e16,_e18);high_3[_e12]=_e19;}}uint _e25=_group_0_binding_1_cs.crop_count;if(!((_e25==0u))){
-bool _e31=is_within_crops(low_2,high_3);local_19=_e31;}else{local_19=true;}bool _e33=local_19;return _e33;}void
-put_wide(uint at_6,uvec2 x_8){_group_1_binding_1_cs[at_6]=x_8.x;_group_1_binding_1_cs[(at_6 + 1u)]=x_8.y;return;}void
-put_record(uint to,uint at_7,inout Located l_5,uint share_q8_){uint i_12=0u;uint i_13=0u;uint i_14=0u;int
+uvec2 z_q16_=uvec2(0u);uint j_2=6u;uint i_10=0u;bool local_15=false;uvec2 _e3=l_4.base_q16_[2];z_q16_=_e3;for(;(j_2<9u);
+j_2=(j_2 + 1u)){{uvec2 _e10=z_q16_;uint _e12=j_2;int _e14=l_4.m_q16_[_e12];uvec2 _e18=mul_signed(max(_e14,0),65535);
+uvec2 _e19=add_wide(_e10,_e18);z_q16_=_e19;}}int _e24=l_4.near;uvec2 _e25=wide_of(_e24);uvec2 _e26=z_q16_;uvec2
+_e28=shift_signed(_e26,16u);bool _e29=less(_e25,_e28);if(!(_e29)){return false;}int _e34=_group_0_binding_0_cs.cutoff;
+if((_e34==1)){return true;}uvec2 _e38=reach_across(l_4);for(;(i_10<2u);i_10=(i_10 + 1u)){{uint _e44=i_10;uint _e48=i_10;
+int _e50=_group_0_binding_1_cs.edge_low_q23_[_e48];bool _e51=lies_beyond(l_4,_e44,1,_e50,_e38);if(!(_e51)){uint
+_e55=i_10;uint _e59=i_10;int _e61=_group_0_binding_1_cs.edge_high_q23_[_e59];bool _e63=lies_beyond(l_4,_e55,-1,-(_e61),
+_e38);local_15=_e63;}else{local_15=true;}bool _e65=local_15;if(_e65){return false;}}}return true;}bool has_chunk(uint
+at_5){uvec2 low_2[3]=uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u));uvec2 high_3[3]=uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u));
+uint i_11=0u;bool local_16=false;for(;(i_11<3u);i_11=(i_11 + 1u)){{uint _e8=i_11;uint _e10=i_11;uvec2
+_e11=origin_of(at_5,_e10);low_2[_e8]=_e11;uint _e12=i_11;uint _e14=i_11;uvec2 _e16=low_2[_e14];uint _e17=i_11;uvec2
+_e18=reach_of(at_5,_e17);uvec2 _e19=add_wide(_e16,_e18);high_3[_e12]=_e19;}}uint _e25=_group_0_binding_1_cs.crop_count;
+if(!((_e25==0u))){bool _e31=is_within_crops(low_2,high_3);local_16=_e31;}else{local_16=true;}bool _e33=local_16;return
+_e33;}void put_wide(uint at_6,uvec2 x_8){_group_1_binding_1_cs[at_6]=x_8.x;_group_1_binding_1_cs[(at_6 + 1u)]=x_8.y;
+return;}void put_record(uint to,uint at_7,inout Located l_5,uint share_q8_){uint i_12=0u;uint i_13=0u;uint i_14=0u;int
 _e5=l_5.plane_zeros;int _e14=l_5.plane_zeros;int plane_side=((_e14>7)?(1<<uint((38 - min(_e5,38)))):2147483647);for(;
 (i_12<3u);i_12=(i_12 + 1u)){{uint _e25=i_12;uint _e29=i_12;uvec2 _e31=l_5.base_q16_[_e29];put_wide((to +(2u*_e25)),
 _e31);uint _e35=i_12;uint _e38=i_12;uvec2 _e39=origin_of(at_7,_e38);uint _e42=i_12;uvec4
@@ -159,14 +151,14 @@ _group_1_binding_1_cs[(to + 20u)]=uint(plane_side);int _e186=l_5.near;_group_1_b
 uint _e192=step_shift_of(at_7);_group_1_binding_1_cs[(to + 37u)]=_e192;_group_1_binding_1_cs[(to + 47u)]=share_q8_;for(;
 (i_14<12u);i_14=(i_14 + 1u)){{uint _e205=i_14;uint _e211=i_14;uint _e214=_group_1_binding_0_cs[((at_7 + 20u)+ _e211)];
 _group_1_binding_1_cs[((to + 48u)+ _e205)]=_e214;}}return;}bool look_at(uint place){uint chunk=0u;uint drawn=256u;
-Located l_6=Located(uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u)),int[9](0,0,0,0,0,0,0,0,0),0,0,0,0);bool local_20=false;
+Located l_6=Located(uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u)),int[9](0,0,0,0,0,0,0,0,0),0,0,0,0);bool local_17=false;
 chunk=place;uint _e6=_group_0_binding_0_cs.drawn;if((_e6!=0u)){uint _e12=_group_0_binding_0_cs.drawn;uint
 _e17=_group_1_binding_1_cs[(_e12 +(2u*place))];chunk=_e17;uint _e21=_group_0_binding_0_cs.drawn;uint
 _e28=_group_1_binding_1_cs[((_e21 +(2u*place))+ 1u)];drawn=_e28;}uint _e30=chunk;uint
 _e33=_group_0_binding_1_cs.first_chunk;uint at_8=(32u*(_e30 - _e33));bool _e36=is_valid(at_8);if(!(_e36)){
 _group_1_binding_2_cs[3]=1u;return false;}Located _e42=locate(at_8);l_6=_e42;int _e45=l_6.scale_q16_;uint _e46=drawn;
 l_6.scale_q16_=(_e45 +(int((_e46>>16u))<<8u));bool _e53=can_be_seen(l_6);if(!(!(_e53))){bool _e58=has_chunk(at_8);
-local_20=!(_e58);}else{local_20=true;}bool _e61=local_20;if(_e61){return false;}uint _e65=_group_0_binding_0_cs.records;
+local_17=!(_e58);}else{local_17=true;}bool _e61=local_17;if(_e61){return false;}uint _e65=_group_0_binding_0_cs.records;
 uint _e69=drawn;put_record((_e65 +(RECORD*place)),at_8,l_6,(_e69&65535u));return true;}void main(){uvec3
 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;bool local=false;uint _e4=_group_0_binding_1_cs.first_place;
 uint place_1=((((_e4/32u)*32u)+(((group.y*ROW_OF_GROUPS)+ group.x)*THREADS))+ thread);uint

@@ -6,38 +6,38 @@ block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint f
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;
-ivec2 edge_low_q23_;ivec2 edge_high_q23_;ivec2 hidden_low_q23_;ivec2 hidden_high_q23_;ivec2 hidden;ivec2 hidden_end;
-uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;
-int orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
-palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
-uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint
-v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;
-int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Projected{ivec3 camera;
-int zeros;uint inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint
-c_q30_;int b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;
-};struct Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct
-Axes{ivec3 axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint
-rotation;uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};const int FXS_CUT_Q11_=18432;const int
-FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
-FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
-ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint
-NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;
-const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const
-uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const int
-EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;const uint SMALL=2u;
-const uint COMPACT=1u;layout(std140,binding=1)uniform Object_block_0Compute{Object _group_0_binding_1_cs;};
-layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};shared uint record[64];layout(std430,
-binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer
-type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_25_block_4Compute{uint
-_group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4 _group_1_binding_3_cs[];};shared
-uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
-return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),
-FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2
-b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y + b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,
-uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y - b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){
-return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2
-a_7){bool _e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
+ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int
+offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int scene_degree;uint
+chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;
+uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];
+};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{
+ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};
+struct Projected{ivec3 camera;int zeros;uint inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};
+struct Covariance{uint a_q30_;uint c_q30_;int b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{
+uint m;uint inverse_q30_;int half_;};struct Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int
+position_q14_;bool out_of_range;};struct Axes{ivec3 axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int
+sin_q15_;};struct Codes{uvec3 position;uint rotation;uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;
+ivec4 d;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int
+FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint
+THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const
+uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
+CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
+VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
+ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
+uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;
+const uint SMALL=2u;const uint COMPACT=1u;layout(std140,binding=1)uniform Object_block_0Compute{Object
+_group_0_binding_1_cs;};layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};shared uint
+record[64];layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,
+binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
+type_25_block_4Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4
+_group_1_binding_3_cs[];};shared uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int
+fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
+_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),
+uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y +
+b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y -
+b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2
+_e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool _e1=is_negative(a_7);if(_e1){uvec2
+_e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
 return((a_8.y==b_5.y)?(a_8.x<b_5.x):(int(a_8.y)<int(b_5.y)));}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;
 umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uint mul_high(uint a_10,uint b_7){uvec2 _e2=mul_wide(a_10,b_7);
 return _e2.y;}uvec2 mul_mixed(int a_11,uint b_8){uvec2 _e3=mul_wide(uint(a_11),b_8);return uvec2(_e3.x,(_e3.y
@@ -172,49 +172,45 @@ uvec2 _e88=mul_signed(position_4.y,uy);uvec2 _e89=add_wide(_e86,_e88);uvec2 _e91
 _e96=shift_up(_e89,14u);out_1.splat.u0_q24_=(1024u - _e96.x);uvec2 _e103=shift_up(_e91,14u);out_1.splat.v0_q24_=(1024u
 - _e103.x);out_1.splat.ux_q24_=ux;out_1.splat.uy_q24_=uy;out_1.splat.vy_q24_=vy;return;}bool clip(inout Placed out_2,
 uint sigma_q8_,uint r_q12_1){int half_height=0;bool local_9=false;bool local_10=false;bool local_11=false;bool
-local_12=false;bool local_13=false;bool local_14=false;bool local_15=false;uint _e4=product_shifted(sigma_q8_,r_q12_1,
-12u);half_height=int(_e4);int _e7=half_height;int _e8=half_height;half_height=(_e7 +((_e8>>8u)+ 32));int
-half_width=out_2.bounds.half_width_q8_;ivec2 _e19=out_2.bounds.c_q14_;ivec2 c_q8_=(_e19>>uvec2(6u));int
-_e24=half_height;int first_1=(((c_q8_.y - _e24)+ 255)>>8u);int _e31=half_height;int last_1=((c_q8_.y + _e31)>>8u);ivec2
-size_1=_group_0_binding_0_cs.size;if(!(((c_q8_.x + half_width)<0))){local_9=((c_q8_.x - half_width)>((size_1.x -
-1)<<8u));}else{local_9=true;}bool _e54=local_9;if(!(_e54)){local_10=(last_1<0);}else{local_10=true;}bool _e61=local_10;
-if(!(_e61)){local_11=(first_1>=size_1.y);}else{local_11=true;}bool _e68=local_11;if(!(_e68)){local_12=(first_1>last_1);}
-else{local_12=true;}bool _e74=local_12;if(_e74){return false;}int _e81=_group_0_binding_1_cs.hidden.x;if(((c_q8_.x -
-half_width)>=(_e81*256))){int _e90=_group_0_binding_1_cs.hidden.y;local_13=(first_1>=_e90);}else{local_13=false;}bool
-_e93=local_13;if(_e93){int _e101=_group_0_binding_1_cs.hidden_end.x;local_14=((c_q8_.x + half_width)<=((_e101 -
-1)*256));}else{local_14=false;}bool _e108=local_14;if(_e108){int _e114=_group_0_binding_1_cs.hidden_end.y;
-local_15=(last_1<_e114);}else{local_15=false;}bool _e117=local_15;if(_e117){return false;}
-out_2.splat.rows=ivec2(max(first_1,0),min(last_1,(size_1.y - 1)));return true;}bool square(inout Placed out_3,inout
-Covariance s_1){uvec2 least_q60_=uvec2(1u,0u);uvec2 more=uvec2(0u);bool local_16=false;int e_2=s_1.exponent;uint
-_e5=s_1.a_q30_;uint _e9=s_1.c_q30_;uvec2 _e12=add_wide(uvec2(_e5,0u),uvec2(_e9,0u));uvec2 _e14=shift_right(_e12,1u);
-uint mid_q30_=_e14.x;if((e_2<15)){uvec2 _e28=shift_right(uvec2(2576980377u,26843545u),uint((4*e_2)));least_q60_=_e28;}
-uvec2 _e29=mul_wide(mid_q30_,mid_q30_);uvec2 _e31=s_1.det_q60_;uvec2 _e32=sub_wide(_e29,_e31);more=_e32;uvec2
-_e34=least_q60_;bool _e35=less(_e32,_e34);if(_e35){uvec2 _e36=least_q60_;more=_e36;}uvec2 _e37=more;Root
-_e38=root_of_q60_(_e37);uint _e41=mul_high(_e38.m,_e38.inverse_q30_);uvec2 _e45=shift_left(uvec2(_e41,0u),1u);uvec2
-_e52=shift_right(_e45,uint((1 - _e38.half_)));uvec2 _e53=add_wide(uvec2(mid_q30_,0u),_e52);uvec2 _e55=shift_left(_e53,
-30u);Root _e56=root_of_q60_(_e55);uint _e57=sqrt_q8_(_e56,e_2);int radius_1=int((((3u*_e57)+ 255u)>>8u));
-out_3.bounds.square_radius=uint(radius_1);int _e73=_group_0_binding_0_cs.size.y;out_3.splat.rows=ivec2(0,(_e73 - 1));
-ivec2 _e80=out_3.bounds.c_q14_;ivec2 pixel=(_e80>>uvec2(14u));if(all(greaterThanEqual(((pixel + ivec2(radius_1))+
-ivec2(15)),ivec2(16)))){ivec2 _e95=whole_tiles();local_16=all(lessThan(pixel,(ivec2(radius_1)+(16*_e95))));}else{
-local_16=false;}bool _e103=local_16;return _e103;}uint veil_dilation_q30_(int exponent_4){if((exponent_4>31)){return
-64u;}uvec2 _e6=_group_0_binding_1_cs.dilation_q30_;uvec2 _e10=shift_right(_e6,uint((2*exponent_4)));uvec2
-_e14=add_wide(_e10,uvec2(1u,0u));return((_e14.y!=0u)?4294967295u:max(_e14.x,64u));}int cut_to_16_q26_(uvec2 x_12){uvec2
-most=uvec2(1073741824u,0u);uvec2 _e4=magnitude(x_12);bool _e5=less(most,_e4);if(_e5){bool _e6=is_negative(x_12);
-return(_e6?-1073741824:1073741824);}int _e10=low_of(x_12);return _e10;}int shift_and_cut(uvec2 x_13,int shift_1){
-if((shift_1<0)){int _e4=cut_to_16_q26_(x_13);uvec2 _e5=wide_of(_e4);uvec2 _e8=shift_left(_e5,uint(-(shift_1)));int
-_e9=cut_to_16_q26_(_e8);return _e9;}uvec2 _e13=shift_signed(x_13,uint(min(shift_1,62)));int _e14=cut_to_16_q26_(_e13);
-return _e14;}int from_middle_q26_(inout Projected centre_4,uint i_5,int exponent_5){int _e5=centre_4.camera[i_5];uint
-_e7=centre_4.inverse_q30_;uvec2 _e8=mul_mixed(_e5,_e7);uvec2 _e10=shift_signed(_e8,34u);int _e11=low_of(_e10);int
-_e15=_group_0_binding_1_cs.c_q12_[i_5];uvec2 _e16=wide_of(_e15);ivec2 _e17=whole_tiles();uvec2
-_e23=wide_of(((_e17[i_5]<<15u)+ 2048));uvec2 _e24=sub_wide(_e16,_e23);int _e28=_group_0_binding_1_cs.f_q12_[i_5];uvec2
-_e29=mul_signed(_e28,_e11);int _e33=centre_4.zeros;int _e35=shift_and_cut(_e29,((14 + exponent_5)- _e33));uvec2
-_e36=wide_of(_e35);uvec2 _e38=shift_left(_e24,14u);int _e39=shift_and_cut(_e38,exponent_5);uvec2 _e40=wide_of(_e39);
-uvec2 _e41=add_wide(_e36,_e40);int _e42=cut_to_16_q26_(_e41);return _e42;}bool veil(inout Placed out_4,inout Covariance
-s_2,inout Projected centre_5,uint r_q12_2){bool local_17=false;int e_3=s_2.exponent;int shift_4=(min(e_3,60)- 6);ivec2
-_e10=whole_tiles();ivec2 middle_1=(_e10*8);uint _e14=s_2.c_q30_;Root _e15=root_of_q30_(_e14);uvec2 _e17=s_2.det_q60_;
-Root _e18=root_of_q60_(_e17);uint _e22=product_shifted(_e15.inverse_q30_,_e18.inverse_q30_,31u);uint
-_e25=mul_high(_e15.m,_e15.inverse_q30_);uvec2 _e27=mul_wide(_e25,_e18.inverse_q30_);uvec2 _e29=shift_right(_e27,30u);
-uvec2 _e31=shift_left(_e29,2u);uvec2 _e37=round_shift(_e31,((14 - _e15.half_)+ _e18.half_));int _e38=low_of(_e37);int
+local_12=false;uint _e4=product_shifted(sigma_q8_,r_q12_1,12u);half_height=int(_e4);int _e7=half_height;int
+_e8=half_height;half_height=(_e7 +((_e8>>8u)+ 32));int half_width=out_2.bounds.half_width_q8_;ivec2
+_e19=out_2.bounds.c_q14_;ivec2 c_q8_=(_e19>>uvec2(6u));int _e24=half_height;int first_1=(((c_q8_.y - _e24)+ 255)>>8u);
+int _e31=half_height;int last_1=((c_q8_.y + _e31)>>8u);ivec2 size_1=_group_0_binding_0_cs.size;if(!(((c_q8_.x +
+half_width)<0))){local_9=((c_q8_.x - half_width)>((size_1.x - 1)<<8u));}else{local_9=true;}bool _e54=local_9;
+if(!(_e54)){local_10=(last_1<0);}else{local_10=true;}bool _e61=local_10;if(!(_e61)){local_11=(first_1>=size_1.y);}else{
+local_11=true;}bool _e68=local_11;if(!(_e68)){local_12=(first_1>last_1);}else{local_12=true;}bool _e74=local_12;
+if(_e74){return false;}out_2.splat.rows=ivec2(max(first_1,0),min(last_1,(size_1.y - 1)));return true;}bool square(inout
+Placed out_3,inout Covariance s_1){uvec2 least_q60_=uvec2(1u,0u);uvec2 more=uvec2(0u);bool local_13=false;int
+e_2=s_1.exponent;uint _e5=s_1.a_q30_;uint _e9=s_1.c_q30_;uvec2 _e12=add_wide(uvec2(_e5,0u),uvec2(_e9,0u));uvec2
+_e14=shift_right(_e12,1u);uint mid_q30_=_e14.x;if((e_2<15)){uvec2 _e28=shift_right(uvec2(2576980377u,26843545u),
+uint((4*e_2)));least_q60_=_e28;}uvec2 _e29=mul_wide(mid_q30_,mid_q30_);uvec2 _e31=s_1.det_q60_;uvec2 _e32=sub_wide(_e29,
+_e31);more=_e32;uvec2 _e34=least_q60_;bool _e35=less(_e32,_e34);if(_e35){uvec2 _e36=least_q60_;more=_e36;}uvec2
+_e37=more;Root _e38=root_of_q60_(_e37);uint _e41=mul_high(_e38.m,_e38.inverse_q30_);uvec2 _e45=shift_left(uvec2(_e41,
+0u),1u);uvec2 _e52=shift_right(_e45,uint((1 - _e38.half_)));uvec2 _e53=add_wide(uvec2(mid_q30_,0u),_e52);uvec2
+_e55=shift_left(_e53,30u);Root _e56=root_of_q60_(_e55);uint _e57=sqrt_q8_(_e56,e_2);int radius_1=int((((3u*_e57)+
+255u)>>8u));out_3.bounds.square_radius=uint(radius_1);int _e73=_group_0_binding_0_cs.size.y;out_3.splat.rows=ivec2(0,
+(_e73 - 1));ivec2 _e80=out_3.bounds.c_q14_;ivec2 pixel=(_e80>>uvec2(14u));if(all(greaterThanEqual(((pixel +
+ivec2(radius_1))+ ivec2(15)),ivec2(16)))){ivec2 _e95=whole_tiles();local_13=all(lessThan(pixel,
+(ivec2(radius_1)+(16*_e95))));}else{local_13=false;}bool _e103=local_13;return _e103;}uint veil_dilation_q30_(int
+exponent_4){if((exponent_4>31)){return 64u;}uvec2 _e6=_group_0_binding_1_cs.dilation_q30_;uvec2 _e10=shift_right(_e6,
+uint((2*exponent_4)));uvec2 _e14=add_wide(_e10,uvec2(1u,0u));return((_e14.y!=0u)?4294967295u:max(_e14.x,64u));}int
+cut_to_16_q26_(uvec2 x_12){uvec2 most=uvec2(1073741824u,0u);uvec2 _e4=magnitude(x_12);bool _e5=less(most,_e4);if(_e5){
+bool _e6=is_negative(x_12);return(_e6?-1073741824:1073741824);}int _e10=low_of(x_12);return _e10;}int
+shift_and_cut(uvec2 x_13,int shift_1){if((shift_1<0)){int _e4=cut_to_16_q26_(x_13);uvec2 _e5=wide_of(_e4);uvec2
+_e8=shift_left(_e5,uint(-(shift_1)));int _e9=cut_to_16_q26_(_e8);return _e9;}uvec2 _e13=shift_signed(x_13,
+uint(min(shift_1,62)));int _e14=cut_to_16_q26_(_e13);return _e14;}int from_middle_q26_(inout Projected centre_4,uint
+i_5,int exponent_5){int _e5=centre_4.camera[i_5];uint _e7=centre_4.inverse_q30_;uvec2 _e8=mul_mixed(_e5,_e7);uvec2
+_e10=shift_signed(_e8,34u);int _e11=low_of(_e10);int _e15=_group_0_binding_1_cs.c_q12_[i_5];uvec2 _e16=wide_of(_e15);
+ivec2 _e17=whole_tiles();uvec2 _e23=wide_of(((_e17[i_5]<<15u)+ 2048));uvec2 _e24=sub_wide(_e16,_e23);int
+_e28=_group_0_binding_1_cs.f_q12_[i_5];uvec2 _e29=mul_signed(_e28,_e11);int _e33=centre_4.zeros;int
+_e35=shift_and_cut(_e29,((14 + exponent_5)- _e33));uvec2 _e36=wide_of(_e35);uvec2 _e38=shift_left(_e24,14u);int
+_e39=shift_and_cut(_e38,exponent_5);uvec2 _e40=wide_of(_e39);uvec2 _e41=add_wide(_e36,_e40);int
+_e42=cut_to_16_q26_(_e41);return _e42;}bool veil(inout Placed out_4,inout Covariance s_2,inout Projected centre_5,uint
+r_q12_2){bool local_14=false;int e_3=s_2.exponent;int shift_4=(min(e_3,60)- 6);ivec2 _e10=whole_tiles();ivec2
+middle_1=(_e10*8);uint _e14=s_2.c_q30_;Root _e15=root_of_q30_(_e14);uvec2 _e17=s_2.det_q60_;Root
+_e18=root_of_q60_(_e17);uint _e22=product_shifted(_e15.inverse_q30_,_e18.inverse_q30_,31u);uint _e25=mul_high(_e15.m,
+_e15.inverse_q30_);uvec2 _e27=mul_wide(_e25,_e18.inverse_q30_);uvec2 _e29=shift_right(_e27,30u);uvec2
+_e31=shift_left(_e29,2u);uvec2 _e37=round_shift(_e31,((14 - _e15.half_)+ _e18.half_));int _e38=low_of(_e37);int
 _e40=s_2.b_q30_;uvec2 _e41=mul_mixed(_e40,_e22);uvec2 _e47=round_shift(_e41,((41 + _e15.half_)+ _e18.half_));int
 _e48=low_of(_e47);int uy_q18_=-(_e48);uvec2 _e56=round_shift(uvec2(_e15.inverse_q30_,0u),(12 + _e15.half_));int
 _e57=low_of(_e56);int _e59=from_middle_q26_(centre_5,0u,e_3);int _e61=from_middle_q26_(centre_5,1u,e_3);uvec2
@@ -229,7 +225,7 @@ out_4.bounds=Bounds(ivec2(0),0u,0,EVERYWHERE_Q8_,((_e126==1)?131072u:0u));uvec2 
 uvec2 _e139=mul_signed(middle_1.x,_e72);uvec2 _e142=mul_signed(middle_1.y,abs(_e75));uvec2 _e143=add_wide(_e139,_e142);
 uvec2 _e144=add_wide(r_q24_,_e143);uvec2 _e145=magnitude(_e66);bool _e146=less(_e144,_e145);if(!(_e146)){uvec2
 _e151=mul_signed(middle_1.y,_e78);uvec2 _e152=add_wide(r_q24_,_e151);uvec2 _e153=magnitude(_e69);bool _e154=less(_e152,
-_e153);local_17=!(_e154);}else{local_17=false;}bool _e157=local_17;return _e157;}int axis_size_q15_(int below_q16_,uint
+_e153);local_14=!(_e154);}else{local_14=false;}bool _e157=local_14;return _e157;}int axis_size_q15_(int below_q16_,uint
 size_q32_,int shift_2){int _e7=exp2_q15_(((below_q16_&65535)>>1u));uint ratio_q15_=uint(_e7);uint
 _e10=product_shifted(ratio_q15_,size_q32_,31u);uint _e14=scale_down(_e10,(shift_2 +(below_q16_>>16u)));return int(_e14);
 }int dot_q15_(ivec3 a_21,ivec3 b_13){int _e2=dot_i(a_21,b_13);return((_e2 + 16384)>>15u);}ivec3 screen_axes(ivec3 row,
@@ -238,13 +234,13 @@ _e8=dot_q15_(row,axes_1.axis_q15_);int _e10=fxs_mul_q15_(_e8,sizes_q15_.x);int
 _e21=fxs_mul_q15_(((((_e4*axes_1.cos_q15_)+(_e6*axes_1.sin_q15_))+ 16384)>>15u),sizes_q15_.y);int
 _e32=fxs_mul_q15_(((((_e6*axes_1.cos_q15_)-(_e4*axes_1.sin_q15_))+ 16384)>>15u),sizes_q15_.z);return ivec3(_e10,_e21,
 _e32);}bool project_shape(inout Placed out_5,inout Projected centre_6,uint scale_word,uint rotation_word){int
-size_exponent=0;bool local_18=false;Axes axes_2=Axes(ivec3(0),ivec3(0),ivec3(0),0,0);uint least=64u;Covariance
+size_exponent=0;bool local_15=false;Axes axes_2=Axes(ivec3(0),ivec3(0),ivec3(0),0,0);uint least=64u;Covariance
 s_3=Covariance(0u,0u,0,uvec2(0u),uvec2(0u),0);int offset_q11_2=0;uint r2_q11_=0u;uvec3
 code_4=((uvec3(scale_word)>>uvec3(0u,10u,19u))&uvec3(1023u,1023u,1022u));uint _e18=record[16];ivec3
 falls_q16_1=ivec3(((((code_4*code_4)*_e18)+ uvec3(128u))>>uvec3(8u)));int least_q16_=min(min(falls_q16_1.x,
 falls_q16_1.y),falls_q16_1.z);int _e34=number_at(15u);uint _e36=screen_size(centre_6,(_e34 - least_q16_),size_exponent);
-int _e37=size_exponent;if(!((_e37>16))){bool _e44=centre_6.out_of_range;local_18=_e44;}else{local_18=true;}bool
-is_veil=local_18;if(is_veil){int _e47=size_exponent;int _e50=_group_0_binding_1_cs.veil_exponent;if((_e47<_e50)){return
+int _e37=size_exponent;if(!((_e37>16))){bool _e44=centre_6.out_of_range;local_15=_e44;}else{local_15=true;}bool
+is_veil=local_15;if(is_veil){int _e47=size_exponent;int _e50=_group_0_binding_1_cs.veil_exponent;if((_e47<_e50)){return
 false;}}else{int _e53=size_exponent;bool _e54=off_picture(centre_6,_e53);if(_e54){return false;}}int _e56=size_exponent;
 int exponent_6=max(_e56,0);uint _e60=axis_bits(falls_q16_1);bool _e61=read_axes(axes_2,rotation_word,_e60);if(!(_e61)){
 return false;}int _e67=centre_6.slope_q23_.x;ivec3 _e68=jacobian_row(0u,_e67);int _e72=centre_6.slope_q23_.y;ivec3
@@ -376,10 +372,10 @@ int _e56=_group_0_binding_1_cs.degree;if((_e56>0)){ivec3 _e60=direction_q15_(cod
 _e63=_group_0_binding_1_cs.degree;Basis _e64=basis_of(_e60,_e63);uint _e67=_group_0_binding_1_cs.palette_entries;
 if((_e67!=0u)){ivec3 _e70=sum_q16_;ivec3 _e71=palette_q16_(_e64,rows_4,g_4);sum_q16_=(_e70 + _e71);}else{ivec3
 _e73=sum_q16_;ivec3 _e74=bands_q16_(_e64,rows_4,g_4);sum_q16_=(_e73 + _e74);}}ivec3 _e76=sum_q16_;return min(max(((_e76
-+ ivec3(4))>>uvec3(3u)),ivec3(0)),ivec3(32767));}Span columns_between(int left_q8_,int right_q8_){bool local_19=false;
-bool local_20=false;int first_3=((left_q8_ + 255)>>8u);int last_2=(right_q8_>>8u);if(!((last_2<0))){int
-_e16=_group_0_binding_0_cs.size.x;local_19=(first_3>=_e16);}else{local_19=true;}bool _e19=local_19;if(!(_e19)){
-local_20=(first_3>last_2);}else{local_20=true;}bool _e25=local_20;if(_e25){return Span(0,-1);}uint
++ ivec3(4))>>uvec3(3u)),ivec3(0)),ivec3(32767));}Span columns_between(int left_q8_,int right_q8_){bool local_16=false;
+bool local_17=false;int first_3=((left_q8_ + 255)>>8u);int last_2=(right_q8_>>8u);if(!((last_2<0))){int
+_e16=_group_0_binding_0_cs.size.x;local_16=(first_3>=_e16);}else{local_16=true;}bool _e19=local_16;if(!(_e19)){
+local_17=(first_3>last_2);}else{local_17=true;}bool _e25=local_17;if(_e25){return Span(0,-1);}uint
 _e33=_group_0_binding_0_cs.tile_bits;uint _e37=_group_0_binding_0_cs.tile_bits;int _e42=_group_0_binding_0_cs.tiles.x;
 int _e48=_group_0_binding_0_cs.size.x;return Span((max(first_3,0)>>_e33),((last_2>=_e48)?(_e42 - 1):(last_2>>_e37)));}
 Span columns_of(inout Bounds b_24){int _e3=b_24.c_q14_.x;int c_q8_1=(_e3>>6u);int _e7=b_24.half_width_q8_;int
@@ -390,11 +386,11 @@ b_25,int row_1){int _e7=b_25.c_q14_.y;int _e10=s_4.vy_q24_;uvec2 _e11=mul_signed
 _e13=shift_signed(_e11,26u);int _e14=low_of(_e13);return _e14;}int half_at(inout Bounds b_26,int r_q12_3,int v_q12_){
 uint _e7=sqrt_of(uint(((r_q12_3*r_q12_3)-(v_q12_*v_q12_))));uint root=(_e7 + 1u);uint _e11=b_26.breadth_q8_;uvec2
 _e12=mul_wide(_e11,root);uvec2 _e14=shift_right(_e12,12u);return int(_e14.x);}Span ellipse_span(inout Splat s_5,inout
-Bounds b_27,int r_1,int row_2){bool local_21=false;bool local_22=false;int left=0;int right=0;uvec2 tangent=uvec2(0u);
-bool local_23=false;bool local_24=false;uint _e6=_group_0_binding_0_cs.tile_bits;int _e8=v_at_row(s_5,b_27,
+Bounds b_27,int r_1,int row_2){bool local_18=false;bool local_19=false;int left=0;int right=0;uvec2 tangent=uvec2(0u);
+bool local_20=false;bool local_21=false;uint _e6=_group_0_binding_0_cs.tile_bits;int _e8=v_at_row(s_5,b_27,
 (row_2<<_e6));uint _e13=_group_0_binding_0_cs.tile_bits;int _e17=v_at_row(s_5,b_27,(((row_2 + 1)<<_e13)- 1));int
-reach=b_27.half_width_q8_;if(!((_e8>(r_1 + 2)))){local_21=(_e17<(-(r_1)- 2));}else{local_21=true;}bool _e31=local_21;
-if(_e31){local_22=(reach!=EVERYWHERE_Q8_);}else{local_22=false;}bool _e37=local_22;if(_e37){return Span(0,-1);}int
+reach=b_27.half_width_q8_;if(!((_e8>(r_1 + 2)))){local_18=(_e17<(-(r_1)- 2));}else{local_18=true;}bool _e31=local_18;
+if(_e31){local_19=(reach!=EVERYWHERE_Q8_);}else{local_19=false;}bool _e37=local_19;if(_e37){return Span(0,-1);}int
 top=min(max(_e8,-(r_1)),r_1);int bottom=min(max((_e17 + 1),-(r_1)),r_1);int _e48=b_27.shear_q8_;uvec2
 _e49=mul_signed(_e48,top);uvec2 _e51=shift_signed(_e49,12u);int _e52=low_of(_e51);int _e54=b_27.shear_q8_;uvec2
 _e55=mul_signed(_e54,bottom);uvec2 _e57=shift_signed(_e55,12u);int _e58=low_of(_e57);int _e59=half_at(b_27,r_1,top);int
@@ -403,9 +399,9 @@ _e71=b_27.shear_q8_;uvec2 _e75=mul_wide(uint(abs(_e71)),uint(r_1));uvec2 _e77=sh
 _e80=mul_wide(_e77.x,uint(r_1));tangent=_e80;int _e83=b_27.shear_q8_;if((_e83<0)){uvec2 _e86=tangent;uvec2
 _e87=negate(_e86);tangent=_e87;}uvec2 _e88=tangent;uvec2 _e89=negate(_e88);uvec2 _e90=mul_signed(top,reach);uvec2
 _e91=mul_signed(bottom,reach);uvec2 _e92=tangent;bool _e93=less(_e92,_e90);if(!(_e93)){uvec2 _e97=tangent;bool
-_e98=less(_e91,_e97);local_23=!(_e98);}else{local_23=false;}bool _e101=local_23;if(_e101){right=reach;}bool
-_e102=less(_e89,_e90);if(!(_e102)){bool _e106=less(_e91,_e89);local_24=!(_e106);}else{local_24=false;}bool
-_e109=local_24;if(_e109){left=-(reach);}int _e113=b_27.c_q14_.x;int c_q8_2=(_e113>>6u);int margin=((reach>>8u)+ 32);int
+_e98=less(_e91,_e97);local_20=!(_e98);}else{local_20=false;}bool _e101=local_20;if(_e101){right=reach;}bool
+_e102=less(_e89,_e90);if(!(_e102)){bool _e106=less(_e91,_e89);local_21=!(_e106);}else{local_21=false;}bool
+_e109=local_21;if(_e109){left=-(reach);}int _e113=b_27.c_q14_.x;int c_q8_2=(_e113>>6u);int margin=((reach>>8u)+ 32);int
 _e120=left;int _e125=right;Span _e131=columns_between((c_q8_2 + max((_e120 - margin),-(reach))),(c_q8_2 -
 max((-(_e125)- margin),-(reach))));return _e131;}Span square_span(int centre_q14_,uint radius,int tiles){int
 pixel_1=(centre_q14_>>14u);int first_4=((pixel_1 - int(radius))>>4u);int last_3=((((pixel_1 + int(radius))+ 15)>>4u)-
@@ -438,25 +434,25 @@ _e33=b_30.c_q14_.y;_group_1_binding_1_cs[(at_9 + 2u)]=uint(_e33);uint _e40=b_30.
 + 3u)]=_e40;int _e46=b_30.shear_q8_;_group_1_binding_1_cs[(at_9 + 4u)]=uint(_e46);int _e53=b_30.half_width_q8_;
 _group_1_binding_1_cs[(at_9 + 5u)]=uint(_e53);uint _e60=b_30.square_radius;_group_1_binding_1_cs[(at_9 + 6u)]=_e60;
 _group_1_binding_1_cs[(at_9 + 7u)]=uint(first_row);return;}else{return;}}uvec2 list_splat(uint slot_1,inout Placed
-out_7){Splat s_9=Splat(0u,0u,0,0,0,0,ivec2(0));Bounds b_31=Bounds(ivec2(0),0u,0,0,0u);bool local_25=false;bool
-local_26=false;bool local_27=false;bool local_28=false;bool local_29=false;bool local_30=false;bool local_31=false;
-uvec2 box=uvec2(0u,0u);int row_5=0;bool local_32=false;int row_6=0;bool local_33=false;Splat _e3=out_7.splat;s_9=_e3;
+out_7){Splat s_9=Splat(0u,0u,0,0,0,0,ivec2(0));Bounds b_31=Bounds(ivec2(0),0u,0,0,0u);bool local_22=false;bool
+local_23=false;bool local_24=false;bool local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;
+uvec2 box=uvec2(0u,0u);int row_5=0;bool local_29=false;int row_6=0;bool local_30=false;Splat _e3=out_7.splat;s_9=_e3;
 Bounds _e6=out_7.bounds;b_31=_e6;Span _e8=rows_of(s_9,b_31);Span _e9=columns_of(b_31);int
-_e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);if(!(is_square)){local_25=(_e9.first>_e9.last);}else{
-local_25=false;}bool _e22=local_25;if(_e22){return uvec2(0u,0u);}int _e30=_group_0_binding_0_cs.tiles.x;uint
-first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){local_26=(_e8.first==_e8.last);}else{local_26=false;}
-bool _e42=local_26;if(_e42){int _e47=s_9.rows.x;local_27=(_e47>0);}else{local_27=false;}bool _e51=local_27;if(_e51){int
-_e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;local_28=(_e56<(_e60 - 1));}else{local_28=false;}bool
-_e65=local_28;if(_e65){local_29=((_e9.last - _e9.first)<4);}else{local_29=false;}bool _e74=local_29;if(_e74){
+_e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);if(!(is_square)){local_22=(_e9.first>_e9.last);}else{
+local_22=false;}bool _e22=local_22;if(_e22){return uvec2(0u,0u);}int _e30=_group_0_binding_0_cs.tiles.x;uint
+first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){local_23=(_e8.first==_e8.last);}else{local_23=false;}
+bool _e42=local_23;if(_e42){int _e47=s_9.rows.x;local_24=(_e47>0);}else{local_24=false;}bool _e51=local_24;if(_e51){int
+_e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;local_25=(_e56<(_e60 - 1));}else{local_25=false;}bool
+_e65=local_25;if(_e65){local_26=((_e9.last - _e9.first)<4);}else{local_26=false;}bool _e74=local_26;if(_e74){
 count_tiles(_e8.first,_e9);return uvec2(((2u<<uint((_e9.last - _e9.first)))- 1u),(first_tile<<10u));}if(!(is_square)){
-local_30=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{local_30=true;}bool _e96=local_30;if(!(_e96)){local_31=((_e8.last
-- _e8.first)>=BOX_ROWS);}else{local_31=true;}bool large=local_31;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);
+local_27=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{local_27=true;}bool _e96=local_27;if(!(_e96)){local_28=((_e8.last
+- _e8.first)>=BOX_ROWS);}else{local_28=true;}bool large=local_28;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);
 row_5=_e8.first;for(;(row_5<=_e8.last);row_5=(row_5 + 1)){{int _e119=row_5;Span _e120=span_of(s_9,b_31,_e109,_e119);int
-_e121=row_5;count_tiles(_e121,_e120);if(!(large)){local_32=(_e120.first<=_e120.last);}else{local_32=false;}bool
-_e129=local_32;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2
+_e121=row_5;count_tiles(_e121,_e120);if(!(large)){local_29=(_e120.first<=_e120.last);}else{local_29=false;}bool
+_e129=local_29;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2
 _e143=box;int _e147=row_5;uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));
 box=(_e143|_e152);}}}row_6=_e8.first;for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){
-local_33=large;}else{local_33=false;}bool _e165=local_33;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_31,
+local_30=large;}else{local_30=false;}bool _e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_31,
 _e166);}}uint _e171=box.x;uint _e173=box.y;if(((_e171|_e173)==0u)){uvec2 _e177=box;return _e177;}uint _e179=box.x;uint
 _e181=box.y;return uvec2(_e179,(_e181|(first_tile<<10u)));}void put_splat(uint slot_2,inout Splat s_10,ivec3
 colour_q13_1){uint _e8=s_10.u0_q24_;uint _e10=s_10.v0_q24_;int _e12=s_10.ux_q24_;int _e15=s_10.uy_q24_;
@@ -465,14 +461,14 @@ _e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;_group_1_binding
 1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),
 (uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint chunk_1,uint slot_3){Projected
 centre_8=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,0u,0,0,0,0,ivec2(0)),
-Bounds(ivec2(0),0u,0,0,0u));bool local_34=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,ivec2(0));uint
+Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,ivec2(0));uint
 g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;uint
 _e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 - _e9)-
 _e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return uvec2(0u,0u);}
 bool _e32=project_centre(centre_8,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];int
 _e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_8,_e20.scale,
 _e20.rotation);if(!(_e45)){return uvec2(0u,0u);}uint _e52=_group_0_binding_1_cs.crop_count;if((_e52!=0u)){bool
-_e58=is_kept(_e20.position);local_34=!(_e58);}else{local_34=false;}bool _e61=local_34;if(_e61){return uvec2(0u,0u);}int
+_e58=is_kept(_e20.position);local_31=!(_e58);}else{local_31=false;}bool _e61=local_31;if(_e61){return uvec2(0u,0u);}int
 _e67=centre_8.camera.z;uint _e68=depth_key(_e67);key_1=_e68;int _e72=_group_0_binding_1_cs.plain;if((_e72==0)){uint
 _e75=key_1;uint _e76=scale_depth(_e75);key_1=_e76;}ivec3 _e77=shade(rows_5,g_5,_e20);ivec4
 _e80=_group_0_binding_1_cs.tint_q13_;ivec3 colour=min((((_e77*_e80.xyz)+ ivec3(4096))>>uvec3(13u)),ivec3(32767));Splat

@@ -80,17 +80,15 @@ static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, con
     return shift_left(mantissa, zeros);
 }
 
-/* Returns the lanes on the picture and not wholly in its hidden part. */
+/* Lanes on the picture. radius = 3.5 (2^exponent + 1), cut to the limit of centres. */
 static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
     vi radius_q14 = least((14 << 12) * (size + 1), all(FXS_CENTRE_LIMIT_Q14));
     const vi low_x = c->position_q14[0] - radius_q14, low_y = c->position_q14[1] - radius_q14;
     const vi high_x = c->position_q14[0] + radius_q14, high_y = c->position_q14[1] + radius_q14;
-    const mask hidden = greater(low_x, all(view->hidden[0] << 14)) & greater(all(view->hidden_end[0] << 14), high_x) &
-                        greater(low_y, all(view->hidden[1] << 14)) & greater(all(view->hidden_end[1] << 14), high_y);
     return greater(high_x, all(-1)) & greater(all((view->tiles_x << 18) + 1), low_x) &
-           greater(high_y, all(-1)) & greater(all((view->tiles_y << 18) + 1), low_y) & ~hidden;
+           greater(high_y, all(-1)) & greater(all((view->tiles_y << 18) + 1), low_y);
 }
 
 static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
@@ -321,12 +319,9 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
     bounds[HALF_WIDTH] = half_width_q8;
     vi first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
     splat[CLIP] = most(first, all(0)) | least(last, all(view->height - 1)) << 16;
-    const mask hidden = greater(cx_q8 - half_width_q8, all(view->hidden[0] * 256 - 1)) &
-                        greater(all((view->hidden_end[0] - 1) * 256 + 1), cx_q8 + half_width_q8) &
-                        greater(first, all(view->hidden[1] - 1)) & greater(all(view->hidden_end[1]), last);
     return greater(cx_q8 + half_width_q8, all(-1)) &
            greater(half_width_q8 + (((view->width - 1) << 8) + 1), cx_q8) & greater(last, all(-1)) &
-           greater(all(view->height), first) & greater(last + 1, first) & ~hidden;
+           greater(all(view->height), first) & greater(last + 1, first);
 }
 
 static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const fxs_chunk_view *cv,

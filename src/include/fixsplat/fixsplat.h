@@ -75,8 +75,8 @@ enum fxs_error {
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units,
                                    near plane out of range */
-    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window outside the whole picture, or a
-                                   hidden part outside the picture; two eyes with different sizes or projections */
+    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window outside the whole picture; two
+                                   eyes with different sizes or projections */
     FXS_ERR_MEMORY = -6,        /* too little working memory, or working memory not aligned to 64; or too little device
                                    memory */
     FXS_ERR_UNSUPPORTED = -7,   /* a feature that this build, machine or back end lacks */
@@ -204,11 +204,6 @@ typedef struct fxs_camera {
        pixels are the same only if whole_x and whole_y are multiples of 16. */
     int32_t whole_width, whole_height;
     int32_t whole_x, whole_y;
-
-    /* A part of the picture that will not be shown; width and height 0: none. Its pixels may lack Gaussians that lie
-       entirely inside it. */
-    int32_t hidden_x, hidden_y;
-    int32_t hidden_width, hidden_height;
     int32_t reserved[8];           /* 0 */
 } fxs_camera;
 
@@ -244,9 +239,6 @@ typedef struct fxs_options {
                                       each tree and objects without a tree are always drawn, even beyond the budget */
     uint32_t detail_q8;            /* pixels: a node whose details are smaller than this is drawn instead of its
                                       children; 0: no limit */
-    int budget_of_window;          /* for a cropped camera: 1 applies the budget to the crop without its hidden part, 0
-                                      to the whole picture, so that the crop has the same pixels as that part of the
-                                      whole picture */
     fxs_want_fn *want;             /* for scenes with `places`: called for each chunk to be drawn, most important first,
                                       before drawing starts, on the thread that called fxs_render; null: no callback */
     void *want_argument;
@@ -355,7 +347,7 @@ FXS_API const char *fxs_stage_name(enum fxs_stage stage);
 /* A configuration, ready for rendering. Its fields are the library's; the struct keeps its size within 1.x. */
 typedef struct fxs_context {
     fxs_config config;
-    void *reserved[16];
+    void *reserved[8];
 } fxs_context;
 
 /* Fills *context. `config` may be null: one thread, no clock. Errors: FXS_ERR_ARGUMENT, FXS_ERR_STRUCT. */

@@ -41,8 +41,6 @@ typedef struct fxs_view {
     int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are clamped to these in the Jacobian */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z 18 pixels outside the picture's edges, clamped to
                                                       +-64 */
-    int32_t hidden_low_q23[2], hidden_high_q23[2]; /* x/z and y/z 4 pixels inside the edges of the hidden part */
-    int32_t hidden[2], hidden_end[2];              /* pixels of the hidden part, x and y: first, and end (exclusive) */
     int32_t veil_exponent;         /* smallest size exponent with which a Gaussian with its centre out of range is
                                       visible */
     int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian
