@@ -20,7 +20,7 @@ static fxs_text copy(const char *path, const uint8_t *data, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static void draw_through(const fxs_lens *lens, const fxs_file_view *view)
+static void draw_through(const fxs_lens *lens, const fxs_view *view)
 {
     static fxs_lens_warp warp;
     static const uint8_t outside[4];
@@ -42,7 +42,7 @@ static void make_cameras(const fxs_view_list *list)
     fxs_message message;
     for (size_t i = 0; i < list->count; i++) {
         const fxs_listed_view *listed = &list->views[i];
-        fxs_file_view view = listed->view, filled;
+        fxs_view view = listed->view, filled;
         if (fxs_camera_from_view(&camera, &view, &message) && strchr(message.text, '\n'))
             abort();
         if (listed->sizeless)

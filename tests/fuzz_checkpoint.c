@@ -33,7 +33,7 @@ static void save_one(void)
     FILE *file;
     for (int i = 0; i < 3 * SIDE * SIDE; i++)
         pixels[i] = (uint8_t)(i * 7);
-    photo.view = (fxs_file_view){.name = "a", .width = SIDE, .height = SIDE, .fx = 20, .fy = 20, .cx = 10, .cy = 10,
+    photo.view = (fxs_view){.name = "a", .width = SIDE, .height = SIDE, .fx = 20, .fy = 20, .cx = 10, .cy = 10,
                                  .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .position = {0, 0, -4}};
     photo.pixels = pixels;
     for (int i = 0; i < POINTS; i++)
@@ -44,7 +44,7 @@ static void save_one(void)
         abort();
     if (fxs_fit_create(&fit, &photo, 1, points, POINTS, &options, &message) || fxs_fit_save(fit, path, &message))
         abort();
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     file = fopen(path, "rb");
     whole_size = file ? fread(whole, 1, sizeof whole, file) : 0;
     if (!whole_size || fclose(file))
@@ -111,6 +111,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     if (!error)
         go_on(fit);
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     return 0;
 }

@@ -247,10 +247,10 @@ static fxs_targets fuzz_targets(const fuzz_frame *f, int eye)
 static void fuzz_levels(fuzz_frame *f)
 {
     const unsigned cpu = fxs_cpu_detect();
-    fxs_init(&f->levels[f->level_count++], NULL);
+    fxs_context_init(&f->levels[f->level_count++], NULL);
     for (unsigned flag = 1, mask = 1; mask <= cpu; flag *= 2, mask |= flag)
         if (cpu & flag) {
-            fxs_init(&f->levels[f->level_count], NULL);
+            fxs_context_init(&f->levels[f->level_count], NULL);
             f->levels[f->level_count++].config.kernels = kernels_for(mask);
         }
 }

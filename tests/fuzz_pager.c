@@ -44,7 +44,7 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     fxs_request request;
     fxs_object object;
     fxs_stats stats;
-    fxs_init(&context, NULL);
+    fxs_context_init(&context, NULL);
     fxs_object_init(&object, scene);
     fxs_request_init(&request, &object, 1);
     request.options = *options;

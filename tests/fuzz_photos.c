@@ -55,7 +55,7 @@ static void put(const char *name, const uint8_t *data, size_t size)
 
 static void check_photo(const fxs_fit_photo *photo)
 {
-    const fxs_file_view *v = &photo->view;
+    const fxs_view *v = &photo->view;
     unsigned sum = 0;
     if (v->width < 1 || v->height < 1 || v->width > 16 || v->height > 16 || !isfinite(v->fx + v->fy + v->cx + v->cy))
         abort();

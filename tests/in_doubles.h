@@ -9,9 +9,9 @@
 #include "reference.h"
 #include "rotation_word.h"
 
-static inline fxs_file_view view_of(const fxs_camera *camera)
+static inline fxs_view view_of(const fxs_camera *camera)
 {
-    fxs_file_view view = {"", camera->width, camera->height, ldexp(camera->fx_q12, -12), ldexp(camera->fy_q12, -12),
+    fxs_view view = {"", camera->width, camera->height, ldexp(camera->fx_q12, -12), ldexp(camera->fy_q12, -12),
                           ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0},
                           ldexp((double)camera->near_q32, -32), camera->projection, 0};
     for (int i = 0; i < 9; i++)

@@ -103,10 +103,10 @@ static inline int one_render_stereo(const fxs_context *context, const fxs_scene 
 }
 
 /* The view that stages receive for the scene's chunks. */
-static inline int one_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera,
+static inline int one_view_init(fxs_stage_view *view, const fxs_scene *scene, const fxs_camera *camera,
                                 const fxs_options *options)
 {
-    fxs_view world;
+    fxs_stage_view world;
     const fxs_object object = one_object(scene);
     const int error = fxs_view_init(&world, camera, options);
     return error ? error : fxs_view_of_object(view, &world, camera, &object);

@@ -93,7 +93,7 @@ static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, con
                                   const fxs_options *options, uint32_t *drawn)
 {
     fxs_object_view *views = (fxs_object_view *)calloc(count + 1, sizeof *views);
-    fxs_view world;
+    fxs_stage_view world;
     fxs_cut cut = {objects, count, options, camera, views, fxs_cut_room(objects, count, options), 0, 0, 0, 0};
     uint32_t chunks = 0;
     fxs_drawn *list = 0;

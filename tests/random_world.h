@@ -221,7 +221,7 @@ typedef struct reference_world {
 static inline reference_world world_reference(const world *w, const fxs_camera *camera, const fxs_options *options,
                                               const double *occluder)
 {
-    const fxs_file_view view = view_of(camera);
+    const fxs_view view = view_of(camera);
     reference_world r = {0};
     size_t most = 1;
     for (uint32_t k = 0; k < w->count; k++)

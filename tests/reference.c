@@ -194,7 +194,7 @@ static void pixel_box(const struct reference_splat *s, int width, int height, en
 }
 
 /* Centre and Jacobian. Returns 0 unless the centre is beyond the near plane. */
-static int project_centre(const double offset[3], const fxs_file_view *view, double jw[2][3],
+static int project_centre(const double offset[3], const fxs_view *view, double jw[2][3],
                           struct reference_splat *out)
 {
     const double *right = view->rotation, *down = right + 3, *forward = right + 6;
@@ -217,7 +217,7 @@ static int project_centre(const double offset[3], const fxs_file_view *view, dou
 }
 
 int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
-                             const fxs_file_view *view, const struct reference_options *options,
+                             const fxs_view *view, const struct reference_options *options,
                              struct reference_splat *out)
 {
     double offset[3], jw[2][3], position[3] = { gaussian->position[0], gaussian->position[1], gaussian->position[2] };
@@ -245,7 +245,7 @@ int reference_project_object(const fxs_gaussian *gaussian, const struct referenc
     return columns.first < columns.end && rows.first < rows.end;
 }
 
-int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
+int reference_project(const fxs_gaussian *gaussian, const fxs_view *view, const struct reference_options *options,
                       struct reference_splat *out)
 {
     static const struct reference_object as_it_lies = { { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { 0, 0, 0 }, 1, 1, { 1, 1, 1 } };
@@ -404,7 +404,7 @@ int reference_render_splats(const struct reference_splat *splats, size_t count, 
     return reference_trace_splats(splats, count, width, height, options, 0, rgb);
 }
 
-int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file_view *view,
+int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_view *view,
                      const struct reference_options *options, double *rgb)
 {
     struct reference_splat *splats = calloc(count + 1, sizeof *splats);

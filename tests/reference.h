@@ -41,16 +41,16 @@ struct reference_object {
 
 /* Returns 1, or 0 if the Gaussian is culled: not finite, without rotation, not beyond the near plane, or below alpha
    1/255 at every pixel of its bounding box. */
-int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
+int reference_project(const fxs_gaussian *gaussian, const fxs_view *view, const struct reference_options *options,
                       struct reference_splat *out);
 
 /* The same for a Gaussian of an object. */
 int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
-                             const fxs_file_view *view, const struct reference_options *options,
+                             const fxs_view *view, const struct reference_options *options,
                              struct reference_splat *out);
 
 /* Renders to width * height * 3 doubles, top row first, not clamped. Returns 0, or -1 if memory runs out. */
-int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file_view *view,
+int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_view *view,
                      const struct reference_options *options, double *rgb);
 
 /* The same for projected Gaussians in any order; sorts them front to back by depth, ties by index. */

@@ -9,6 +9,7 @@
 #include "fastest.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/views.h>
 #endif
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -84,17 +85,17 @@ static void render_frames(uint32_t threads)
     fxs_context context;
     fxs_scene scene;
     fxs_options options;
-    fxs_file_view view;
+    fxs_view view;
     fxs_message m;
     packed_scene packed = make_scene();
     unsigned char *pixels = malloc(WIDTH * HEIGHT * 4);
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
     context.config.kernels = kernels_for(fxs_cpu_detect());
 #endif
     fxs_options_init(&options);
     CHECK(pool && pixels && !fxs_scene_open(&scene, packed.data, packed.bytes) &&
-          !fxs_view_look_at(&view, eye, middle, up, 50, WIDTH, HEIGHT, &m));
+          !fxs_view_look_at(&view, eye, middle, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m));
     size_t bytes = one_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
     int before = allocations;

@@ -119,7 +119,7 @@ static void draw(void)
     fxs_context context;
     size_t pixel_bytes = (size_t)fxs_pixel_bytes(drawn.format);
     drawn.bytes = (size_t)drawn.camera.width * (size_t)drawn.camera.height * pixel_bytes;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const fxs_targets targets = one_target(drawn.format, drawn.expected,
                                            (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes);
     size_t bytes = frame_bytes(&context, 0);
@@ -160,7 +160,7 @@ static void check_case(uint64_t seed, int32_t most, int height)
         fxs_pool *pool = fxs_pool_create(threads);
         fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = threads};
         fxs_context context;
-        fxs_init(&context, &config);
+        fxs_context_init(&context, &config);
         check_limits(&context);
 #ifdef FXS_WITH_KERNELS
         context.config.kernels = kernels_for(fxs_cpu_detect());
@@ -243,7 +243,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
 static void test_blocks_of_any_number_of_splats(void)
 {
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     state = 1;
     for (int before = 0; before <= 16; before++)
         for (int kept = 1; kept <= 3; kept++) {
@@ -258,7 +258,7 @@ static void test_rows_are_of_one_tile_row(void)
 {
     size_t rows[2];
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (int others = 0; others < 2; others++) {
         int counts[8][ROWS];
         for (int c = 0; c < 8; c++)
@@ -279,7 +279,7 @@ static void test_rows_are_of_one_tile_row(void)
 static void test_slices_beyond_every_depth(void)
 {
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const uint64_t before = sliced;
     const packed_scene s = place_in_rows(4, (const int[4][ROWS]){{250}, {250}, {250}, {250}}, 16);
     CHECK(drawn.stats.visible == 4 * 250);

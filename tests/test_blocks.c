@@ -26,7 +26,7 @@ static void set_up(void)
         for (int k = 0; k < 3; k++)
             points[i].position[k] = random_place(k == 0 ? 10 : k == 1 ? 1 : 5);
     for (int v = 0; v < 2; v++) {
-        fxs_file_view *view = &views[v].view;
+        fxs_view *view = &views[v].view;
         for (int k = 0; k < 3; k++)
             view->rotation[4 * k] = v && k != 1 ? -1 : 1;
         view->position[2] = -30;

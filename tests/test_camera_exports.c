@@ -157,7 +157,7 @@ static void check_poses(const fxs_view_list *list, int width, int height, const 
         return;
     for (int i = 0; i < CAMERAS; i++) {
         double r[9];
-        fxs_file_view v = list->views[i].view;
+        fxs_view v = list->views[i].view;
         rows_of(poses[i], r);
         if (list->views[i].sizeless) {
             CHECK(v.width == 800 && v.height == 800);
@@ -210,7 +210,7 @@ static void csv(void)
     put_text("e/cameras.csv");
     list = read_list("e/cameras.csv");
     if (CHECK(list.count == 2)) {
-        const fxs_file_view *v = &list.views[0].view;
+        const fxs_view *v = &list.views[0].view;
         CHECK(!strcmp(list.views[0].image, "a.jpg") && !strcmp(list.views[1].image, "b c.jpg"));
         CHECK(v->fx == 800 && v->cx == 400 && v->position[0] == 1 && v->position[2] == 3 && !v->bends);
     }
@@ -370,7 +370,7 @@ static void photographs(void)
         }
         CHECK(photos.points_are_random);
         for (size_t i = 0; i < photos.fit_count; i++) {
-            const fxs_file_view *v = &photos.fit[i].view, *w = &first.fit[i].view;
+            const fxs_view *v = &photos.fit[i].view, *w = &first.fit[i].view;
             int off = 0;
             for (int j = 0; j < 3 * WIDE * HIGH; j++)
                 off += abs(photos.fit[i].pixels[j] - first.fit[i].pixels[j]) > 1;

@@ -5,6 +5,9 @@
 #include <fixsplat/world.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/start.h>
+#include <fixsplat/internal/views.h>
 
 #include <math.h>
 #include <stdarg.h>
@@ -48,7 +51,7 @@ static void put_text(const char *name, const char *format, ...)
     put(name, text, strlen(text));
 }
 
-static long read_views(const char *name, fxs_file_view **views)
+static long read_views(const char *name, fxs_view **views)
 {
     *views = NULL;
     memset(&message, 0, sizeof message);
@@ -60,7 +63,7 @@ static long read_views(const char *name, fxs_file_view **views)
 
 static void check_fault(const char *name, const char *words)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     long count = read_views(name, &views);
     const int error = strstr(words, "built without") ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
     if (!CHECK(count == error && strstr(message.text, words) != NULL))
@@ -92,7 +95,7 @@ static void make_camera(void)
 
 static void check_camera(const char *name, const char *view_name, double cx, double cy)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     if (!CHECK(read_views(name, &views) == 1)) {
         printf("  %s\n", message.text);
         return;
@@ -217,7 +220,7 @@ static void colmap_txt(void)
 /* Checks if the first view is marked as bent by its lens; its pinhole camera is always read. */
 static void check_bends(const char *name, int bends)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     if (!CHECK(read_views(name, &views) >= 1))
         return;
     CHECK(views->bends == bends && views->fx == 500 && views->width > 0);
@@ -226,7 +229,7 @@ static void check_bends(const char *name, int bends)
 
 static void colmap_models(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     put_colmap_txt("7 SIMPLE_RADIAL 640 480 500 310 250 0", "\n");
     if (CHECK(read_views("", &views) == 1)) {
@@ -267,7 +270,7 @@ static void colmap_models(void)
 
 static void colmap_images(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     put_text("cameras.txt", "7 PINHOLE 640 480 500 500 310 250\n2 SIMPLE_PINHOLE 64 48 50 31 25\n");
     put_text("images.txt", "9 1 0 0 0 1 2 3 2 z\n\n5 3 0 0 0 4 5 6 7 a\n1 2 3\n");
@@ -326,7 +329,7 @@ static void colmap_bin_faults(void)
 
 static void colmap_long_name(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     char name[400];
     memset(name, 'n', sizeof name - 1);
     name[0] = '\n';
@@ -386,7 +389,7 @@ static void put_transforms(const char *top, const char *own)
 
 static void inria(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     put_inria();
     check_camera("cameras.json", "b.jpg", 320, 240);
@@ -401,7 +404,7 @@ static void inria(void)
 /* A principal point outside the picture, and an orthographic camera. */
 static void inria_extended(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     put_text("cameras.json", "[{\"width\":10,\"height\":5,\"fx\":1,\"fy\":2,\"cx\":3,\"cy\":-1.5,"
                              "\"orthographic\":true," INRIA_POSE "},"
@@ -415,11 +418,11 @@ static void inria_extended(void)
 
 static void written(void)
 {
-    fxs_file_view views[2], *again;
+    fxs_view views[2], *again;
     memset(views, 0, sizeof views);
     for (int i = 0; i < 2; i++) {
         const double turn[9] = {0.8, 0, -0.6, 0, 1, 0, 0.6, 0, 0.8};
-        fxs_file_view *v = &views[i];
+        fxs_view *v = &views[i];
         snprintf(v->name, sizeof v->name, i ? "a\"b\\c d.jpg" : "b.png");
         v->width = 640 + i, v->height = 480;
         v->fx = 500.1, v->fy = 1 / 3.0 + 400, v->cx = 320.7, v->cy = 200 + i;
@@ -490,7 +493,7 @@ static void inria_faults(void)
 /* A rotation within 1e-3 is made orthonormal. */
 static void inria_orthonormalised(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     put_text("cameras.json", "[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1,0,0],"
                              "\"rotation\":[[1.0003,0.0002,0],[0,0.9997,-0.0004],[0.0003,0.0005,1]]}]");
@@ -538,7 +541,7 @@ static void transforms(void)
 static void blender(void)
 {
     static const double axes[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     put_text("transforms.json", "{\"camera_angle_x\":1.5707963267948966,\"frames\":[{\"file_path\":\"./train/r_0\","
                                 "\"transform_matrix\":[[1,0,0,5],[0,1,0,6],[0,0,1,7],[0,0,0,1]]}]}");
@@ -554,7 +557,7 @@ static void blender(void)
 
 static void angles(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     remove_all();
     for (double angle = 0.01; angle < 3.14; angle += 0.13) {
         char top[64];
@@ -610,7 +613,7 @@ static void too_many_values(void)
 
 static void real_cameras(void)
 {
-    fxs_file_view *views;
+    fxs_view *views;
     char path[1024];
     const char *scenes = getenv("FXS_SCENES");
     snprintf(path, sizeof path, "%s/snowmiku/cameras.json", scenes ? scenes : "../shared/scenes");
@@ -659,7 +662,7 @@ static void control_characters_in_messages(void)
 
 static void camera_from_view(void)
 {
-    fxs_file_view view = {"", 640, 360, 501.25, 502.5, 303.75, 204.5, {0}, {7, -8.5, 9.25}, 0,
+    fxs_view view = {"", 640, 360, 501.25, 502.5, 303.75, 204.5, {0}, {7, -8.5, 9.25}, 0,
                           FXS_PERSPECTIVE, 0};
     const double rows[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
     fxs_camera camera;
@@ -799,8 +802,8 @@ static void camera_from_matrices(void)
 /* Resizing keeps the ray through every point of the picture. */
 static void view_resized(void)
 {
-    const fxs_file_view before = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 300.3, .cy = 250.7};
-    fxs_file_view view = before;
+    const fxs_view before = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 300.3, .cy = 250.7};
+    fxs_view view = before;
     fxs_view_resize(&view, 640, 480);
     CHECK(view.fx == before.fx && view.fy == before.fy && view.cx == before.cx && view.cy == before.cy);
     fxs_view_resize(&view, 1280, 960);
@@ -814,8 +817,8 @@ static void view_resized(void)
 static void view_of_a_box(void)
 {
     const double low[3] = {1, 20, -300}, high[3] = {5, 24, -290}, up[3] = {0, -1, 0};
-    fxs_file_view view;
-    CHECK(fxs_view_frame_box(&view, low, high, up, 50, 640, 360, &message) == 0);
+    fxs_view view;
+    CHECK(fxs_view_frame_box(&view, low, high, up, &(fxs_picture){50, 640, 360}, &message) == 0);
     for (int corner = 0; corner <= 8; corner++) {
         double p[3] = {0, 0, 0};
         for (int i = 0; i < 3; i++) {
@@ -831,16 +834,16 @@ static void view_of_a_box(void)
     for (int i = 0; i < 18; i++) {
         double ends[6] = {1, 20, -300, 5, 24, -290};
         ends[i % 6] = wrong[i / 6];
-        CHECK(fxs_view_frame_box(&view, ends, ends + 3, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
+        CHECK(fxs_view_frame_box(&view, ends, ends + 3, up, &(fxs_picture){50, 640, 360}, &message) == FXS_ERR_ARGUMENT);
     }
     const double far_low[3] = {-1.7e308, 0, 0}, far_high[3] = {1.7e308, 1, 1};
-    CHECK(fxs_view_frame_box(&view, far_low, far_high, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_view_frame_box(&view, far_low, far_high, up, &(fxs_picture){50, 640, 360}, &message) == FXS_ERR_ARGUMENT);
 }
 
 /* Position, viewing direction and log focal length along a path. */
-static void state_at(const fxs_file_view *keys, long count, double at, double state[7])
+static void state_at(const fxs_view *keys, long count, double at, double state[7])
 {
-    fxs_file_view view;
+    fxs_view view;
     fxs_view_between(keys, count, at, &view);
     memcpy(state, view.position, sizeof view.position);
     memcpy(state + 3, view.rotation + 6, 3 * sizeof *state);
@@ -852,11 +855,11 @@ static void start_views(void)
 {
     static const double ups[3][3] = {{0, -1, 0}, {0, 1, 0}, {1, 0.2, 0.3}}, middle[3] = {0, 0, 0};
     unsigned char scene[sizeof(fxs_packed_header)] = {0}, bad[sizeof scene];
-    fxs_file_view view, again;
+    fxs_view view, again;
     CHECK(fxs_view_of_start(&again, scene, 64, 48) == 0);
     for (int i = 0; i < 3 * 24; i++) {
         const double eye[3] = {3 - i % 5, 1.5 - i % 3, -4.25}, fov = 1 + 169 * i / 71.0;
-        if (!CHECK(!fxs_view_look_at(&view, eye, middle, ups[i / 24], fov, 640, 480, &message)))
+        if (!CHECK(!fxs_view_look_at(&view, eye, middle, ups[i / 24], &(fxs_picture){fov, 640, 480}, &message)))
             return;
         fxs_view_orbit(&view, middle, ups[(i + 1) % 3], i % 24 * 0.2617993877991494);
         if (!CHECK(!fxs_view_to_start(scene, &view, &message) && fxs_view_of_start(&again, scene, 64, 48) == 1))
@@ -979,13 +982,13 @@ static void start_view_is_upright(void)
     static const double middle[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
     unsigned char scene[sizeof(fxs_packed_header)] = {0};
     fxs_fit_photo photos[COUNT];
-    fxs_file_view first;
+    fxs_view first;
     double found[3];
     for (int i = 0; i < COUNT; i++) {
         const double height = i == LEVEL ? -0.2 : 1;
         const double eye[3] = {1 + 4 * 0.8 + height * 0.6, 2, 3 - 4 * 0.6 + height * 0.8};
-        fxs_file_view *view = &photos[i].view;
-        CHECK(!fxs_view_look_at(view, eye, middle, up, 50, 64, 48, &message));
+        fxs_view *view = &photos[i].view;
+        CHECK(!fxs_view_look_at(view, eye, middle, up, &(fxs_picture){50, 64, 48}, &message));
         fxs_view_orbit(view, middle, up, i * 0.5235987755982988);
         const double forward[3] = {view->rotation[6], view->rotation[7], view->rotation[8]};
         fxs_view_orbit(view, view->position, forward, i % 2 ? 0.05 : -0.05);
@@ -1028,20 +1031,20 @@ static void up_of_a_view(void)
         const int axis = i % 3, sign = i / 3 % 2 ? 1 : -1;
         const double height = (i / 6 % 4 - 1) * 1.5, turn = 0.3 + i / 24 * 0.4;
         double up[3] = {0, 0, 0}, eye[3], found[3];
-        fxs_file_view view;
+        fxs_view view;
         up[axis] = sign;
         eye[axis] = sign * height;
         eye[(axis + 1) % 3] = 2 * cos(turn);
         eye[(axis + 2) % 3] = 2 * sin(turn);
-        CHECK(!fxs_view_look_at(&view, eye, middle, up, 50, 64, 48, &message));
+        CHECK(!fxs_view_look_at(&view, eye, middle, up, &(fxs_picture){50, 64, 48}, &message));
         fxs_view_up(&view, found);
         CHECK(along(found, up) > 1 - 1e-12);
     }
     /* Without a level axis: the picture's up. */
     const double eye[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
     double found[3];
-    fxs_file_view view;
-    CHECK(!fxs_view_look_at(&view, eye, middle, up, 50, 64, 48, &message));
+    fxs_view view;
+    CHECK(!fxs_view_look_at(&view, eye, middle, up, &(fxs_picture){50, 64, 48}, &message));
     fxs_view_up(&view, found);
     for (int k = 0; k < 3; k++)
         CHECK(found[k] == -view.rotation[3 + k]);
@@ -1054,9 +1057,9 @@ static void way_is_smooth(void)
     static const double eyes[KEYS][3] = {{0, 0, -6}, {3, -1, -5}, {6, 0, 0}, {2, 1, 5}, {-4, 0, 3}, {-6, -2, -1}};
     static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0};
     const double h = 1e-6;
-    fxs_file_view keys[KEYS], view;
+    fxs_view keys[KEYS], view;
     for (int i = 0; i < KEYS; i++) {
-        CHECK(!fxs_view_look_at(&keys[i], eyes[i], middle, up, 30 + 10 * (i % 3), 64, 48, &message));
+        CHECK(!fxs_view_look_at(&keys[i], eyes[i], middle, up, &(fxs_picture){30 + 10 * (i % 3), 64, 48}, &message));
         keys[i].near = 0.2;
     }
     for (long i = 1; i < KEYS - 1; i++) {

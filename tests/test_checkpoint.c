@@ -4,6 +4,7 @@
 #include "src/fit/coarse.h"
 #include "src/fit/random.h"
 #include <fixsplat/system.h>
+#include <fixsplat/internal/fit_more.h>
 #include "folder.h"
 
 enum { PHOTOS = 3, WIDTH = 40, HEIGHT = 24, POINTS = 90, SAVED_AT = 611, LATE = 671, STEPS = 705 };
@@ -26,7 +27,7 @@ static void make_input(void)
     options.steps = STEPS;
     options.seed = 5;
     for (int i = 0; i < PHOTOS; i++) {
-        fxs_file_view *v = &photos[i].view;
+        fxs_view *v = &photos[i].view;
         const double c = i == 1 ? 1 : 0.8, s = i == 0 ? -0.6 : i == 1 ? 0 : 0.6;
         const double rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
         memset(v, 0, sizeof *v);
@@ -112,18 +113,18 @@ static void goes_on_in_the_middle_of_a_round(void)
     whole = begin();
     go_on(whole, 10);
     save(whole, "whole-batches");
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     whole = begin();
     go_on(whole, 5);
     save(whole, "half-batches");
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options = mine;
     if (CHECK(resume(&second, "half-batches") == 0)) {
         CHECK(fxs_fit_options_of(second)->batch == 4);
         go_on(second, 10);
         save(second, "resumed-batches");
         CHECK(same_files("whole-batches", "resumed-batches"));
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
     options.device_count = 3;
     CHECK(resume(&second, "half-batches") == FXS_ERR_ARGUMENT && strstr(message.text, "shared out"));
@@ -144,14 +145,14 @@ static void goes_on_with_exposure(enum fxs_fit_exposure exposure, const char *ha
     save(whole, "whole-exposures");
     CHECK(whole->gains.of[1].at[0] != 0 && whole->gains.of[1].at[2] != 0);
     CHECK((whole->gains.of[1].at[9] != 0) == (exposure == FXS_FIT_EXPOSURE_AFFINE));
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options = mine;
     if (CHECK(resume(&second, half) == 0)) {
         CHECK(fxs_fit_options_of(second)->exposure == exposure);
         go_on(second, 40);
         save(second, "resumed-exposures");
         CHECK(same_files("whole-exposures", "resumed-exposures"));
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
 }
 
@@ -190,7 +191,7 @@ static void begins_with_known_exposures(void)
                 printf("  0x%08x\n", (unsigned)got);
             CHECK(gain->square == 0 && gain->mean[0] == 0 && gain->of_one[0] == 0);
         }
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     for (int kind = 0; kind < 3; kind++) {         /* impossible numbers */
         static const double odd[3] = {1e300, -1, 1e-300};
@@ -198,7 +199,7 @@ static void begins_with_known_exposures(void)
         options.exposure = FXS_FIT_EXPOSURE_GAIN;
         fxs_fit *fit = begin();
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     for (int i = 0; i < PHOTOS; i++)               /* affine: factors divided by their mean */
         photos[i].exposure = 0.01 * (1 + i);
@@ -211,7 +212,7 @@ static void begins_with_known_exposures(void)
             CHECK(fabs((double)fit->gains.of[i].at[k] - expected) < 1e-6);
         }
     }
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     options.exposure = FXS_FIT_EXPOSURE_GAIN;
     for (int i = 0; i < PHOTOS; i++)
         photos[i].exposure = i == 1 ? 1e-20 : 1e20;
@@ -219,12 +220,12 @@ static void begins_with_known_exposures(void)
     for (int i = 0; i < PHOTOS; i++)
         CHECK(fabsf(fit->gains.of[i].at[0]) <= 2 * FXS_FIT_GAIN_MOST);
     save(fit, "extreme-exposures");
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     for (int i = 0; i < PHOTOS; i++)
         photos[i].exposure = 0;                    /* the file's values count */
     if (CHECK(resume(&fit, "extreme-exposures") == 0)) {
         CHECK(fit->gains.of[0].at[0] > 5 && fit->gains.of[1].at[0] < -10);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     options = mine;
 }
@@ -237,7 +238,7 @@ static void goes_on_with_masks(void)
     memset(all, 1, sizeof all);
     whole = begin();
     save(whole, "no-masks");
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     for (int i = 0; i < PHOTOS; i++) {
         for (int p = 0; p < WIDTH * HEIGHT; p++)
             masks[i][p] = p % WIDTH / 9 % 3 != i;
@@ -249,12 +250,12 @@ static void goes_on_with_masks(void)
     save(whole, "half-masks");
     go_on(whole, 20);
     save(whole, "whole-masks");
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     if (CHECK(resume(&second, "half-masks") == 0)) {
         go_on(second, 20);
         save(second, "resumed-masks");
         CHECK(same_files("whole-masks", "resumed-masks"));
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
     masks[2][77] ^= 1;
     CHECK(resume(&second, "half-masks") == FXS_ERR_FILE && strstr(message.text, "other photographs"));
@@ -263,7 +264,7 @@ static void goes_on_with_masks(void)
         photos[i].mask = all;
     CHECK(resume(&second, "half-masks") == FXS_ERR_FILE && strstr(message.text, "other photographs"));
     if (CHECK(resume(&second, "no-masks") == 0))
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     for (int i = 0; i < PHOTOS; i++)
         photos[i].mask = NULL;
 }
@@ -297,13 +298,13 @@ static void a_block_keeps(const char *name, uint32_t steps)
         CHECK(!o->exposure || memcmp(&fit->gains.of[0], &fit->gains.of[1], sizeof *fit->gains.of));
         CHECK(!o->refine_poses || memcmp(&fit->poses.of[0], &fit->poses.of[1], sizeof *fit->poses.of));
         save(fit, "block");
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
         if (CHECK(fxs_fit_resume(&fit, in_folder("block"), some, 2, &options, &message) == 0))
-            fxs_fit_free(fit);
+            fxs_fit_destroy(fit);
     }
     options = mine;
     fxs_fit_coarse_free(coarse);
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
 }
 
 /* Poses, saved before and after the first step that moves them, with exposures and without. */
@@ -322,7 +323,7 @@ static void goes_on_with_poses(void)
     save(whole, "whole-poses");
     for (int k = 0; k < FXS_FIT_POSE; k++)
         CHECK(whole->poses.of[2].at[k] != 0);
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options = mine;
     for (int i = 0; i < 2; i++)
         if (CHECK(resume(&second, i ? "half-poses" : "early-poses") == 0)) {
@@ -330,18 +331,18 @@ static void goes_on_with_poses(void)
             go_on(second, 540);
             save(second, "resumed-poses");
             CHECK(same_files("whole-poses", "resumed-poses"));
-            fxs_fit_free(second);
+            fxs_fit_destroy(second);
         }
     options.refine_poses = 1;
     options.exposure = FXS_FIT_EXPOSURE_GAIN;
     whole = begin();
     go_on(whole, 5);
     save(whole, "both");
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options = mine;
     if (CHECK(resume(&second, "both") == 0)) {
         CHECK(fxs_fit_options_of(second)->refine_poses == 1 && fxs_fit_options_of(second)->exposure == 1);
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
     options.refine_poses = 2;
     CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
@@ -363,21 +364,21 @@ static void goes_on_antialiased(void)
     go_on(whole, STEPS);
     save(whole, "whole-antialiased");
     CHECK(whole->model.cameras && whole->model.cameras->count == PHOTOS);
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options = mine;
     if (CHECK(resume(&second, "half-antialiased") == 0)) {
         CHECK(fxs_fit_options_of(second)->antialiased == 1 && !fxs_fit_options_of(second)->exposure);
         go_on(second, STEPS);
         save(second, "resumed-antialiased");
         CHECK(same_files("whole-antialiased", "resumed-antialiased"));
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
     whole = begin();
     CHECK(!whole->model.cameras);
     go_on(whole, STEPS);
     save(whole, "aliased");
     CHECK(!same_files("whole-antialiased", "aliased"));
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options.antialiased = 2;
     CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
     options = mine;
@@ -404,9 +405,9 @@ static void goes_on_with_a_sky(void)
         go_on(second, 40);
         save(second, "resumed-sky");
         CHECK(same_files("whole-sky", "resumed-sky"));
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     options = mine;
     options.recipe = FXS_FIT_MCMC;
     options.steps = 60;
@@ -430,7 +431,7 @@ static void goes_on_as_if_never_stopped(void)
     save(whole, "whole");
     go_on(first, SAVED_AT);
     save(first, "half");
-    fxs_fit_free(first);
+    fxs_fit_destroy(first);
     if (CHECK(resume(&second, "half") == 0)) {
         CHECK(fxs_fit_steps(second) == SAVED_AT);
         save(second, "again");
@@ -444,12 +445,12 @@ static void goes_on_as_if_never_stopped(void)
             fxs_packed_scene_free(&packed[0]);
             fxs_packed_scene_free(&packed[1]);
         }
-        fxs_fit_free(second);
+        fxs_fit_destroy(second);
     }
     fxs_gaussian_source gaussians;
     fxs_fit_gaussians(whole, &gaussians, &message);
     CHECK(gaussians.count != POINTS);
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
 }
 
 /* Saved while scales pass through the packed profile, where a number out of range is refused. */
@@ -462,17 +463,17 @@ static void goes_on_in_the_last_tenth(void)
     save(whole, "late");
     go_on(whole, STEPS);
     save(whole, "end");
-    fxs_fit_free(whole);
+    fxs_fit_destroy(whole);
     if (CHECK(resume(&again, "late") == 0)) {
         go_on(again, STEPS);
         save(again, "resumed");
         CHECK(same_files("end", "resumed"));
-        fxs_fit_free(again);
+        fxs_fit_destroy(again);
     }
     options.steps = 2 * STEPS;                   /* no longer in the last tenth */
     if (CHECK(resume(&again, "late") == 0)) {
         go_on(again, LATE + 2);
-        fxs_fit_free(again);
+        fxs_fit_destroy(again);
     }
     options = mine;
 }
@@ -489,7 +490,7 @@ static void the_file_does_not_depend_on_threads(void)
         go_on(fit, STEPS);
         save(fit, "threads");
         CHECK(same_files("whole", "threads"));
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     options = one;
     fxs_pool_destroy(pool);
@@ -508,12 +509,12 @@ static void its_options_are_those_of_the_file(void)
         const fxs_fit_options *o = fxs_fit_options_of(fit);
         CHECK(o->seed == 5 && o->sh_degree == 3 && o->max_gaussians == mine.max_gaussians && !o->background[1]);
         CHECK(o->steps == STEPS);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     options.steps = 9000;
     if (CHECK(resume(&fit, "half") == 0)) {
         CHECK(fxs_fit_options_of(fit)->steps == 9000);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     options = mine;
 }
@@ -523,7 +524,7 @@ static void names_of_photographs_do_not_matter(void)
     fxs_fit *fit;
     strcpy(photos[1].view.name, "other.jpg");
     if (CHECK(resume(&fit, "half") == 0))
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
 }
 
 /* ---- Faults ------------------------------------------------------------------------------------------------------ */
@@ -537,7 +538,7 @@ static int refused(const char *name, int error, const char *why)
         return 1;
     printf("  %d: %s\n", got, message.text);
     if (!got)
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     return 0;
 }
 
@@ -680,7 +681,7 @@ static void faulty_exposures_are_refused(void)
         go_on(fit, 26);
         for (int k = 0; k < 3; k++)
             CHECK(fabsf(fit->gains.of[0].at[k]) <= 2 * FXS_FIT_GAIN_MOST);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
 }
 
@@ -705,7 +706,7 @@ static void faulty_poses_are_refused(void)
         go_on(fit, 526);
         for (int k = 0; k < FXS_FIT_POSE; k++)
             CHECK(fabsf(fit->poses.of[0].at[k]) <= (k < 3 ? FXS_FIT_TURN_MOST : FXS_FIT_FARTHEST_PLACE));
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
@@ -733,7 +734,7 @@ static void faulty_skies_are_refused(void)
     change("half-sky", FAR + 3, 0x60ad78ec);    /* 1e20 */
     if (CHECK(resume(&fit, "changed") == 0)) {
         go_on(fit, 24);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     change("half", 1, 25);          /* the version with a sky, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
@@ -807,7 +808,7 @@ static void any_finite_numbers_are_lived_with(void)
             CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
             fxs_packed_scene_free(&packed);
         }
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     free(changed);
     free(bytes);
@@ -831,7 +832,7 @@ static void what_is_not_finite_is_not_saved(void)
     if (CHECK(resume(&fit, "kept") == 0)) {
         fit->model.squares[0] = INFINITY;
         CHECK(fxs_fit_save(fit, in_folder("kept"), &message) == FXS_ERR_FILE);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     free(bytes);
     free(bytes_of("kept", &after));
@@ -848,7 +849,7 @@ static void a_full_disk_is_told(void)
         return;
     CHECK(fxs_fit_save(fit, "/dev/full", &message) == FXS_ERR_FILE && strstr(message.text, "No space"));
     CHECK(fxs_fit_save(fit, in_folder("no/folder"), &message) == FXS_ERR_FILE);
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
 }
 
 static void options_are_checked(void)

@@ -23,6 +23,7 @@ int main(void)
 #else
 
 #include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #include "kernels/compute/gl31.h"
 #include "losing_gl.h"
 
@@ -52,22 +53,15 @@ static fxs_gl_function load(void *argument, const char *name)
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
-    *out = malloc(fxs_compute_bytes());
     why.text[0] = 0;
-    const int error = fxs_compute_init(*out, load, fxs_egl_use, egl, &why);
-    if (error) {
-        free(*out);
-        *out = 0;
-    }
+    const int error = fxs_compute_create(out, load, fxs_egl_use, egl, &why);
     fakes[0] = (struct fake){0, 0};
     return error;
 }
 
 static void close_compute(fxs_compute *c)
 {
-    if (c)
-        fxs_compute_free(c);
-    free(c);
+    fxs_compute_destroy(c);
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
@@ -75,7 +69,7 @@ static void close_compute(fxs_compute *c)
 static int render_there(const fxs_request *request, fxs_stats *stats)
 {
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, request, 0);
     void *memory = check_aligned(bytes);
     const int error = fxs_render(&context, request, memory, bytes, stats);
@@ -294,7 +288,7 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
 }
 
 /* Compares splats and depths of the n-th visible chunk. Returns its visible splats. */
-static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
+static uint32_t compare_chunk(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
                               const fxs_splat *splats, const uint32_t *depths)
 {
     fxs_splat own[FXS_CHUNK];
@@ -344,7 +338,7 @@ static int compare_stages(const fxs_scene *scene)
     const fxs_object object = one_object(scene);
     fxs_request request;
     fxs_stats stats;
-    fxs_view view;
+    fxs_stage_view view;
     fxs_request_init(&request, &object, 1);
     random_view(request.cameras, &request.options);
     random_near(request.cameras);
@@ -396,8 +390,8 @@ static void stages(void)
 static int look_at(fxs_camera *camera, int width, int height, double distance)
 {
     const double eye[3] = {0.9, -2.6, -distance}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
-    fxs_file_view view;
-    return CHECK(!fxs_view_look_at(&view, eye, look, up, 40, width, height, &why) &&
+    fxs_view view;
+    return CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){40, width, height}, &why) &&
                  !fxs_camera_from_view(camera, &view, &why));
 }
 
@@ -617,11 +611,7 @@ static fxs_gl_function load_losing(void *argument, const char *name)
 
 static int open_losing(fxs_compute **out)
 {
-    *out = malloc(fxs_compute_bytes());
-    const int error = fxs_compute_init(*out, load_losing, fxs_egl_use, egl, &why);
-    if (error)
-        free(*out);
-    return error;
+    return fxs_compute_create(out, load_losing, fxs_egl_use, egl, &why);
 }
 
 /* Returns the calls of a run without losses, counted down from LONG_MAX. */

@@ -11,7 +11,7 @@ static void render(const fxs_scene *scene, const fxs_camera *camera, const fxs_o
                    ptrdiff_t stride)
 {
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = one_frame_bytes(&context, scene, camera->width, camera->height, 0);
     void *memory = check_aligned(bytes);
     CHECK(!one_render(&context, scene, camera, options, FXS_FORMAT_RGBA8, memory, bytes, pixels, stride, 0));
@@ -91,9 +91,9 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
 {
     const double eye[3] = {0.9, -2.6, -9}, look[3] = {0, 0.42, 0}, up[3] = {0, -1, 0};
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     fxs_camera camera = {.width = 0};
-    CHECK(!fxs_view_look_at(&view, eye, look, up, 50, width, height, &m));
+    CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){50, width, height}, &m));
     CHECK(!fxs_view_set_tangents(&view, tangents, &m) && !fxs_camera_from_view(&camera, &view, &m));
     return camera;
 }
@@ -146,7 +146,7 @@ static void test_window_errors(void)
                               {20, 20, 0, 11}, {FXS_MAX_SIZE + 1, 20, 0, 0}, {20, FXS_MAX_SIZE + 1, 0, 0},
                               {INT32_MIN, 20, 0, 0}, {20, 20, INT32_MAX, 0}, {20, 0, 0, 0}, {0, 20, 0, 0}};
     fxs_options options;
-    fxs_view view;
+    fxs_stage_view view;
     fxs_options_init(&options);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         fxs_camera camera;
@@ -169,8 +169,8 @@ static void test_tangents(void)
                                         {-1, nan, 1, -1}, {-1, 1, nan, -1}, {-1, 1, 1, nan}};
     const double eye[3] = {0, 0, 0}, look[3] = {0, 0, 1}, up[3] = {0, -1, 0};
     fxs_message m;
-    fxs_file_view view;
-    CHECK(!fxs_view_look_at(&view, eye, look, up, 50, 2064, 2208, &m));
+    fxs_view view;
+    CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){50, 2064, 2208}, &m));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         CHECK(fxs_view_set_tangents(&view, bad[i], &m) == FXS_ERR_ARGUMENT);
     CHECK(!fxs_view_set_tangents(&view, headset[0], &m));

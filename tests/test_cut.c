@@ -48,7 +48,7 @@ static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budge
     fxs_context context;
     fxs_frame f;
     request.options.detail_q8 = detail_q8;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
     CHECK(!fxs_frame_init(&f, &context, &request, memory, bytes) && !fxs_frame_begin(&f) && f.drawn);
@@ -65,7 +65,7 @@ static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budge
 static int is_seen(const fxs_scene *scene, fxs_camera camera, uint32_t chunk)
 {
     fxs_options options;
-    fxs_view view;
+    fxs_stage_view view;
     fxs_chunk_view cv;
     fxs_options_init(&options);
     CHECK(!one_view_init(&view, scene, &camera, &options));
@@ -131,7 +131,7 @@ static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t 
     fxs_context context;
     fxs_frame f;
     uint32_t grown = 0;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
     CHECK(!fxs_frame_init(&f, &context, &request, memory, bytes) && !fxs_frame_begin(&f) && f.drawn);
@@ -200,7 +200,7 @@ static void check_same(const fxs_request *first, int picture)
     fxs_pool *pool = fxs_pool_create(3);
     const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = 3};
     fxs_frame_memory sizes;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, first, &sizes);
     request.targets[0].colour.pixels = pictures[picture];
     draw(&context, first, bytes);
@@ -209,7 +209,7 @@ static void check_same(const fxs_request *first, int picture)
         draw(&context, &request, less);
         CHECK(!memcmp(pictures[0], pictures[picture], PIXELS));
     }
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
     context.config.kernels = kernels_for(fxs_cpu_detect());
 #endif
@@ -232,7 +232,7 @@ static void test_same_bytes(void)
 {
     static unsigned char whole[PIXELS];
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (int profile = 0; profile < 3; profile++) {
         const fxs_object object = one_object(&scenes[profile]);
         fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), 0, whole);
@@ -266,7 +266,7 @@ static void test_level_colours(void)
     for (int whole = 0; whole < 2; whole++) {
         fxs_context context;
         int coloured = 0;
-        fxs_init(&context, 0);
+        fxs_context_init(&context, 0);
         request.options.budget = whole ? 0 : request.options.budget;
         draw(&context, &request, 0);
         for (int i = 0; i < PIXELS; i += 4)
@@ -282,7 +282,7 @@ static void test_window(void)
     fxs_context context;
     const fxs_camera whole = camera_at(0.3, -1, -3);
     fxs_request request = request_of(&object, 1, whole, COUNT / 5, pictures[0]);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     draw(&context, &request, 0);
     fxs_camera *c = &request.cameras[0];
     *c = (fxs_camera){.width = 96, .height = 64, .whole_width = WIDTH, .whole_height = HEIGHT, .whole_x = 112,
@@ -311,7 +311,7 @@ static void test_objects(void)
     request.count = 3;
     check_same(&request, 1);
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const fxs_stats stats = draw(&context, &request, 0);
     CHECK(stats.drawn >= plain.chunk_count * FXS_CHUNK && stats.drawn <= plain.chunk_count * FXS_CHUNK + 2 * FXS_CHUNK);
     objects[0].visible = 0;
@@ -324,7 +324,7 @@ static void test_eyes(void)
     const fxs_object object = one_object(&scenes[0]);
     fxs_context context;
     fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 5, pictures[0]);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_request one = request;
     request.eyes = 2;
     request.cameras[1] = camera_at(1.0, -3, -7);
@@ -388,7 +388,7 @@ static void test_in_part(void)
     const fxs_object whole = one_object(&scenes[0]);
     fxs_context context;
     fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const fxs_stats all = draw(&context, &request, 0);
     partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* room for ancestors too */
     const fxs_object object = one_object(&p.scene);
@@ -430,7 +430,7 @@ static void test_damage(void)
     fxs_scene scene;
     fxs_context context;
     uint32_t random = 1, refused = 0, drawn = 0;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (int round = 0; round < 300; round++) {
         memcpy(data, packed[2].data, bytes);
         CHECK(!fxs_scene_open(&scene, data, bytes));

@@ -64,7 +64,7 @@ static int apart(const uint32_t *a, const uint32_t *b)
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
-static void bin_everywhere(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+static void bin_everywhere(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
                            fxs_box *boxes)
 {
     (void)view;
@@ -529,7 +529,7 @@ static void test_wild_frames(void)
 
 int main(void)
 {
-    fxs_init(&plain, 0);
+    fxs_context_init(&plain, 0);
     fxs_options_init(&options);
     RUN(test_faint_objects_are_listed_whole);
     RUN(test_end_of_a_long_list);

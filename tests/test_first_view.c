@@ -63,7 +63,7 @@ static double along(const double a[3], const double b[3])
 }
 
 /* Shares of the picture: covered, and covered by one Gaussian. */
-static void look(const turned *t, const fxs_file_view *view, double *covered, double *largest)
+static void look(const turned *t, const fxs_view *view, double *covered, double *largest)
 {
     static unsigned char coverage[PIXELS];
     static fxs_id ids[PIXELS];
@@ -87,11 +87,27 @@ static void look(const turned *t, const fxs_file_view *view, double *covered, do
     fxs_renderer_destroy(renderer);
 }
 
+static int first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
+                              const double known[3], double fov, int width, fxs_view *view)
+{
+    double up[3] = {known[0], known[1], known[2]};
+    double box[2][3] = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    return fxs_first_view(objects, count, box, up, &(fxs_picture){fov, width, HEIGHT}, view, &why);
+}
+
+static int first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3], double fov,
+                      int width, fxs_view *view, double up[3])
+{
+    double box[2][3] = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    memset(up, 0, 3 * sizeof *up);
+    return fxs_first_view(objects, count, box, up, &(fxs_picture){fov, width, HEIGHT}, view, &why);
+}
+
 static void check_view(const turned *t, const char *name, int turning)
 {
-    fxs_file_view view;
+    fxs_view view;
     double up[3], covered, largest;
-    if (!CHECK(!fxs_first_view(&t->object, 1, t->low, t->high, 50, WIDTH, HEIGHT, &view, up, &why)))
+    if (!CHECK(!first_view(&t->object, 1, t->low, t->high, 50, WIDTH, &view, up)))
         return;
     look(t, &view, &covered, &largest);
     const double upright = acos(fmin(along(up, t->up), 1)) * 57.29577951308232;
@@ -132,7 +148,7 @@ static void the_same_everywhere(void)
     for (int i = 0; i < 4; i++) {
         const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = 3};
         fxs_context context;
-        fxs_init(&context, i & 1 ? &config : NULL);
+        fxs_context_init(&context, i & 1 ? &config : NULL);
         if (i & 2)
             context.config.kernels = kernels_for(fxs_cpu_detect());
         CHECK(!fxs_first_view_choose(&first[i], &context, &t.object, 1, t.low, t.high, NULL, &why));
@@ -365,10 +381,10 @@ static int make_kind(turned *t, const struct kind *kind)
 
 static void check_kind(const turned *t, const struct kind *kind, const double r[9])
 {
-    fxs_file_view view;
+    fxs_view view;
     double up[3], eye[3], ahead[3], to[3];
     int within = 1;
-    if (!CHECK(!fxs_first_view(&t->object, 1, t->low, t->high, 50, WIDTH, HEIGHT, &view, up, &why)))
+    if (!CHECK(!first_view(&t->object, 1, t->low, t->high, 50, WIDTH, &view, up)))
         return;
     for (int i = 0; i < 3; i++) {
         eye[i] = ahead[i] = 0;
@@ -407,15 +423,15 @@ static void upright_as_told(void)
 {
     static const double ups[][3] = {{3, -4, 0}, {0.1, 0.2, -0.7}, {0, 0, 0}};
     turned t;
-    fxs_file_view view, found;
+    fxs_view view, found;
     double up[3];
     if (!CHECK(!make(&t, "site")))
         return;
     turn(&t, turns[1]);
-    CHECK(!fxs_first_view(&t.object, 1, t.low, t.high, 50, WIDTH, HEIGHT, &found, up, &why));
+    CHECK(!first_view(&t.object, 1, t.low, t.high, 50, WIDTH, &found, up));
     for (int i = 0; i < 3; i++) {
         const double *u = ups[i], *r = view.rotation;
-        CHECK(!fxs_first_view_upright(&t.object, 1, t.low, t.high, u, 50, WIDTH, HEIGHT, &view, &why));
+        CHECK(!first_view_upright(&t.object, 1, t.low, t.high, u, 50, WIDTH, &view));
         CHECK(fabs(r[0] * u[0] + r[1] * u[1] + r[2] * u[2]) < 1e-12);
         CHECK(i == 2 || r[3] * u[0] + r[4] * u[1] + r[5] * u[2] < -0.3);
         CHECK(!memcmp(view.rotation, found.rotation, sizeof view.rotation) == (i == 2));
@@ -429,7 +445,7 @@ static void nothing_to_see(void)
     static const int64_t far[3] = {(int64_t)90 << 32, 0, 0};
     const fxs_crop crop = {{far[0], far[0], far[0]}, {far[0], far[0], far[0]}, 0};
     const double point[3] = {1, 2, 3};
-    fxs_file_view view;
+    fxs_view view;
     double up[3];
     turned t;
     if (!CHECK(!make(&t, "knot")))
@@ -440,13 +456,13 @@ static void nothing_to_see(void)
         t.object.crops = &crop;
         t.object.crop_count = i == 2;
         memcpy(t.object.translation_q32, far, i == 3 ? sizeof far : 0);
-        CHECK(!fxs_first_view(&t.object, i > 0, t.low, t.high, 50, WIDTH, HEIGHT, &view, up, &why));
+        CHECK(!first_view(&t.object, i > 0, t.low, t.high, 50, WIDTH, &view, up));
         CHECK(up[1] == -1 || i == 3);
     }
-    CHECK(!fxs_first_view(&t.object, 1, point, point, 50, WIDTH, HEIGHT, &view, up, &why));
-    CHECK(fxs_first_view(&t.object, 1, t.low, t.high, 50, 0, HEIGHT, &view, up, &why) == FXS_ERR_SIZE);
-    CHECK(fxs_first_view(&t.object, 1, t.low, t.high, 171, WIDTH, HEIGHT, &view, up, &why) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_first_view(NULL, 1, t.low, t.high, 50, WIDTH, HEIGHT, &view, up, &why) == FXS_ERR_ARGUMENT);
+    CHECK(!first_view(&t.object, 1, point, point, 50, WIDTH, &view, up));
+    CHECK(first_view(&t.object, 1, t.low, t.high, 50, 0, &view, up) == FXS_ERR_SIZE);
+    CHECK(first_view(&t.object, 1, t.low, t.high, 171, WIDTH, &view, up) == FXS_ERR_ARGUMENT);
+    CHECK(first_view(NULL, 1, t.low, t.high, 50, WIDTH, &view, up) == FXS_ERR_ARGUMENT);
     fxs_packed_scene_free(&t.packed);
 }
 

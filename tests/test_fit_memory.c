@@ -103,7 +103,7 @@ static int fit_some(enum fxs_fit_recipe recipe)
     fxs_message message;
     if (!error && !(error = fxs_fit_pack(f, &scene, NULL, &message)))
         fxs_packed_scene_free(&scene);
-    fxs_fit_free(f);
+    fxs_fit_destroy(f);
     return error;
 }
 #endif
@@ -161,7 +161,7 @@ static void test_amount(void)
     const double most = (double)(most_bytes - of_others) / (16.0 * FXS_FIT_PARAMETERS * MOST);
     if (!CHECK(most <= 2))
         printf("  %.2f times parameters, gradients and moments\n", most);
-    fxs_fit_free(f);
+    fxs_fit_destroy(f);
 #else
     SKIP("malloc cannot be counted here");
 #endif

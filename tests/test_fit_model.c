@@ -954,7 +954,7 @@ static void set_scene(void)
     memset(photos, 0, sizeof photos);
     for (int i = 0; i < PHOTOS; i++) {
         const double c[4] = {1, 0, -1, 0}, s[4] = {0, 1, 0, -1};
-        fxs_file_view *v = &photos[i].view;
+        fxs_view *v = &photos[i].view;
         const double rotation[9] = {c[i], 0, -s[i], 0, 1, 0, s[i], 0, c[i]};
         memcpy(v->rotation, rotation, sizeof rotation);
         v->position[0] = -4 * s[i];
@@ -997,7 +997,7 @@ static size_t fitted(size_t photo_count, size_t point_count, uint32_t steps)
             unsound += isfinite(x) ? 0 : 1;
         }
     CHECK(!unsound && source.count == report.gaussians);
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     return source.count;
 }
 
@@ -1045,7 +1045,7 @@ static uint64_t bytes_of_fit(unsigned cpu)
             memcpy(&bits, (char *)&g + k * sizeof bits, sizeof bits);
             sum = fxs_fit_mix(sum ^ bits);
         }
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     return sum;
 }
 
@@ -1087,7 +1087,7 @@ static void reduced(void)
                 sum += large[3 * ((2 * y + k / 2) * W + 2 * x + k % 2) + c];
             small[i] = (uint8_t)floor(sum / 4 + 0.5);
         }
-        fxs_file_view *v = &photos[0].view;
+        fxs_view *v = &photos[0].view;
         v->fx = v->fy = recipe ? 220 : 110;
         v->cx = recipe ? 101 : 50.5;
         v->cy = recipe ? 99 : 49.5;
@@ -1097,7 +1097,7 @@ static void reduced(void)
         options.recipe = FXS_FIT_FAST;
         if (CHECK(!fxs_fit_create(&fit, photos, 1, points, 60, &options, &message)))
             CHECK(!fxs_fit_step(fit, &report[recipe], &message));
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     CHECK(report[0].entries > 0 && report[0].entries == report[1].entries);
     CHECK(report[0].absolute == report[1].absolute && report[0].dissimilar == report[1].dissimilar);

@@ -15,7 +15,7 @@
 enum { COUNT = 700, VIEWS = 12, WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT, SH_DEGREE = 3, STEPS = 320,
        CODED_EVERY = 10 };
 
-static fxs_file_view views[VIEWS];
+static fxs_view views[VIEWS];
 static fxs_fit_photograph photographs[VIEWS];
 static uint8_t pixels[VIEWS][3 * PIXELS];
 static fxs_message message;
@@ -57,9 +57,9 @@ static void set_view(int i)
 {
     const double turn = 6.283185307179586 * i / VIEWS, c = cos(turn), s = sin(turn);
     const double rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
-    fxs_file_view *v = &views[i];
+    fxs_view *v = &views[i];
     fxs_fit_camera *camera = &photographs[i].camera;
-    *v = (fxs_file_view){.width = WIDTH, .height = HEIGHT, .fx = 60, .fy = 60, .cx = WIDTH / 2.0, .cy = HEIGHT / 2.0,
+    *v = (fxs_view){.width = WIDTH, .height = HEIGHT, .fx = 60, .fy = 60, .cx = WIDTH / 2.0, .cy = HEIGHT / 2.0,
                          .position = {-4 * s, 0, -4 * c}};
     memcpy(v->rotation, rotation, sizeof rotation);
     *camera = (fxs_fit_camera){.focal = {60, 60}, .middle = {WIDTH / 2.0f, HEIGHT / 2.0f}, .slope_most = {0.7f, 0.5f},
@@ -189,7 +189,7 @@ static double psnr_of(const fit *f)
     fxs_scene scene;
     fxs_context context;
     fxs_options options;
-    fxs_init(&context, NULL);
+    fxs_context_init(&context, NULL);
     fxs_options_init(&options);
     if (!pack(f, &packed, &scene))
         return 0;

@@ -57,7 +57,7 @@ static void trace(const double eye[3], const double ray[3], uint8_t colour[3])
     }
 }
 
-static void look(fxs_file_view *v, int scale, const double eye[3])
+static void look(fxs_view *v, int scale, const double eye[3])
 {
     const double length = sqrt(dot(eye, eye)), across = sqrt(eye[0] * eye[0] + eye[2] * eye[2]);
     double *right = v->rotation, *down = right + 3, *forward = right + 6;
@@ -76,7 +76,7 @@ static void look(fxs_file_view *v, int scale, const double eye[3])
 
 static void take_photo(fxs_fit_photo *photo, uint8_t *pixels, int scale, const double eye[3])
 {
-    fxs_file_view *v = &photo->view;
+    fxs_view *v = &photo->view;
     look(v, scale, eye);
     photo->pixels = pixels;
     photo->mask = NULL;
@@ -167,7 +167,7 @@ static void disturb_poses(void)
 {
     fit_state = 5;
     for (int i = 0; i < PHOTOS; i++) {
-        fxs_file_view *v = &photos[i].view;
+        fxs_view *v = &photos[i].view;
         const double distance = sqrt(dot(v->position, v->position));
         double turned[9];
         for (int k = 0; k < 3; k++) {
@@ -266,7 +266,7 @@ static result fit(const fxs_fit_options *options)
     hash_gaussians(f, &r);
     memcpy(r.refined, photos, sizeof photos);
     CHECK(!fxs_fit_pose_photos(f, r.refined, &message));
-    fxs_fit_free(f);
+    fxs_fit_destroy(f);
     return r;
 }
 
@@ -371,7 +371,7 @@ static int is_refused(uint32_t batch, uint32_t device_count)
     options.batch = batch;
     options.device_count = device_count;
     const int error = fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message);
-    fxs_fit_free(f);
+    fxs_fit_destroy(f);
     return error == FXS_ERR_ARGUMENT;
 }
 
@@ -532,7 +532,7 @@ static double finest_sigma(const float place[3])
 {
     double finest = INFINITY;
     for (int i = 0; i < PHOTOS; i++) {
-        const fxs_file_view *v = &photos[i].view;
+        const fxs_view *v = &photos[i].view;
         double at[3] = {0, 0, 0};
         for (int k = 0; k < 9; k++)
             at[k / 3] += v->rotation[k] * ((double)place[k % 3] - v->position[k % 3]);
@@ -576,7 +576,7 @@ static void test_antialiased(void)
         }
         if (!CHECK(i ? finer > 100 && !bound : bound > 15 && !finer))
             printf("  antialiased %d: %zu scales at the bound, %zu finer\n", !i, bound, finer);
-        fxs_fit_free(f);
+        fxs_fit_destroy(f);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/views.h>
 #include "src/fit/float_scene.h"
 #include "tools/command/procedural.h"
 #include "tools/command/metrics.h"
@@ -32,12 +33,12 @@ static double psnr(const uint8_t *a, const uint8_t *b)
 }
 
 /* Views around the box, near and far; the last one orthographic. */
-static int find_view(int number, const fxs_pack_report *report, fxs_file_view *view)
+static int find_view(int number, const fxs_pack_report *report, fxs_view *view)
 {
     static const double up[3] = {0, -1, 0};
     double middle[3];
     fxs_message m;
-    if (fxs_view_frame_box(view, report->inner_low, report->inner_high, up, 50, WIDTH, HEIGHT, &m))
+    if (fxs_view_frame_box(view, report->inner_low, report->inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m))
         return -1;
     for (int k = 0; k < 3; k++) {
         middle[k] = (report->inner_low[k] + report->inner_high[k]) / 2;
@@ -52,14 +53,14 @@ static int find_view(int number, const fxs_pack_report *report, fxs_file_view *v
     return 0;
 }
 
-static int draw_packed(const fxs_packed_scene *scene, const fxs_file_view *view)
+static int draw_packed(const fxs_packed_scene *scene, const fxs_view *view)
 {
     fxs_message m;
     fxs_scene opened;
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     if (fxs_scene_open(&opened, scene->data, scene->bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
@@ -72,7 +73,7 @@ static int draw_packed(const fxs_packed_scene *scene, const fxs_file_view *view)
 }
 
 /* Checks the floats against the doubles, and that both measure the same loss for each profile. */
-static void check_view(fxs_float_scene *scene, const fxs_packed_scene profiles[3], const fxs_file_view *view,
+static void check_view(fxs_float_scene *scene, const fxs_packed_scene profiles[3], const fxs_view *view,
                        int antialiased)
 {
     const struct reference_options options = {.sh_degree = 3, .antialiased = antialiased};
@@ -99,7 +100,7 @@ static void check_scene(const char *name, int antialiased, float away)
     fxs_packed_scene profiles[3] = {{0}};
     fxs_pack_report report;
     fxs_float_scene *scene = 0;
-    fxs_file_view view;
+    fxs_view view;
     fxs_message m;
     for (int i = 0; i < COUNT; i++) {
         made->gaussian((uint64_t)i, COUNT, 1, &gaussians[i]);
@@ -147,7 +148,7 @@ static void what_is_left_out(void)
 {
     const fxs_gaussian_source source = {3, 0, 0, read_gaussians, gaussians, {0}};
     fxs_gaussian *const g = gaussians;
-    fxs_file_view view = {.width = 40, .height = 20, .fx = 50, .fy = 50, .cx = 20, .cy = 10,
+    fxs_view view = {.width = 40, .height = 20, .fx = 50, .fy = 50, .cx = 20, .cy = 10,
                           .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     fxs_scene_file *file;
     fxs_scene_file_info info;
@@ -186,7 +187,7 @@ static double psnr_of_nudge(const char *name)
     const fxs_procedural_scene *made = fxs_procedural_find(name);
     const fxs_gaussian_source source = {COUNT, made->sh_degree, 0, read_gaussians, gaussians, {0}};
     const double low[3] = {-2, -2, -2}, high[3] = {2, 2, 2}, up[3] = {0, -1, 0};
-    fxs_file_view view;
+    fxs_view view;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_float_scene *scene;
@@ -194,7 +195,7 @@ static double psnr_of_nudge(const char *name)
     double difference = 0;
     for (int i = 0; i < COUNT; i++)
         made->gaussian((uint64_t)i, COUNT, 1, &gaussians[i]);
-    CHECK(!fxs_view_frame_box(&view, low, high, up, 50, WIDTH, HEIGHT, &m));
+    CHECK(!fxs_view_frame_box(&view, low, high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m));
     if (!CHECK(!fxs_scene_file_open_gaussians(name, &source, 0, &file, &info, &m)))
         return 0;
     if (CHECK(!fxs_float_scene_read(&scene, file, &info, 0, 0, 1, &m))) {

@@ -105,7 +105,7 @@ static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
     const int pixel_bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
     fxs_context context;
     fxs_options options;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     size_t bytes = one_frame_bytes(&context, scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);

@@ -57,7 +57,7 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
                          .cx_q12 = SIZE << 11, .cy_q12 = SIZE << 11,
                          .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
                          .position_q32 = {0, 0, -((int64_t)14 << 32)}};
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     if (!CHECK(!fxs_scene_open(&scene, data, bytes)))
         return;
@@ -74,13 +74,13 @@ static void test_seal(void)
     fxs_mapping file;
     void *copy;
     if (!CHECK(!posix_memalign(&copy, 64, packed.bytes) && !fxs_file_write(fxs_path, packed.data, packed.bytes, &m) &&
-               !fxs_map(&file, fxs_path, &m)))
+               !fxs_map_open(&file, fxs_path, &m)))
         return;
     memcpy(copy, packed.data, packed.bytes);
     CHECK(fxs_file_seal(copy, packed.bytes - 1) == FXS_ERR_SCENE && !memcmp(copy, packed.data, packed.bytes));
     CHECK(!fxs_file_seal(copy, packed.bytes) && !memcmp(copy, file.data, packed.bytes));
     CHECK(!fxs_file_seal(copy, packed.bytes) && !memcmp(copy, file.data, packed.bytes));
-    fxs_unmap(&file);
+    fxs_map_close(&file);
     free(copy);
 }
 
@@ -89,7 +89,7 @@ static void test_round_trip(void)
     static uint8_t from_memory[SIZE * SIZE * 4], from_file[SIZE * SIZE * 4];
     fxs_message m;
     fxs_mapping file;
-    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
+    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map_open(&file, fxs_path, &m)))
         return;
     CHECK(file.bytes == packed.bytes && !fxs_file_check(fxs_path, file.data, file.bytes, 1, &m));
     draw(packed.data, packed.bytes, from_memory);
@@ -98,7 +98,7 @@ static void test_round_trip(void)
     CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* several colours */
     CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* over itself, from a mapping */
     CHECK(!fxs_map_check(&file, fxs_path, &m));                           /* replaced by another file */
-    fxs_unmap(&file);
+    fxs_map_close(&file);
     CHECK(!file.data);
 }
 
@@ -115,7 +115,7 @@ static void test_changed(void)
         memset(bytes, 7, sizeof bytes);
         FILE *out = fopen(path, "wb");
         if (!CHECK(out && fwrite(bytes, 1, sizeof bytes, out) == sizeof bytes && !fclose(out) &&
-                   !fxs_map(&file, path, &m)))
+                   !fxs_map_open(&file, path, &m)))
             return;
         const volatile unsigned char *data = file.data;
         CHECK(!fxs_map_check(&file, path, &m) && data[PAGES * PAGE - 1] == 7);
@@ -125,7 +125,7 @@ static void test_changed(void)
         CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
         CHECK(fxs_map_check(&file, path, &m) == FXS_ERR_FILE && strstr(m.text, cut ? "cut short" : "written to") &&
               strstr(m.text, path));
-        fxs_unmap(&file);
+        fxs_map_close(&file);
     }
     unlink(path);
 }
@@ -142,13 +142,13 @@ static void test_cut_and_grown(void)
     snprintf(path, sizeof path, "%s/grown", folder);
     FILE *out = fopen(path, "wb");
     if (!CHECK(out && fwrite(bytes, 1, sizeof bytes, out) == sizeof bytes && !fclose(out) && !stat(path, &status) &&
-               !fxs_map(&file, path, &m)))
+               !fxs_map_open(&file, path, &m)))
         return;
     const struct timespec times[2] = {status.st_atim, status.st_mtim};
     CHECK(!truncate(path, PAGE) && ((const volatile unsigned char *)file.data)[PAGES * PAGE - 1] == 0);
     CHECK(!truncate(path, PAGES * PAGE) && !utimensat(AT_FDCWD, path, times, 0));
     CHECK(fxs_map_check(&file, path, &m) == FXS_ERR_FILE && strstr(m.text, "cut short"));
-    fxs_unmap(&file);
+    fxs_map_close(&file);
     unlink(path);
 }
 
@@ -163,7 +163,7 @@ static void test_other_faults(void)
     FILE *out = fopen(path, "wb");
     if (!CHECK(out && fputc(1, out) == 1 && !fclose(out)))
         return;
-    if (!CHECK(!fxs_map(&file, fxs_path, &m)))
+    if (!CHECK(!fxs_map_open(&file, fxs_path, &m)))
         return;
     for (int above = 0; above < 2; above++) {
         int status = 0, descriptor = open(path, O_RDONLY);
@@ -179,7 +179,7 @@ static void test_other_faults(void)
         munmap((void *)other, 2 * PAGE);
         close(descriptor);
     }
-    fxs_unmap(&file);
+    fxs_map_close(&file);
     unlink(path);
 }
 
@@ -189,14 +189,14 @@ static void test_many(void)
     fxs_message m;
     static fxs_mapping files[65];
     int count = 0;
-    while (count < 65 && !fxs_map(&files[count], fxs_path, &m))
+    while (count < 65 && !fxs_map_open(&files[count], fxs_path, &m))
         count++;
     CHECK(count == 64 && strstr(m.text, "64 files"));
     while (count-- > 0)
-        fxs_unmap(&files[count]);
-    CHECK(!fxs_map(&files[0], fxs_path, &m));
-    fxs_unmap(&files[0]);
-    fxs_unmap(&files[0]);
+        fxs_map_close(&files[count]);
+    CHECK(!fxs_map_open(&files[0], fxs_path, &m));
+    fxs_map_close(&files[0]);
+    fxs_map_close(&files[0]);
 }
 
 /* CRC-32 of zlib and PNG (ISO 3309), bitwise. */
@@ -216,7 +216,7 @@ static void test_checksums(void)
 {
     fxs_message m;
     fxs_mapping file;
-    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
+    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map_open(&file, fxs_path, &m)))
         return;
     fxs_packed_header header;
     memcpy(&header, file.data, sizeof header);
@@ -233,7 +233,7 @@ static void test_checksums(void)
         CHECK(said_of_chunk == crc_32(crc_32(0, &chunk, sizeof chunk), rows + (size_t)i * header.chunk_bytes,
                                       header.chunk_bytes));
     }
-    fxs_unmap(&file);
+    fxs_map_close(&file);
 }
 
 /* Flips one bit in each byte of the headers and in a sample of the rest. */
@@ -242,7 +242,7 @@ static void test_damage(void)
     fxs_message m;
     fxs_mapping file;
     size_t unseen = 0;
-    if (!CHECK(!fxs_map(&file, fxs_path, &m)))
+    if (!CHECK(!fxs_map_open(&file, fxs_path, &m)))
         return;
     const size_t bytes = file.bytes;
     unsigned char *copy = check_aligned(bytes);
@@ -255,7 +255,7 @@ static void test_damage(void)
     CHECK(unseen == 0);
     CHECK(!fxs_file_check("x.fxs", copy, bytes, 1, &m));
     free(copy);
-    fxs_unmap(&file);
+    fxs_map_close(&file);
 }
 
 static void test_failures(void)
@@ -270,7 +270,7 @@ static void test_failures(void)
     CHECK(fxs_file_write(path, packed.data, packed.bytes, &m) == FXS_ERR_FILE && strstr(m.text, path));
     CHECK(fxs_file_write(folder, packed.data, packed.bytes, &m) == FXS_ERR_FILE && strstr(m.text, folder));
     CHECK(!stat(fxs_path, &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
-    CHECK(fxs_map(&file, path, &m) == FXS_ERR_FILE && fxs_map(&file, folder, &m) == FXS_ERR_FILE && !file.data);
+    CHECK(fxs_map_open(&file, path, &m) == FXS_ERR_FILE && fxs_map_open(&file, folder, &m) == FXS_ERR_FILE && !file.data);
 }
 
 int main(void)

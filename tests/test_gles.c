@@ -14,6 +14,7 @@
 #include <GLES3/gl31.h>
 
 #include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/internal/pixel.h>
 
 
@@ -118,20 +119,15 @@ static void fake_limits(GLint size, GLint type)
 /* Creates a back end with the current fakes; null, with why_not, on failure. */
 static fxs_gles *open_gles(int *error)
 {
-    fxs_gles *gles = malloc(fxs_gles_bytes());
+    fxs_gles *gles;
     why_not.text[0] = 0;
-    *error = fxs_gles_init(gles, load, 0, context, why_not.text);
-    if (!*error)
-        return gles;
-    free(gles);
-    return 0;
+    *error = fxs_gles_create(&gles, load, 0, context, &why_not);
+    return gles;
 }
 
 static void close_gles(fxs_gles *gles)
 {
-    if (gles)
-        fxs_gles_free(gles);
-    free(gles);
+    fxs_gles_destroy(gles);
     memset(fakes, 0, sizeof fakes);
 }
 
@@ -149,14 +145,14 @@ static int make_subject(subject *s, const char *name, uint64_t count, int width,
 {
     static const double eye[3] = {0.9, -2.6, -12.8}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
     fxs_message m = {.text = "no camera"};
-    fxs_file_view view;
+    fxs_view view;
     fxs_options_init(&s->options);
     s->format = FXS_FORMAT_RGBA8;
     s->options.background[0] = 17;
     s->options.background[2] = 200;
     const int made = !procedural_scene_make(name, count, 0, &s->packed, 0, &m) &&
                      !fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) &&
-                     !fxs_view_look_at(&view, eye, look, up, 40, width, height, &m) &&
+                     !fxs_view_look_at(&view, eye, look, up, &(fxs_picture){40, width, height}, &m) &&
                      !fxs_camera_from_view(&s->camera, &view, &m);
     if (!CHECK(made))
         puts(m.text);
@@ -173,7 +169,7 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
 static fxs_compute *compute;               /* if set, draws into targets instead of fxs_gles_render */
 
 /* All objects share one scene. */
-static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
+static int draw_by_compute(const fxs_request *request, const fxs_gl_target *target, fxs_stats *stats)
 {
     fxs_compute_scene copy = {.key = 0};
     const fxs_compute_scene *const copies[] = {&copy, &copy};
@@ -186,20 +182,20 @@ static int draw_by_compute(const fxs_request *request, const fxs_gles_target *ta
 }
 
 static int render_target(const fxs_context *c, fxs_gles *gles, const fxs_request *request,
-                         const fxs_gles_target *target, void *memory, size_t bytes, fxs_stats *stats)
+                         const fxs_gl_target *target, void *memory, size_t bytes, fxs_stats *stats)
 {
     return compute ? draw_by_compute(request, target, stats)
                    : fxs_gles_render(gles, c, request, target, memory, bytes, stats);
 }
 
 /* Renders into pixels, or into the target if it is given. */
-static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
+static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gl_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_context c;
     fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
                          .draw_unlisted = draw && draw != fxs_gles_draw};
-    fxs_init(&c, &config);
+    fxs_context_init(&c, &config);
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
     const fxs_object object = one_object(&s->scene);
@@ -228,7 +224,7 @@ static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
 {
-    return compute || fxs_gles_no_fetch(gles) ? 1 : 2;
+    return compute || fxs_gles_info(gles).no_fetch ? 1 : 2;
 }
 
 /* Compares all exact modes with the processor, with this stride and first byte. *stats: of lists. */
@@ -417,7 +413,7 @@ static int load_subject(subject *s, const char *folder, const char *name, const 
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;
-    fxs_file_view view;
+    fxs_view view;
     snprintf(path, sizeof path, "%s/%s", folder, name);
     fxs_options_init(&s->options);
     s->format = FXS_FORMAT_RGBA8;
@@ -426,7 +422,7 @@ static int load_subject(subject *s, const char *folder, const char *name, const 
     int error = fxs_pack(file, &info, &s->packed, &report, 0, &m);
     fxs_scene_file_close(file);
     return CHECK(!error && !fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) &&
-                 !fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, 50, 479, 269, &m) &&
+                 !fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, &(fxs_picture){50, 479, 269}, &m) &&
                  !fxs_camera_from_view(&s->camera, &view, &m));
 }
 
@@ -517,8 +513,8 @@ static void fetch_hidden(void)
         fxs_gles *gles = open_gles(&error);
         if (!CHECK(gles != 0))
             return;
-        const fxs_gles_target t = {.fetch = 1};
-        const char *why = fxs_gles_no_fetch(gles);
+        const fxs_gl_target t = {.fetch = 1};
+        const char *why = fxs_gles_info(gles).no_fetch;
         CHECK(why && strstr(why, unknown ? "nonsense" : "no GL_EXT_shader_framebuffer_fetch"));
         CHECK(exact_ways(gles) == 1 && same(&s, gles));
         CHECK(render(&s, fxs_gles_draw_fetch, gles, 0, pixels, 50 * 4, 0) == FXS_ERR_UNSUPPORTED);
@@ -547,7 +543,7 @@ static void fetch_eyes(void)
             const fxs_config config = {.size = sizeof(fxs_config), .draw = drawn ? exact[way] : 0, .draw_argument = gles,
                                        .draw_unlisted = drawn && way};
             fxs_targets targets[2];
-            fxs_init(&c, &config);
+            fxs_context_init(&c, &config);
             const size_t bytes = fxs_frame_bytes(&c, &object, 1, s.camera.width, s.camera.height, 0);
             void *memory = check_aligned(bytes);
             for (int eye = 0; eye < 2; eye++) {
@@ -607,7 +603,7 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
     fxs_config config = {.size = sizeof(fxs_config), .draw = draw, .draw_argument = gles, .draw_unlisted = draw && draw != fxs_gles_draw};
     const fxs_object object = one_object(&s->scene);
     fxs_targets t = one_target(s->format, pixels, stride);
-    fxs_init(&c, &config);
+    fxs_context_init(&c, &config);
     t.occluder = (fxs_image){m->depths, stride};
     if (bottom_up)
         t.occluder = (fxs_image){(uint8_t *)m->depths + last, -stride};
@@ -810,14 +806,14 @@ static caller make_caller(void)
     return c;
 }
 
-static void read_target(const fxs_gles_target *t, uint8_t *pixels)
+static void read_target(const fxs_gl_target *t, uint8_t *pixels)
 {
     GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t->framebuffer);
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
 }
 
 /* Counts pixels that differ from the picture inside, or from the clear colour outside. */
-static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
+static int differing_pixels(const subject *s, const fxs_gl_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
     uint8_t *pixels = malloc(WIDE * HIGH * 4);
@@ -835,13 +831,13 @@ static int differing_pixels(const subject *s, const fxs_gles_target *t, const ui
     return differing;
 }
 
-static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
+static int in_target(const subject *s, const fxs_gl_target *t, const uint8_t *expected)
 {
     return !differing_pixels(s, t, expected);
 }
 
 /* The target gets the picture, its surroundings and the caller's state stay. */
-static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gles_target *t,
+static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gl_target *t,
                          const uint8_t *expected)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
@@ -870,13 +866,13 @@ static void target_by(int small)
     uint8_t *expected = new_picture(&s);
     for (int i = 0; i < 4 * exact_ways(gles); i++) {
         s.format = i / 2 % 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
-        const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
+        const fxs_gl_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
                                    .top_down = i % 2, .fetch = i / 4};
         CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
         settle();
         check_target(&s, gles, &c, &t, expected);
     }
-    const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .format = FXS_FORMAT_RGB565};
+    const fxs_gl_target t = {.framebuffer = c.framebuffers[0], .format = FXS_FORMAT_RGB565};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     free(expected);
     fxs_packed_scene_free(&s.packed);
@@ -920,7 +916,7 @@ static void target_over_by(int small)
     CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
     for (int way = 0; way < exact_ways(gles); way++) {
         static const GLfloat beneath[4] = {0.2f, 0.4f, 0.6f, 0.8f};
-        const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
+        const fxs_gl_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
                                    .top_down = 1, .fetch = way, .over = 1};
         double most = 0;
         settle();
@@ -935,7 +931,7 @@ static void target_over_by(int small)
         if (!CHECK(most <= 1))
             printf("  off by %g, way %d\n", most, way);
     }
-    const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .over = 1};
+    const fxs_gl_target t = {.framebuffer = c.framebuffers[0], .over = 1};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     free(expected);
     fxs_packed_scene_free(&s.packed);
@@ -958,7 +954,7 @@ static void target_of_short_lists(void)
     if (!make_subject(&s, "needles", 40, WIDE, HIGH))
         return;
     uint8_t *expected = new_picture(&s);
-    const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .format = s.format, .top_down = 1};
+    const fxs_gl_target t = {.framebuffer = c.framebuffers[0], .format = s.format, .top_down = 1};
     CHECK(!render(&s, 0, 0, 0, expected, WIDE * 4, 0));
     settle();
     CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
@@ -1013,8 +1009,8 @@ static void target_meshes(void)
         }
         state before, after;
         settle();
-        fxs_gles_target t;
-        fxs_gles_target_init(&t);
+        fxs_gl_target t;
+        fxs_gl_target_init(&t);
         t.framebuffer = c.framebuffers[0];
         t.x = 13;
         t.y = 7;
@@ -1044,13 +1040,13 @@ static void target_meshes(void)
         GL(DELETETEXTURES, DeleteTextures)(1, by_buffer ? &t.depth_buffer : &t.occluder);
         GL(DELETETEXTURES, DeleteTextures)(1, &t.backdrop);
     }
-    fxs_gles_target t = {
+    fxs_gl_target t = {
         .framebuffer = c.framebuffers[0], .occluder = 1, .depth_buffer = 2, .plane_0 = 1, .plane_1 = 2};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     t.occluder = 0;
     t.plane_1 = 1;
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
-    t = (fxs_gles_target){.framebuffer = c.framebuffers[0], .backdrop = 1, .format = FXS_FORMAT_RGBA8_COVERAGE};
+    t = (fxs_gl_target){.framebuffer = c.framebuffers[0], .backdrop = 1, .format = FXS_FORMAT_RGBA8_COVERAGE};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     free(buffer);
     free(expected);
@@ -1091,7 +1087,7 @@ static outputs make_outputs(void)
 }
 
 /* Renders the subject twice, with two ids, into the targets or the caller's framebuffer. */
-static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
+static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gl_target *t)
 {
     fxs_context c;
     const fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = 3};
@@ -1100,7 +1096,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     objects[1].id = 9;
     objects[1].translation_q32[0] = INT64_C(3) << 31;
     objects[1].translation_q32[2] = -(INT64_C(1) << 32);
-    fxs_init(&c, &config);
+    fxs_context_init(&c, &config);
     const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets);
     const size_t bytes = fxs_frame_bytes(&c, objects, 2, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
@@ -1111,7 +1107,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
 }
 
 /* Counts words that differ from the picture inside, or from 3 outside. */
-static int differing_words(const subject *s, const fxs_gles_target *t, GLenum buffer, const uint32_t *expected, int n)
+static int differing_words(const subject *s, const fxs_gl_target *t, GLenum buffer, const uint32_t *expected, int n)
 {
     static GLuint words[HIGH][WIDE][4];
     int differing = 0;
@@ -1130,7 +1126,7 @@ static int differing_words(const subject *s, const fxs_gles_target *t, GLenum bu
 }
 
 /* Colours, depths and ids equal the processor's; the state stays. */
-static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gles_target *t,
+static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gl_target *t,
                           const mesh *m)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
@@ -1182,7 +1178,7 @@ static void depths_and_ids_by(int small)
         if (i == 3)
             s.camera.position_q32[2] -= INT64_C(7) << 32;      /* 28-bit depths saturate at 16 */
         const mesh m = make_mesh(&s);
-        fxs_gles_target t = {.framebuffer = o.framebuffer, .x = 13, .y = 7, .top_down = i % 2, .depths_and_ids = 1,
+        fxs_gl_target t = {.framebuffer = o.framebuffer, .x = 13, .y = 7, .top_down = i % 2, .depths_and_ids = 1,
                              .depth_bits = i == 2 ? 24 : i == 3 ? 28 : i == 4 ? 1 : 0, .over = i == 3};
         s.options.cutoff = i == 5 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
         t.format = s.format = i % 3 ? FXS_FORMAT_RGBA8 : FXS_FORMAT_RGBA8_COVERAGE;
@@ -1219,7 +1215,7 @@ static void depths_and_ids_without_shader(void)
     const outputs o = make_outputs();
     if (!make_subject(&s, "knot", 100, 40, 30))
         return;
-    fxs_gles_target t = {.framebuffer = o.framebuffer, .depths_and_ids = 1};
+    fxs_gl_target t = {.framebuffer = o.framebuffer, .depths_and_ids = 1};
     for (int i = 0; i < 2; i++)
         CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     t.depths_and_ids = 0;
@@ -1235,7 +1231,7 @@ static void depths_and_ids_refused(void)
     OPEN_OR_SKIP(gles);
     if (!make_subject(&s, "knot", 100, 40, 30))
         return;
-    fxs_gles_target t = {.depths_and_ids = 1};
+    fxs_gl_target t = {.depths_and_ids = 1};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     t.framebuffer = 1;
     t.fetch = 1;
@@ -1249,12 +1245,7 @@ static void depths_and_ids_refused(void)
 static int open_compute_by(fxs_gl_load_fn *by, GLint size)
 {
     fake_limits(size, 0);
-    compute = malloc(fxs_compute_bytes());
-    const int error = fxs_compute_init(compute, by, port->use, context, &why_not);
-    if (error) {
-        free(compute);
-        compute = 0;
-    }
+    const int error = fxs_compute_create(&compute, by, port->use, context, &why_not);
     memset(fakes, 0, sizeof fakes);
     return error;
 }
@@ -1266,9 +1257,7 @@ static int open_compute(GLint size)
 
 static void close_compute(void)
 {
-    if (compute)
-        fxs_compute_free(compute);
-    free(compute);
+    fxs_compute_destroy(compute);
     compute = 0;
     no_blocks = 0;
 }
@@ -1324,7 +1313,7 @@ static void compute_draws_lose_by(int by_texture)
     subject s, none;
     long calls = 1, fails = 0;
     caller c = make_caller();
-    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7};
+    fxs_gl_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7};
     no_blocks = by_texture;
     if (!make_subject(&s, "knot", 500, 111, 83))
         return;
@@ -1383,7 +1372,7 @@ static void compute_without_shader(void)
     subject s;
     state before, after;
     caller c = make_caller();
-    const fxs_gles_target t = {.framebuffer = c.framebuffers[0]};
+    const fxs_gl_target t = {.framebuffer = c.framebuffers[0]};
     real_ShaderSource = (PFNGLSHADERSOURCEPROC)port->load(context, "glShaderSource");
     fake(1, "glShaderSource", (fxs_gl_function)unshown_ShaderSource);
     if (open_compute(0))
@@ -1421,7 +1410,7 @@ static void compute_refuses(void)
     settle();
     if (!make_subject(&s, "knot", 100, 80, 64))
         return;
-    fxs_gles_target t = {.framebuffer = c.framebuffers[0]};
+    fxs_gl_target t = {.framebuffer = c.framebuffers[0]};
     CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why_not.text, "the picture is larger than the device's textures"));
     t.fetch = 1;
@@ -1474,17 +1463,16 @@ static fxs_gl_function load_but_one(void *argument, const char *name)
 
 static void missing_functions(void)
 {
-    fxs_gles *gles = malloc(fxs_gles_bytes());
+    fxs_gles *gles = 0;
     int error = FXS_ERR_UNSUPPORTED;
     for (missing = 0; error == FXS_ERR_UNSUPPORTED && missing < 200; missing++) {
-        char said[FXS_GLES_MESSAGE] = "";
+        fxs_message said = {.text = ""};
         calls = 0;
-        error = fxs_gles_init(gles, load_but_one, 0, context, said);
-        CHECK(error ? strstr(said, missing_name) != 0 : missing == calls);
+        error = fxs_gles_create(&gles, load_but_one, 0, context, &said);
+        CHECK(error ? strstr(said.text, missing_name) != 0 : missing == calls);
     }
-    if (CHECK(!error && missing > 50))
-        fxs_gles_free(gles);
-    free(gles);
+    CHECK(!error && missing > 50);
+    fxs_gles_destroy(gles);
 }
 
 static void GL_APIENTRY broken_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
@@ -1664,8 +1652,7 @@ static void contexts_in_turn(void)
             SKIP(why_not.text);
         context = t->context;
         t->caller = make_caller();
-        t->gles = malloc(fxs_gles_bytes());
-        count += CHECK(!fxs_gles_init(t->gles, port->load, port->use, context, why_not.text));
+        count += CHECK(!fxs_gles_create(&t->gles, port->load, port->use, context, &why_not));
     }
     if (count < 4)
         SKIP("not both EGL and OSMesa here");
@@ -1678,7 +1665,7 @@ static void contexts_in_turn(void)
     for (int i = 0; i < 4; i++) {
         static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
         const int other = (i + 2) % 4;
-        const fxs_gles_target t = {.framebuffer = turns[i].caller.framebuffers[0], .x = 13, .y = 7, .top_down = i % 2};
+        const fxs_gl_target t = {.framebuffer = turns[i].caller.framebuffers[0], .x = 13, .y = 7, .top_down = i % 2};
         port = &ports[i / 2];
         context = turns[i].context;
         port->use(context);
@@ -1690,10 +1677,8 @@ static void contexts_in_turn(void)
         CHECK(!render(&s, 0, turns[i].gles, &t, 0, 0, 0));
         CHECK(in_target(&s, &t, expected));
     }
-    for (int i = 0; i < 4; i++) {
-        fxs_gles_free(turns[i].gles);
-        free(turns[i].gles);
-    }
+    for (int i = 0; i < 4; i++)
+        fxs_gles_destroy(turns[i].gles);
     for (int i = 0; i < 4; i++)
         ports[i / 2].close(turns[i].context);
     free(expected);
@@ -1708,10 +1693,9 @@ static int use_nothing(void *argument)
 
 static void context_that_cannot_be_used(void)
 {
-    fxs_gles *gles = malloc(fxs_gles_bytes());
-    CHECK(fxs_gles_init(gles, load, use_nothing, context, why_not.text) == FXS_ERR_DEVICE);
+    fxs_gles *gles;
+    CHECK(fxs_gles_create(&gles, load, use_nothing, context, &why_not) == FXS_ERR_DEVICE && !gles);
     CHECK(strstr(why_not.text, "current"));
-    free(gles);
 }
 
 int main(void)

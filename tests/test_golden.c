@@ -76,13 +76,13 @@ static uint8_t *render(const golden *g, void *self, fxs_message *m)
     static const double up[3] = {0, -1, 0};
     fxs_packed_scene packed;
     fxs_scene scene;
-    fxs_file_view view;
+    fxs_view view;
     fxs_camera camera;
     if (procedural_scene_make(g->scene, g->count, g->antialiased, &packed, 0, m))
         return 0;
     fxs_scene_open(&scene, packed.data, packed.bytes);
     uint8_t *pixels = malloc((size_t)g->width * (size_t)g->height * 4);
-    int error = !pixels || fxs_view_look_at(&view, g->eye, g->look, up, g->fov, g->width, g->height, m) ||
+    int error = !pixels || fxs_view_look_at(&view, g->eye, g->look, up, &(fxs_picture){g->fov, g->width, g->height}, m) ||
                 fxs_camera_from_view(&camera, &view, m) || draw(&scene, &camera, g, self, pixels, m);
     fxs_packed_scene_free(&packed);
     if (!error)

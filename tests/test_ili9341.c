@@ -262,7 +262,7 @@ static fxs_ili9341 panel_on(bus *b)
 static unsigned char *whole_picture(const fxs_object *object, const fxs_camera *camera)
 {
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     unsigned char *pixels = check_aligned((size_t)(camera->width * camera->height * 2));
     const fxs_targets targets = one_target(FXS_FORMAT_RGB565, pixels, camera->width * 2);
     const size_t bytes = fxs_frame_bytes(&context, object, 1, camera->width, camera->height, 0);
@@ -285,7 +285,7 @@ static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_came
     fxs_frame_memory sizes;
     if (((bus *)panel->bus.argument)->dma)
         panel->other = strips + room;
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     fxs_frame_bytes(&context, object, 1, camera->width, camera->height, &sizes);
     void *memory = check_aligned(sizes.least);
     CHECK(!fxs_ili9341_init(panel, camera->width, camera->height));
@@ -392,7 +392,7 @@ static int check_stream(char **arguments)
     fxs_turntable t;
     const int32_t width = (int32_t)strtol(arguments[1], 0, 10), height = (int32_t)strtol(arguments[2], 0, 10);
     const uint32_t frames = (uint32_t)strtoul(arguments[3], 0, 10);
-    if (fxs_map(&scene, arguments[0], &message) || fxs_map(&stream, arguments[4], &message) ||
+    if (fxs_map_open(&scene, arguments[0], &message) || fxs_map_open(&stream, arguments[4], &message) ||
         fxs_turntable_open(&t, scene.data, scene.bytes, width, height))
         return puts("no scene or no stream"), 1;
     model_init(&m);
@@ -404,8 +404,8 @@ static int check_stream(char **arguments)
     const int same = shows(&m, want, width, height) && m.pixels == (uint64_t)frames * (uint64_t)(width * height);
     printf("%s, %" PRIu64 " pixels\n", m.fault ? m.fault : same ? "the same picture" : "another picture", m.pixels);
     free(want);
-    fxs_unmap(&stream);
-    fxs_unmap(&scene);
+    fxs_map_close(&stream);
+    fxs_map_close(&scene);
     return !same;
 }
 

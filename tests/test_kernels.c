@@ -145,7 +145,7 @@ static void outputs_free(void)
 
 static packed_scene made;            /* one chunk */
 static fxs_scene scene;
-static fxs_view view;
+static fxs_stage_view view;
 
 static fxs_chunk *chunk_of(void)
 {
@@ -835,7 +835,7 @@ static uint64_t ticks(void)
 typedef struct workload {
     packed_scene packed;
     fxs_scene scene;
-    fxs_view view;
+    fxs_stage_view view;
     uint32_t counts[BENCH_CHUNKS], visible;
     fxs_splat splats[BENCH_CHUNKS][FXS_CHUNK];
     fxs_bounds bounds[BENCH_CHUNKS][FXS_CHUNK];

@@ -31,7 +31,7 @@ enum { LENSES = sizeof lenses / sizeof *lenses };
 
 static void make(size_t number, fxs_lens_warp *warp)
 {
-    const fxs_file_view view = {.name = "a", .width = WIDE, .height = HIGH, .fx = lenses[number].fx,
+    const fxs_view view = {.name = "a", .width = WIDE, .height = HIGH, .fx = lenses[number].fx,
                                 .fy = lenses[number].fy, .cx = lenses[number].cx, .cy = lenses[number].cy};
     fxs_lens lens = lenses[number].lens;
     CHECK(fxs_lens_complete(&lens));
@@ -47,7 +47,7 @@ static double scene(double x, double y, int c)
 
 static uint8_t *pictures[2];       /* [0]: cover, [1]: through the lens */
 
-static void draw_cover(const fxs_file_view *v)
+static void draw_cover(const fxs_view *v)
 {
     for (int i = 0; i < v->width * v->height; i++)
         for (int c = 0; c < 4; c++)
@@ -135,7 +135,7 @@ static void round_trip(void)
             printf("  lens %zu: %s\n", i, message.text);
             continue;
         }
-        const fxs_file_view *v = &photo.view;
+        const fxs_view *v = &photo.view;
         for (int k = 0; k < WIDE * HIGH; k++)
             for (int c = 0; c < 3; c++)
                 worst = fmax(worst, fabs(photo.pixels[3 * k + c] - scene((k % WIDE + 0.5 - v->cx) / v->fx,
@@ -187,7 +187,7 @@ static void strange_lenses(void)
         if (!fxs_lens_complete(&lens))
             continue;
         const double focal = extremes[1 + random_number() % (EXTREMES - 1)];
-        const fxs_file_view view = {.width = 8, .height = 6, .fx = focal, .fy = n % 5 ? focal : 2 * focal,
+        const fxs_view view = {.width = 8, .height = 6, .fx = focal, .fy = n % 5 ? focal : 2 * focal,
                                     .cx = n % 7 ? 4 : -1e5, .cy = 3};
         fxs_lens_warp_make(&w, &lens, &view);
         if (!CHECK(w.cover.width >= 4 && w.cover.height >= 4 && w.cover.width <= 4 * 8 + 4 &&

@@ -6,6 +6,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
+#include <fixsplat/internal/views.h>
 #include "tools/command/metrics.h"
 #include "tools/command/procedural.h"
 #include "scene_writer.h"
@@ -49,14 +50,14 @@ static int make_knot(double size)
     return result;
 }
 
-static int render(const fxs_file_view *view, uint8_t *rgba)
+static int render(const fxs_view *view, uint8_t *rgba)
 {
     fxs_message m;
     fxs_scene scene;
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed.data, packed.bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
@@ -92,12 +93,12 @@ static void check_size(double size, const uint8_t full[PIXELS * 4], uint8_t out[
     const struct reference_options options = {REFERENCE_MAHALANOBIS, 3, 0, {0, 0, 0}};
     double eye[3], look[3];
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     for (int i = 0; i < 3; i++) {
         eye[i] = place[i] * size;
         look[i] = target[i] * size;
     }
-    if (!CHECK(!make_knot(size)) || !CHECK(!fxs_view_look_at(&view, eye, look, up, 60, WIDTH, HEIGHT, &m)))
+    if (!CHECK(!make_knot(size)) || !CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){60, WIDTH, HEIGHT}, &m)))
         return;
     view.near = 0.02 * size;
     const double near = fxs_near_of_box(report.inner_low, report.inner_high);
@@ -125,10 +126,9 @@ static void test_sizes_are_framed_alike(void)
     static const double up[3] = {0, -1, 0}, sizes[] = {1, 0.1, 0.001};
     static uint8_t full[PIXELS * 4], small[PIXELS * 4];
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     for (int i = 0; i < 3; i++) {
-        if (!CHECK(!make_knot(sizes[i])) || !CHECK(!fxs_view_frame_box(&view, report.inner_low, report.inner_high, up,
-                                                                       50, WIDTH, HEIGHT, &m)))
+        if (!CHECK(!make_knot(sizes[i])) || !CHECK(!fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m)))
             return;
         CHECK(view.near > 0 && view.near <= 0.2);
         CHECK(!render(&view, i ? small : full));
@@ -147,12 +147,12 @@ static void test_boxes_are_framed_whole(void)
         const double *half = boxes[i % 6], *up = ups[i / 6 % 3];
         double low[3], high[3], most = 0;
         fxs_message m;
-        fxs_file_view view;
+        fxs_view view;
         for (int k = 0; k < 3; k++) {
             low[k] = middle[k] - half[k];
             high[k] = middle[k] + half[k];
         }
-        CHECK(!fxs_view_frame_box(&view, low, high, up, i / 18 % 2 ? 50 : 150, i / 36 ? 96 : 72, i / 36 ? 72 : 96, &m));
+        CHECK(!fxs_view_frame_box(&view, low, high, up, &(fxs_picture){i / 18 % 2 ? 50 : 150, i / 36 ? 96 : 72, i / 36 ? 72 : 96}, &m));
         for (int corner = 0; corner < 8; corner++) {
             double seen[3] = {0, 0, 0};
             for (int k = 0; k < 3; k++)
@@ -171,9 +171,9 @@ static void test_range(void)
     static const double origin[3] = {0, 0, 0}, ahead[3] = {0, 0, 1}, up[3] = {0, -1, 0};
     static const double bad[] = {-1, 0x1p-21, 0x1.1p28, INFINITY, NAN}, good[] = {0x1p-20, 0.2, 0x1p28};
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     fxs_camera camera;
-    CHECK(!fxs_view_look_at(&view, origin, ahead, up, 50, WIDTH, HEIGHT, &m));
+    CHECK(!fxs_view_look_at(&view, origin, ahead, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m));
     CHECK(!fxs_camera_from_view(&camera, &view, &m) && camera.near_q32 == 0);
     for (int i = 0; i < 5; i++) {
         view.near = bad[i];

@@ -16,9 +16,9 @@ static const double up[3] = {0, -1, 0}, y_axis[3] = {0, 1, 0};
 static fxs_camera look(const double eye[3], const double target[3], double fov)
 {
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     fxs_camera camera;
-    CHECK(!fxs_view_look_at(&view, eye, target, up, fov, WIDTH, HEIGHT, &m) &&
+    CHECK(!fxs_view_look_at(&view, eye, target, up, &(fxs_picture){fov, WIDTH, HEIGHT}, &m) &&
           !fxs_camera_from_view(&camera, &view, &m));
     return camera;
 }
@@ -29,7 +29,7 @@ static void check_against_reference(const char *name, const world *w, const fxs_
     fxs_options options;
     double drawn;
     picture p = picture_new(camera->width, camera->height, FXS_FORMAT_RGBA8);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     options.background[2] = 60;
     CHECK(!world_render(&context, w, camera, &options, &p.targets, 0));
@@ -151,11 +151,11 @@ static void test_hundred_objects(void)
     part_free(&cubes);
 }
 
-static fxs_camera carried(const fxs_file_view *view, const fxs_object *object)
+static fxs_camera carried(const fxs_view *view, const fxs_object *object)
 {
     fxs_message m;
     fxs_camera camera;
-    fxs_file_view out = *view;
+    fxs_view out = *view;
     const struct reference_object o = object_in_doubles(object);
     for (int i = 0; i < 3; i++) {
         out.position[i] = o.translation[i];
@@ -176,13 +176,13 @@ static void check_captured(const char *file, double least)
     part captured;
     world w = {.count = 0};
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     if (!part_load(&captured, file)) {
         printf("  %s is not here\n", file);
         return;
     }
     fxs_object *object = world_add(&w, &captured);
-    CHECK(!fxs_view_frame_box(&view, captured.report.inner_low, captured.report.inner_high, up, 50, WIDTH, HEIGHT, &m));
+    CHECK(!fxs_view_frame_box(&view, captured.report.inner_low, captured.report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m));
     object_place(object, (const double[3]){0.3, 1, -0.5}, 2.1, 7.3, (const double[3]){120, -35, 11});
     const fxs_camera camera = carried(&view, object);
     check_against_reference(file, &w, &camera, least);
@@ -526,7 +526,7 @@ static void test_threads_and_versions(void)
         for (uint32_t threads = 1; threads <= 8; threads++) {
             fxs_context context;
             const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
-            fxs_init(&context, &config);
+            fxs_context_init(&context, &config);
             for (int k = 0; k < count; k++) {
                 context.config.kernels = &versions[k];
                 CHECK(!draw(&context, s.objects, s.count, &s.camera, &s.options, 0, &s.actual, 0));
@@ -577,7 +577,7 @@ static void test_stereo(void)
             const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create((uint32_t)k + 1),
                                        .threads = (uint32_t)k + 1};
             fxs_context context;
-            fxs_init(&context, &config);
+            fxs_context_init(&context, &config);
             context.config.kernels = &versions[k];
             CHECK(!draw_stereo(&context, &s, cameras, eyes));
             CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.actual, &eyes[1]));
@@ -813,7 +813,7 @@ static void test_no_objects(void)
 
 int main(void)
 {
-    fxs_init(&plain, 0);
+    fxs_context_init(&plain, 0);
     RUN(test_two_knots);
     RUN(test_orthographic);
     RUN(test_tint_and_opacity);

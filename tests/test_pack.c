@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "src/base/byte_reader.h"
+#include "src/pack/weight.h"
 #include "src/gaussian/attributes.h"
 #include "src/pack/coded.h"
 #include "src/pack/encode.h"

@@ -14,6 +14,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
 
 #include "folder.h"
 #include "one_scene.h"
@@ -458,7 +459,7 @@ int main(void)
 {
     if (!pack_tree("knot", FXS_PROFILE_DEFAULT, &packed, &whole) || fxs_file_seal(packed.data, packed.bytes))
         return puts("FAIL cannot make the scene"), 1;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const fxs_object object = one_object(&whole);
     memory_bytes = 2 * fxs_frame_bytes(&context, &object, 1, TREE_WIDTH, TREE_HEIGHT, 0) + (4 << 20);
     memory = check_aligned(memory_bytes);

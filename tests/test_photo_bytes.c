@@ -12,7 +12,7 @@
 
 static uint32_t hash_of_view(uint32_t hash, const fxs_fit_photo *photo)
 {
-    const fxs_file_view *v = &photo->view;
+    const fxs_view *v = &photo->view;
     const double numbers[] = {v->fx, v->fy, v->cx, v->cy, v->position[0], v->position[1], v->position[2]};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         const float single = (float)numbers[i];
@@ -97,7 +97,7 @@ static void same_warps(void)
     static const uint8_t outside[4] = {1, 2, 3, 4};
     static fxs_lens_warp warp;
     static uint8_t cover[4 * 100 * 84], out[4 * 24 * 20];
-    const fxs_file_view view = {.width = 24, .height = 20, .fx = 17, .fy = 18, .cx = 11, .cy = 10.5};
+    const fxs_view view = {.width = 24, .height = 20, .fx = 17, .fy = 18, .cx = 11, .cy = 10.5};
     uint32_t hash = 2166136261u;
     for (size_t i = 0; i < sizeof cover; i++)
         cover[i] = (uint8_t)((uint32_t)i * 2654435761u >> 24);

@@ -3,6 +3,7 @@
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
 #include "src/fit/blocks.h"
+#include <fixsplat/internal/fit_more.h>
 #include <fixsplat/system.h>
 #include <time.h>
 
@@ -120,7 +121,7 @@ static void check_colmap(const char *name)
     CHECK(!strcmp(photos.held_out[0].view.name, "sub/0.ppm") && !strcmp(photos.held_out[2].view.name, "sub/8.ppm"));
     CHECK(!strcmp(photos.fit[0].view.name, "sub/1.ppm") && !strcmp(photos.fit[5].view.name, "sub/7.ppm"));
     for (size_t i = 0; i < photos.fit_count; i++) {
-        const fxs_file_view *v = &photos.fit[i].view;
+        const fxs_view *v = &photos.fit[i].view;
         const int number = v->name[4] - '0', twice = number % 2 ? 2 : 1;
         CHECK(v->width == 24 * twice && v->height == 20 * twice && v->fx == 25 * twice && v->fy == 26 * twice &&
               v->cx == 12 * twice && v->cy == 10 * twice && v->position[0] == number - (VIEWS - 1));
@@ -365,7 +366,7 @@ static void check_average(const uint8_t *rgb, int width, int height, int resolut
     put_text("one/cameras.txt");
     if (!CHECK(!read_photos("one", &options)))
         return;
-    const fxs_file_view *v = &photos.fit[0].view;
+    const fxs_view *v = &photos.fit[0].view;
     const int longer = width > height ? width : height;
     const double factor = longer > resolution ? (double)resolution / longer : 1;
     CHECK((v->width > v->height ? v->width : v->height) == (longer > resolution ? resolution : longer));
@@ -530,7 +531,7 @@ static void check_lens(size_t number)
         printf("  %s\n", message.text);
         return;
     }
-    const fxs_file_view *v = &photos.fit[0].view;
+    const fxs_view *v = &photos.fit[0].view;
     double worst = 0;
     CHECK(v->width == WIDE && v->height == HIGH && v->cx == lenses[number].cx && v->cy == lenses[number].cy);
     if (!CHECK(lenses[number].widens == (v->fx < lenses[number].fx) && v->fx != lenses[number].fx))
@@ -659,7 +660,7 @@ static void blender(void)
         printf("  %s\n", message.text);
         return;
     }
-    const fxs_file_view *v = &photos.fit[1].view, *held = &photos.held_out[0].view;
+    const fxs_view *v = &photos.fit[1].view, *held = &photos.held_out[0].view;
     CHECK(photos.fit_count == 3 && photos.held_out_count == 2 && photos.points_are_random);
     CHECK(v->width == 24 && v->height == 20 && fabs(v->fx - 12 / tan(0.5)) < 1e-12 && v->fy == v->fx && v->cx == 12 &&
           v->cy == 10 && v->position[0] == 1);
@@ -790,7 +791,7 @@ static void nerfstudio(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     check_lens(4);                 /* leaves the photograph and its camera */
-    const fxs_file_view view = photos.fit[0].view;
+    const fxs_view view = photos.fit[0].view;
     const uint32_t hash = hash_of_pixels();
     say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
     put_text("one/transforms.json");
@@ -884,7 +885,7 @@ static void nerfstudio_fisheye(void)
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         check_lens(files[i].lens);
-        const fxs_file_view view = photos.fit[0].view;
+        const fxs_view view = photos.fit[0].view;
         const uint32_t hash = hash_of_pixels();
         say_frames(files[i].top, "./images/a.ppm", 1);
         put_text("one/transforms.json");
@@ -915,7 +916,7 @@ static void nerfstudio_cameras(void)
     put_text("n/transforms.json");
     if (!CHECK(!read_photos("n", &options)))
         return;
-    const fxs_file_view *a = &photos.fit[0].view, *b = &photos.fit[1].view;
+    const fxs_view *a = &photos.fit[0].view, *b = &photos.fit[1].view;
     CHECK(a->fx == 20 && a->fy == 21 && a->cx == 11 && a->cy == 10 && a->width == 24 && a->position[0] == 4);
     CHECK(b->fx == 14 && b->fy == 15 && b->cx == 8 && b->cy == 5 && b->width == 16 && b->position[0] == 3);
     remove_file("n/a.ppm");

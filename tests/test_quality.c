@@ -16,6 +16,8 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/system.h>
 #include <fixsplat/world.h>
+#include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/views.h>
 #include "src/gaussian/transform_internal.h"
 #include "src/core/frame.h"
 #include "tools/command/metrics.h"
@@ -58,7 +60,7 @@ typedef struct subject {
     fxs_pack_report report;
     fxs_gaussian *gaussians;
     size_t count;
-    fxs_file_view views[VIEWS];
+    fxs_view views[VIEWS];
     struct reference_options reference;
     double *linear[VIEWS];                 /* the reference picture of each view */
     int rendered[VIEWS];
@@ -104,7 +106,7 @@ static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r
     return 1;
 }
 
-static splat_list project_in_doubles(const subject *s, const fxs_file_view *view, const struct reference_options *o)
+static splat_list project_in_doubles(const subject *s, const fxs_view *view, const struct reference_options *o)
 {
     splat_list list = {calloc(s->count, sizeof *list.splats), calloc(s->count, sizeof *list.bounds),
                        calloc(s->count, sizeof *list.boxes), calloc(s->count, sizeof *list.depths), 0};
@@ -118,10 +120,10 @@ static splat_list project_in_doubles(const subject *s, const fxs_file_view *view
     return list;
 }
 
-static void pixel_stage(const subject *s, const fxs_file_view *file_view, const struct reference_options *o)
+static void pixel_stage(const subject *s, const fxs_view *file_view, const struct reference_options *o)
 {
     splat_list list = project_in_doubles(s, file_view, o);
-    fxs_view view = {.width = width, .height = height, .tiles_x = width / FXS_TILE, .tiles_y = height / FXS_TILE,
+    fxs_stage_view view = {.width = width, .height = height, .tiles_x = width / FXS_TILE, .tiles_y = height / FXS_TILE,
                      .cut_q11 = FXS_CUT_Q11};
     fxs_bin_c(&view, list.splats, list.bounds, list.count, list.boxes);
     tile_lists lists = tile_lists_new(&view, list.splats, list.bounds, list.boxes, list.depths, list.count);
@@ -206,7 +208,7 @@ static int load(subject *s, const char *path)
 static int views_of_file(subject *s, const char *path)
 {
     fxs_message m;
-    fxs_file_view *views;
+    fxs_view *views;
     long count = fxs_camera_file_read(path, &views, &m);
     for (int i = 0; i < VIEWS && count > 0; i++) {
         s->views[i] = views[i * count / VIEWS];
@@ -236,9 +238,9 @@ static int views_around(subject *s, const aspect *a)
 {
     const double distance[VIEWS] = {a->close, 0.6, 1.2, 0.5}, turn[VIEWS] = {0, -23, 11, 63}, degree = acos(-1) / 180;
     fxs_message m;
-    fxs_file_view front;
+    fxs_view front;
     double middle[3], radius = 0, filled;
-    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, 50, width, height, &m))
+    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, &(fxs_picture){50, width, height}, &m))
         return -1;
     for (int i = 0; i < 3; i++) {
         middle[i] = (s->report.inner_low[i] + s->report.inner_high[i]) / 2;
@@ -263,7 +265,7 @@ static int views_from(subject *s, const stand stands[VIEWS], const aspect *a)
 {
     fxs_message m;
     for (int v = 0; v < VIEWS; v++) {
-        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, 50, width, height, &m))
+        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, &(fxs_picture){50, width, height}, &m))
             return -1;
         strcpy(s->views[v].name, view_names[v]);
     }
@@ -272,7 +274,7 @@ static int views_from(subject *s, const stand stands[VIEWS], const aspect *a)
 
 /* ---- Floors ------------------------------------------------------------------------------------------------------ */
 
-static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *view)
+static int render_packed(const fxs_packed_scene *packed, const fxs_view *view)
 {
     fxs_message m;
     fxs_scene scene;
@@ -280,7 +282,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_context context;
     fxs_options options;
     const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
     context.config.kernels = kernels_for(fxs_cpu_detect());   /* same bytes, faster */
 #endif

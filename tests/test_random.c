@@ -24,7 +24,7 @@ static uint64_t hash_case(enum fxs_profile profile, int which, int near)
     random_camera(&camera);
     if (near)
         random_near(&camera);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     options.cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
     const enum fxs_format format = (enum fxs_format)between(0, 1);
@@ -137,7 +137,7 @@ static uint64_t hash_world(int which)
     }
     random_camera(&camera);
     camera.projection = between(0, 3) ? FXS_PERSPECTIVE : FXS_ORTHOGRAPHIC;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_options_init(&options);
     fxs_targets_init(&targets);
     targets.format = (enum fxs_format)between(0, 3);

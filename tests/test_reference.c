@@ -21,7 +21,7 @@ static const struct reference_options black = { REFERENCE_MAHALANOBIS, 3, 0, { 0
 static const struct reference_options black_square = { REFERENCE_SQUARE, 3, 0, { 0, 0, 0 } };
 
 /* A camera at the origin that looks along +z, with an off-centre principal point. */
-static const fxs_file_view front = {
+static const fxs_view front = {
     "front", 64, 40, 50, 60, 30.25, 22.5, { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { 0, 0, 0 }, 0,
     FXS_PERSPECTIVE, 0
 };
@@ -96,7 +96,7 @@ static void test_slope_is_clamped(void)
 static void test_compensation(void)
 {
     /* variance v before and v + 0.3 after on both axes: the opacity scales by v / (v + 0.3) */
-    fxs_file_view view = front;
+    fxs_view view = front;
     fxs_gaussian g = gaussian_at(0, 0, 5);
     struct reference_options options = black;
     struct reference_splat s;
@@ -163,7 +163,7 @@ static void test_square_cutoff(void)
 static void test_square_radius(void)
 {
     /* variance v on both axes gives ceil(3 sqrt(v + sqrt(0.1))); fx 50 at depth 5 makes v = 100 s^2 + 0.3 = 15.9 */
-    fxs_file_view view = front;
+    fxs_view view = front;
     fxs_gaussian g = gaussian_at(0, 0, 5);
     struct reference_splat s;
     view.fy = 50;
@@ -229,7 +229,7 @@ static double harmonic(int l, int m, const double *d)
 }
 
 /* Turns the camera's z axis to the unit vector d, which is not along the scene's y axis. */
-static void look_along(fxs_file_view *view, const double *d)
+static void look_along(fxs_view *view, const double *d)
 {
     double length = sqrt(d[0] * d[0] + d[2] * d[2]);
     double right[3] = { d[2] / length, 0, -d[0] / length };
@@ -241,7 +241,7 @@ static void look_along(fxs_file_view *view, const double *d)
     }
 }
 
-static void check_harmonics(const fxs_file_view *view, fxs_gaussian g, const double *direction)
+static void check_harmonics(const fxs_view *view, fxs_gaussian g, const double *direction)
 {
     struct reference_splat s;
     for (int l = 1; l <= 3; l++)
@@ -260,7 +260,7 @@ static void check_harmonics(const fxs_file_view *view, fxs_gaussian g, const dou
 
 static void test_spherical_harmonics(void)
 {
-    fxs_file_view view = front;
+    fxs_view view = front;
     for (int i = 0; i < 8; i++) {
         double height = -0.9 + 0.25 * i, ring = sqrt(1 - height * height), angle = 0.3 + 2.4 * i;
         double d[3] = { ring * cos(angle), height, ring * sin(angle) };
@@ -280,7 +280,7 @@ static void test_spherical_harmonics(void)
 }
 
 /* Pixel coordinates of a point in the scene. */
-static void project_point(const fxs_file_view *view, const double *point, double pixel[2])
+static void project_point(const fxs_view *view, const double *point, double pixel[2])
 {
     double c[3] = { 0, 0, 0 };
     for (int i = 0; i < 9; i++)
@@ -305,7 +305,7 @@ static void rotate(const double *quaternion, double v[3])
 static void test_covariance_against_differences(void)
 {
     /* The image of each principal axis, by central differences of the projection; their outer products add up. */
-    fxs_file_view view = front;
+    fxs_view view = front;
     fxs_gaussian g = gaussian_at(2, -1, 4);
     const double direction[3] = { 0.48, -0.36, 0.8 }, quaternion[4] = { 0.5, -0.1, 0.7, 0.5 };
     double covariance[3] = { 0.3, 0, 0.3 }, mean[3] = { 2, -1, 4 };

@@ -8,6 +8,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/kernels.h>
+#include <fixsplat/internal/views.h>
 #include "src/core/chunk.h"
 #include "scene_bytes.h"
 #include "fastest.h"
@@ -15,7 +16,7 @@
 enum { COUNT = 3000, ODD = 700, WIDTH = 72, HEIGHT = 48, VIEWS = 6, STEPS = 80 };
 
 static fxs_gaussian made[COUNT];
-static fxs_file_view views[VIEWS];
+static fxs_view views[VIEWS];
 
 static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
 {
@@ -76,7 +77,7 @@ static void make_views(void)
     static const double target[3] = {0, 0, 0}, up[3] = {0, -1, 0};
     for (int i = 0; i < VIEWS; i++) {
         const double angle = 6.283185307179586 * i / VIEWS, eye[3] = {3 * sin(angle), -0.8, -3 * cos(angle)};
-        CHECK(!fxs_view_look_at(&views[i], eye, target, up, 50, WIDTH, HEIGHT, &message));
+        CHECK(!fxs_view_look_at(&views[i], eye, target, up, &(fxs_picture){50, WIDTH, HEIGHT}, &message));
     }
 }
 
@@ -88,7 +89,7 @@ static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t 
     fxs_context context;
     const fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = steps, .views = view_count ? views : NULL,
                                         .view_count = view_count, .cpu = cpu};
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     context.config.kernels = kernels_for(cpu);
     const int error = fxs_refine(packed->data, packed->bytes, &options, &message);
     fxs_pool_destroy(pool);
@@ -97,14 +98,14 @@ static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t 
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
-static void draw(const fxs_packed_scene *packed, const fxs_file_view *view, uint32_t budget, uint8_t *rgba)
+static void draw(const fxs_packed_scene *packed, const fxs_view *view, uint32_t budget, uint8_t *rgba)
 {
     fxs_context context;
     fxs_object object;
     fxs_request request;
     fxs_scene scene;
     void *memory;
-    fxs_init(&context, NULL);
+    fxs_context_init(&context, NULL);
     CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes));
     fxs_object_init(&object, &scene);
     fxs_request_init(&request, &object, 1);
@@ -124,7 +125,7 @@ static double error_of(const fxs_packed_scene *packed, uint32_t budget)
     static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0};
     double sum = 0;
     for (int i = 0; i < VIEWS; i++) {
-        fxs_file_view view = views[i];
+        fxs_view view = views[i];
         fxs_view_orbit(&view, middle, up, 0.5);
         draw(packed, &view, 0, whole);
         draw(packed, &view, budget, some);
@@ -217,7 +218,7 @@ static void check_refused(void)
     int calls = 0;
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
         return;
-    fxs_init(&context, NULL);
+    fxs_context_init(&context, NULL);
     fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = FXS_REFINE_STEPS_MOST + 1, .views = views,
                                   .view_count = VIEWS};
     CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);

@@ -226,7 +226,7 @@ static void test_frame_bytes(void)
     fxs_context context;
     fxs_frame_memory m;
     make_scene();
-    CHECK(open_scene() == 0 && fxs_init(&context, 0) == 0);
+    CHECK(open_scene() == 0 && fxs_context_init(&context, 0) == 0);
     size_t total = one_frame_bytes(&context, &s.scene, 100, 70, &m);
     CHECK(total > 0 && total == m.total && total == m.splats + m.keys + m.tiles + m.entries && total % 64 == 0);
     CHECK(m.least > 0 && m.least <= total);
@@ -369,7 +369,7 @@ static void check_random_bytes(enum fxs_profile profile)
     uint64_t visible = 0;
     fxs_context context;
     make_scene_of(profile);
-    CHECK(fxs_init(&context, 0) == 0);
+    CHECK(fxs_context_init(&context, 0) == 0);
     for (int i = 0; i < 2000; i++) {
         for (size_t at = sizeof *s.header; at < s.size; at += 4)
             memcpy(s.bytes + at, &(uint32_t){bits()}, 4);

@@ -2,6 +2,7 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include "scene_bytes.h"
+#include "src/pack/weight.h"
 
 enum { COUNT = 2000 };
 

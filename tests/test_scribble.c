@@ -222,7 +222,7 @@ static uint32_t visible(const unsigned char *scene)
 {
     fxs_context context;
     fxs_stats stats;
-    fxs_init(&context, NULL);
+    fxs_context_init(&context, NULL);
     memcpy(drawn.data, scene, drawn.size);
     const size_t size = one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, NULL);
     void *memory = check_aligned(size), *pixels = check_aligned(1 << 16);
@@ -282,7 +282,7 @@ static void check_versions(enum call call)
         while (!make_scene((enum fxs_profile)i, seed++))
             ;
         fxs_context context;
-        fxs_init(&context, NULL);
+        fxs_context_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
         const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs plain C */

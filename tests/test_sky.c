@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/fit.h>
+#include <fixsplat/internal/fit_more.h>
 #include "src/fit/fit_internal.h"
 #include "src/fit/sky.h"
 #include "fit_scene.h"
@@ -22,7 +23,7 @@ static const double middle[3] = {3, -2, 7};
 static void aim(int i, double angle, double aside)
 {
     const double c = cos(angle), s = sin(angle), rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
-    fxs_file_view *v = &photos[i].view;
+    fxs_view *v = &photos[i].view;
     memset(&photos[i], 0, sizeof photos[i]);
     v->width = WIDTH, v->height = HEIGHT;
     v->fx = v->fy = WIDTH / 2.0;
@@ -319,12 +320,12 @@ static void begins_a_fit(void)
         CHECK(fabs((double)last.scale[1] - log((double)sky.sigma)) < 1e-5);
         CHECK(source.read(source.argument, POINTS - 1, &last, 1) == 1);
         CHECK(!memcmp(last.position, points[POINTS - 1].position, sizeof last.position) && last.scale[1] < 5);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     options.max_gaussians = (POINTS + sky.count) / 4;
     if (CHECK(!fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message))) {
         CHECK(labs((long)fxs_fit_sky_count(fit) - (long)sky.count / 4) < 2);
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     }
     options.sky = FXS_FIT_SKY_MOST + 1;
     CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT && !fit);

@@ -175,7 +175,7 @@ static fxs_camera make_camera(int width, int height, double distance)
 /* ---- Projected scenes ------------------------------------------------------------------------------------------- */
 
 static struct {
-    fxs_view view;
+    fxs_stage_view view;
     fxs_splat splats[MAX_COUNT];
     fxs_bounds bounds[MAX_COUNT];
     uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
@@ -240,7 +240,7 @@ static struct errors {
 } worst, worst_large;   /* splats up to 128 pixels, and larger ones: needles over 1000 pixels are widened */
 
 /* f sigma_max / z: a Gaussian's largest size in the picture, pixels. */
-static double size_of(const fxs_gaussian *g, const fxs_file_view *view, double z)
+static double size_of(const fxs_gaussian *g, const fxs_view *view, double z)
 {
     return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
 }
@@ -279,7 +279,7 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
 
 static void compare_visible(const packed_scene *s, const fxs_camera *camera, const fxs_options *options)
 {
-    fxs_file_view view = view_of(camera);
+    fxs_view view = view_of(camera);
     struct reference_options reference = reference_of(options, &s->scene);
     project_all(&s->scene, camera, options);
     for (uint32_t slot = 0; slot < all.count; slot++) {
@@ -313,7 +313,7 @@ static double veil_error(const fxs_splat *s, const struct reference_splat *r, in
 
 /* True if too narrow to compare: the rounding of the long axis shows, or the splat may be widened. Limits: 1/64 of
    its length, 1/10 of the picture's diagonal. */
-static int is_narrow(const struct reference_splat *r, const fxs_view *view)
+static int is_narrow(const struct reference_splat *r, const fxs_stage_view *view)
 {
     const double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
     const double least = fmax((mid + spread) / 4096, 0.01 * (view->width * view->width + view->height * view->height));
@@ -329,7 +329,7 @@ static void test_veils(void)
     for (int i = 0; i < 120; i++) {
         packed_scene s = make_scene(i % 2 ? &off_axis : &discs, 512, 0, i % 4 == 3);
         fxs_camera camera = make_camera(1 + below(i % 3 ? 1200 : 100), 1 + below(i % 3 ? 900 : 80), uniform(0, 5));
-        fxs_file_view view = view_of(&camera);
+        fxs_view view = view_of(&camera);
         struct reference_options reference = reference_of(&defaults, &s.scene);
         project_all(&s.scene, &camera, &defaults);
         for (uint32_t slot = 0; slot < all.count; slot++) {
@@ -407,7 +407,7 @@ static void test_project_antialiased(void)
 }
 
 /* Counts by a margin: 2 % of its size, and alpha 1.1 / 255. */
-static int counts_somewhere(const struct reference_splat *r, const fxs_file_view *view)
+static int counts_somewhere(const struct reference_splat *r, const fxs_view *view)
 {
     double det = r->a * r->c - r->b * r->b, limit = fmin(9, 2 * log(255 / 1.1 * r->opacity)) * 0.96 - 0.02;
     for (int y = 0; y < view->height; y++)
@@ -423,7 +423,7 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
    few pixels, project also drops Gaussians farther from the axis than 64 times their depth. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
-    fxs_file_view view = view_of(camera);
+    fxs_view view = view_of(camera);
     struct reference_options reference = reference_of(&defaults, &s->scene);
     uint32_t slot = 0;
     int lost = 0, kept = 0;
@@ -495,7 +495,7 @@ static void test_depth_order(void)
         fxs_camera camera = make_camera(200, 150, uniform(0, i % 2 ? 10 : 1));
         camera.near_q32 = i % 2 ? 0 : 1 << 12;
         const double *forward, reach = recipes[i % RECIPES]->reach + 10;
-        fxs_file_view view = view_of(&camera);
+        fxs_view view = view_of(&camera);
         double previous = 0;
         int wrong = 0;
         forward = view.rotation + 6;
@@ -786,7 +786,7 @@ static int untouched(const unsigned char *bytes, size_t count)
 
 static int draw_tiles(void *argument, const fxs_tile_run *run)
 {
-    const fxs_view *view = run->view;
+    const fxs_stage_view *view = run->view;
     const fxs_image *colour = &run->targets->colour;
     const enum fxs_format format = run->targets->format;
     const int bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
@@ -830,7 +830,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     fxs_context context;
     fxs_stats stats;
     unsigned char *pixels = allocate(bytes, GUARD);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     context.config.draw = draw_tiles;
     context.config.draw_argument = &calls;
     CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, &stats) == 0);
@@ -838,7 +838,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     context.config.draw = draw_nothing;
     CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, 0) ==
           FXS_ERR_DEVICE);
-    fxs_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1});
+    fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1});
     const fxs_object object = one_object(scene);
     const size_t unlisted = fxs_frame_bytes(&context, &object, 1, camera->width, camera->height, 0);
     void *room = check_aligned(unlisted);
@@ -859,7 +859,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
                          .clock_argument = &ticks};
     fxs_context context;
     fxs_stats stats;
-    CHECK(fxs_init(&context, below(2) ? &config : 0) == 0);
+    CHECK(fxs_context_init(&context, below(2) ? &config : 0) == 0);
     size_t size = one_frame_bytes(&context, scene, camera->width, camera->height, 0);
     unsigned char *memory = allocate(size + GUARD_BYTES, GUARD), *pixels = allocate(bytes, GUARD);
     CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, &stats) == 0);
@@ -976,7 +976,7 @@ static void test_times_are_shared_out(void)
     packed_scene s = make_scene(&ordinary, 256, 0, 0);
     for (int tiles = 1; tiles <= 4; tiles++) {
         fxs_camera camera = make_camera(FXS_TILE * tiles, FXS_TILE, 2);
-        fxs_init(&context, &config);
+        fxs_context_init(&context, &config);
         size_t size = one_frame_bytes(&context, &s.scene, camera.width, camera.height, 0);
         unsigned char *memory = allocate(size, 0), *pixels = allocate((size_t)(camera.width * camera.height * 4), 0);
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
@@ -1012,7 +1012,7 @@ static void aim(fxs_camera *camera, int axis, double focal, double slope)
 
 /* Pixels from the centre to distance 3, for a sphere of sigma 2^log2_sigma at this slope. The slope in the Jacobian
    is clamped to the field of view plus 30 %. */
-static double reach_of(const fxs_view *view, const fxs_camera *camera, const beside *b, int axis)
+static double reach_of(const fxs_stage_view *view, const fxs_camera *camera, const beside *b, int axis)
 {
     double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
     double slope = fmin(fmax(b->slope[axis], low), high);
@@ -1021,7 +1021,7 @@ static double reach_of(const fxs_view *view, const fxs_camera *camera, const bes
 }
 
 /* Moves the centre to `far` times the reach beyond the first or last pixel of an axis. */
-static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, int axis, int last, double far)
+static void step_out(beside *b, const fxs_stage_view *view, const fxs_camera *camera, int axis, int last, double far)
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
@@ -1033,7 +1033,7 @@ static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, 
 
 static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside *b, double box)
 {
-    const fxs_file_view view = view_of(camera);
+    const fxs_view view = view_of(camera);
     const double x[3] = {b->slope[0] * b->depth, b->slope[1] * b->depth, b->depth};
     uint16_t *codes = (uint16_t *)(void *)(s->rows + FXS_ROW_POSITION);
     fxs_chunk *chunk = s->chunks;
@@ -1061,7 +1061,7 @@ static struct {
 /* Draws the sphere at each side and corner of the picture, within reach and just out of it. */
 static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
-    fxs_view view;
+    fxs_stage_view view;
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
     CHECK(one_view_init(&view, &s.scene, camera, &defaults) == 0);
     for (int side = 0; side < 8; side++) {
@@ -1207,7 +1207,7 @@ static void test_view_slopes(void)
     const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
     int cut = 0;
     for (int i = 0; i < 1000; i++) {
-        fxs_view v;
+        fxs_stage_view v;
         fxs_camera camera = make_camera(1 + below(2000), 1 + below(2000), 0);
         camera.fx_q12 = (int32_t)exp2(uniform(12, 24));
         camera.fy_q12 = (int32_t)exp2(uniform(12, 24));
@@ -1263,7 +1263,7 @@ static void make_good(void)
     good.camera = make_camera(20, 10, 2);
     good.options = defaults;
     good.format = FXS_FORMAT_RGBA8;
-    fxs_init(&good.context, 0);
+    fxs_context_init(&good.context, 0);
     fxs_frame_memory memory;
     good.bytes = one_frame_bytes(&good.context, &good.scene.scene, 20, 10, &memory);
     good.least = memory.least;
@@ -1367,9 +1367,9 @@ static void test_init(void)
 {
     fxs_context context;
     fxs_config config = {.size = sizeof(fxs_config), .threads = 65};
-    CHECK(fxs_init(0, 0) == FXS_ERR_ARGUMENT && fxs_init(&context, &config) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_context_init(0, 0) == FXS_ERR_ARGUMENT && fxs_context_init(&context, &config) == FXS_ERR_ARGUMENT);
     config.threads = 64;
-    CHECK(fxs_init(&context, &config) == 0 && context.config.threads == 64);
+    CHECK(fxs_context_init(&context, &config) == 0 && context.config.threads == 64);
 }
 
 static void test_words(void)

@@ -129,12 +129,12 @@ static uint64_t check_case(int which)
     const enum fxs_format format = random_pair(cameras, &options, which);
     pair p = pair_of(&scene, cameras, &options, format);
     unsigned char *alone = malloc(p.bytes);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const uint64_t entries = render_alone(&p, &context, alone), hash = hash_of(alone, p.bytes);
     check_pair(&p, &context, alone, entries);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
-        fxs_init(&context, &config);
+        fxs_context_init(&context, &config);
         check_pair(&p, &context, alone, entries);
 #ifdef FXS_WITH_KERNELS
         context.config.kernels = kernels_for(fxs_cpu_detect());
@@ -160,7 +160,7 @@ static void test_random_pairs(void)
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (int i = 0; i < 32; i++) {
         const int axis = i & 1, a = (axis + 1) % 3, b = (axis + 2) % 3, turned = i >> 1 & 1;
         const int32_t c = (int32_t)((1 << 30) / 25 * 24), s = (i & 4 ? 1 : -1) * ((1 << 30) / 25 * 7);
@@ -197,7 +197,7 @@ static void test_eyes_with_other_principal_points(void)
     fxs_camera cameras[2];
     fxs_options options;
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (int which = 0; which < 20; which++) {
         state = (uint64_t)which * 0x3456781u;
         const packed_scene packed = random_scene((enum fxs_profile)(which % 3), 3000);
@@ -221,7 +221,7 @@ static void test_near_planes(void)
     fxs_camera cameras[2];
     fxs_options options;
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (int which = 0; which < 20; which++) {
         state = (uint64_t)which * 0x2345671u;
         const packed_scene packed = random_scene((enum fxs_profile)(which % 3), 3000);
@@ -248,7 +248,7 @@ static void test_arguments(void)
     const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 500);
     CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
     const enum fxs_format format = random_pair(cameras, &options, 2);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     pair p = pair_of(&scene, cameras, &options, format), other = p;
     unsigned char *pixels = check_aligned(p.bytes);
     const size_t bytes = bytes_of(&p, &context, 0);
@@ -301,7 +301,7 @@ static void test_time(void)
     looked l = {0, 0, 0};
     const fxs_config config = {.size = sizeof(fxs_config), .clock = look_at_clock, .clock_argument = &l};
     uint64_t stages = 0;
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     CHECK(!render(&p, &context, bytes_of(&p, &context, 0), pixels));
     for (int i = 0; i < FXS_STAGES; i++)
         stages += p.stats.nanoseconds[i];
@@ -326,7 +326,7 @@ static void test_too_many_slots(void)
     const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 4200);
     CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
     random_pair(cameras, &options, 2);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     for (uint32_t i = 0; i < FXS_MAX_OBJECTS; i++)
         objects[i] = one_object(&scene);
     unsigned char *pixels = check_aligned(2 * 256 * 256 * 4);

@@ -89,7 +89,7 @@ static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;
     memset(b, 0, sizeof *b);
-    fxs_init(&b->context, 0);
+    fxs_context_init(&b->context, 0);
     fxs_options_init(&b->options);
     state = seed;
     b->packed = random_scene((enum fxs_profile)(seed % 3), 12000);
@@ -188,7 +188,7 @@ static void test_stopped_by_several_threads(void)
     uint32_t every;
     const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(THREADS), .threads = THREADS};
     bench_init(&b, 5, 16);
-    fxs_init(&b.context, &config);
+    fxs_context_init(&b.context, &config);
     free(b.memory);
     b.bytes = fxs_frame_bytes(&b.context, &b.object, 1, SIDE, SIDE, 0);
     b.memory = check_aligned(b.bytes);

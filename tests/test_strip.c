@@ -60,8 +60,8 @@ static void bench_init(bench *b, int32_t width, int32_t height, int32_t rows, en
                            .argument = &b->got};
     b->strip.pixels = check_aligned((size_t)((width * bytes + 16) * rows));
     b->config = (fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &b->strip, .draw_blended = 1};
-    fxs_init(&b->whole, 0);
-    fxs_init(&b->strips, &b->config);
+    fxs_context_init(&b->whole, 0);
+    fxs_context_init(&b->strips, &b->config);
 }
 
 static void bench_free(bench *b)
@@ -254,7 +254,7 @@ static int print_hashes(char **arguments)
     const int32_t width = (int32_t)strtol(arguments[1], 0, 10), height = (int32_t)strtol(arguments[2], 0, 10);
     const uint32_t frames = (uint32_t)strtoul(arguments[3], 0, 10);
     options.budget = arguments[4] ? (uint32_t)strtoul(arguments[4], 0, 10) : 0;
-    if (fxs_map(&file, arguments[0], &message))
+    if (fxs_map_open(&file, arguments[0], &message))
         return puts(message.text), 1;
     int error = fxs_turntable_open(&t, file.data, file.bytes, width, height);
     for (uint32_t i = 0; i < frames && !error; i++) {
@@ -269,7 +269,7 @@ static int print_hashes(char **arguments)
         free(memory);
         bench_free(&b);
     }
-    fxs_unmap(&file);
+    fxs_map_close(&file);
     if (error)
         printf("error: %s\n", fxs_strerror(error));
     return error != 0 || check_faults;

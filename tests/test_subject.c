@@ -19,8 +19,8 @@ static uint8_t pixels[3 * 64 * 48];
 static void aim(int i, const double eye[3], const double target[3])
 {
     static const double up[3] = {0, -1, 0};
-    fxs_file_view *view = &photos[i].view;
-    CHECK(!fxs_view_look_at(view, eye, target, up, 50, 64, 48, &message));
+    fxs_view *view = &photos[i].view;
+    CHECK(!fxs_view_look_at(view, eye, target, up, &(fxs_picture){50, 64, 48}, &message));
     view->fx = view->fy = 60;
     photos[i].pixels = pixels;
 }
@@ -106,7 +106,7 @@ static void cropped(uint32_t steps)
     CHECK(!fxs_fit_pack(fit, &scene, &report, &message) && report.packed == left);
     fxs_packed_scene_free(&scene);
     CHECK(!fxs_fit_crop_to_subject(fit, &subject, &message) && subject.dropped <= left / 20);
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
 }
 
 static void cropped_as_it_is(void)
@@ -127,7 +127,7 @@ static void refuses(const char *words)
     const size_t count = read_all(fit, before);
     CHECK(fxs_fit_crop_to_subject(fit, &subject, &message) == FXS_ERR_ARGUMENT && strstr(message.text, words));
     CHECK(read_all(fit, after) == count && !memcmp(before, after, count * sizeof *before));
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
 }
 
 static void no_subject(void)
@@ -175,7 +175,7 @@ static void radius_of_the_median(void)
     set_up(middle, distances);
     fxs_fit *fit = make_fit(1);
     CHECK(!fxs_fit_crop_to_subject(fit, &subject, &message) && fabs(subject.radius - 11 * 0.4) < 1e-5);
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
 }
 
 int main(void)

@@ -18,7 +18,7 @@ static struct {
     fxs_bounds *bounds;
     uint32_t *keys, *order;
     fxs_id *ids;
-    fxs_view view;
+    fxs_stage_view view;
 } all;
 
 static void make_room(uint32_t most)
@@ -413,9 +413,9 @@ static void check_traces(const char *name, const world *w, const fxs_camera *cam
 static fxs_camera look(const double eye[3], const double target[3])
 {
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     fxs_camera camera;
-    CHECK(!fxs_view_look_at(&view, eye, target, up, 45, WIDTH, HEIGHT, &m) &&
+    CHECK(!fxs_view_look_at(&view, eye, target, up, &(fxs_picture){45, WIDTH, HEIGHT}, &m) &&
           !fxs_camera_from_view(&camera, &view, &m));
     return camera;
 }
@@ -460,8 +460,8 @@ static void test_orthographic_objects_against_reference(void)
 static int captured_camera(fxs_camera *camera, const part *p)
 {
     fxs_message m;
-    fxs_file_view view;
-    return !fxs_view_frame_box(&view, p->report.inner_low, p->report.inner_high, up, 50, WIDTH, HEIGHT, &m) &&
+    fxs_view view;
+    return !fxs_view_frame_box(&view, p->report.inner_low, p->report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m) &&
            !fxs_camera_from_view(camera, &view, &m);
 }
 
@@ -491,7 +491,7 @@ static void test_captured_against_reference(void)
 /* A slanted wall through a point, as depths along the pixels' rays; FXS_NOTHING at every 37th pixel. */
 static void make_wall(const fxs_camera *camera, double through, uint32_t *depths, double *in_doubles)
 {
-    const fxs_file_view view = view_of(camera);
+    const fxs_view view = view_of(camera);
     for (int i = 0; i < PIXELS; i++) {
         const double x = (i % WIDTH + 0.5 - view.cx) / view.fx, y = (i / WIDTH + 0.5 - view.cy) / view.fy;
         depths[i] = i % 37 ? (uint32_t)ldexp(through / (1 + 0.7 * x - 0.4 * y), 16) : FXS_NOTHING;
@@ -547,7 +547,7 @@ static void test_wall_through_captured(void)
     part_unpack(&p);
     world_add(&w, &p);
     if (CHECK(captured_camera(&camera, &p))) {
-        const fxs_file_view view = view_of(&camera);
+        const fxs_view view = view_of(&camera);
         double through = 0;
         for (int i = 0; i < 3; i++)
             through += view.rotation[6 + i] * ((p.report.inner_low[i] + p.report.inner_high[i]) / 2 - view.position[i]);
@@ -888,7 +888,7 @@ static void test_interlaced_targets(void)
 
 static int is_on_ray(const fxs_pick_result *r, const fxs_camera *camera, int x, int y)
 {
-    const fxs_file_view v = view_of(camera);
+    const fxs_view v = view_of(camera);
     double at[3] = {0, 0, 0};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
@@ -1088,7 +1088,7 @@ static void free_all(void)
 
 int main(void)
 {
-    fxs_init(&plain, 0);
+    fxs_context_init(&plain, 0);
     RUN(test_every_target_pixel_by_pixel);
     RUN(test_procedural_against_reference);
     RUN(test_orthographic_objects_against_reference);

@@ -46,7 +46,7 @@ static int draw(const fxs_context *context, frame *f, int fill)
 static void make_frames(void)
 {
     fxs_context alone;
-    fxs_init(&alone, 0);
+    fxs_context_init(&alone, 0);
     for (int i = 0; i < FRAMES; i++) {
         frame *f = &frames[i];
         state = 77 + (uint64_t)i;
@@ -85,7 +85,7 @@ static void test_a_context_for_several_threads(void)
     make_frames();
     for (uint32_t threads = 1; threads <= 4 && !check_faults; threads += threads) {
         const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
-        fxs_init(&shared, &config);
+        fxs_context_init(&shared, &config);
 #ifdef FXS_WITH_KERNELS
         shared.config.kernels = kernels_for(fxs_cpu_detect());
 #endif

@@ -345,7 +345,7 @@ static void make_cameras_json(void)
 
 static long read_cameras(const char *name)
 {
-    fxs_file_view *views = NULL;
+    fxs_view *views = NULL;
     const long count = fxs_camera_file_read(name, &views, &message);
     if (count >= 0)
         free(views);
@@ -442,7 +442,7 @@ static void make_saved_fit(void)
     if (!CHECK(!fxs_fit_create(&fit, &photo, 1, points, 3, &options, &message)))
         abort();
     CHECK(!fxs_fit_step(fit, NULL, &message) && !fxs_fit_save(fit, in_folder("made.fit"), &message));
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     add_file_of(in_folder("made.fit"), "a.fit");
 }
 
@@ -453,7 +453,7 @@ static long read_saved_fit(const char *name)
     fxs_fit_options_init(&options);
     const int error = fxs_fit_resume(&fit, name, &photo, 1, &options, &message);
     if (!error)
-        fxs_fit_free(fit);
+        fxs_fit_destroy(fit);
     return error;
 }
 

@@ -13,17 +13,17 @@
 
 static const double up[3] = {0, -1, 0};
 
-static fxs_file_view a_view(void)
+static fxs_view a_view(void)
 {
     const double eye[3] = {1, -2, -6}, target[3] = {0.5, 0, 1};
-    fxs_file_view view;
+    fxs_view view;
     fxs_message message;
-    fxs_view_look_at(&view, eye, target, up, 50, 640, 480, &message);
+    fxs_view_look_at(&view, eye, target, up, &(fxs_picture){50, 640, 480}, &message);
     return view;
 }
 
 /* Returns the depth. */
-static double see(const fxs_file_view *view, const double point[3], double pixel[2])
+static double see(const fxs_view *view, const double point[3], double pixel[2])
 {
     double seen[3] = {0, 0, 0};
     for (int i = 0; i < 3; i++)
@@ -34,7 +34,7 @@ static double see(const fxs_file_view *view, const double point[3], double pixel
     return seen[2];
 }
 
-static void ahead(const fxs_file_view *view, double distance, double point[3])
+static void ahead(const fxs_view *view, double distance, double point[3])
 {
     for (int i = 0; i < 3; i++)
         point[i] = view->position[i] + distance * view->rotation[6 + i];
@@ -49,7 +49,7 @@ static int near(double a, double b)
 
 static void test_orbit_keeps_the_pivot(void)
 {
-    fxs_file_view view = a_view();
+    fxs_view view = a_view();
     double pivot[3], front[3], pixel[2];
     ahead(&view, 7, pivot);
     ahead(&view, 5, front);
@@ -63,7 +63,7 @@ static void test_orbit_keeps_the_pivot(void)
 static void test_orbit_stops_at_the_poles(void)
 {
     for (int down = -1; down <= 1; down += 2) {
-        fxs_file_view view = a_view();
+        fxs_view view = a_view();
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
         CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
@@ -74,17 +74,17 @@ static void test_orbit_stops_at_the_poles(void)
 static void test_poles_let_go(void)
 {
     const double eye[3] = {0, -5, 0}, target[3] = {0, 0, 0}, back[3] = {0, 0, 1};
-    fxs_file_view view;
+    fxs_view view;
     fxs_message message;
-    CHECK(!fxs_view_look_at(&view, eye, target, back, 50, 640, 480, &message));
+    CHECK(!fxs_view_look_at(&view, eye, target, back, &(fxs_picture){50, 640, 480}, &message));
     fxs_motion_orbit(&view, 5, up, 0, -0.5);
     CHECK(view.rotation[7] < 0.9 && near(view.position[1], -5 * view.rotation[7]));
 }
 
 static void test_look_turns_in_place(void)
 {
-    fxs_file_view view = a_view();
-    const fxs_file_view before = view;
+    fxs_view view = a_view();
+    const fxs_view before = view;
     double point[3], pixel[2];
     ahead(&view, 7, point);
     fxs_motion_look(&view, up, 10 / view.fx, 5 / view.fy);
@@ -95,7 +95,7 @@ static void test_look_turns_in_place(void)
 
 static void test_pan_follows_the_pointer(void)
 {
-    fxs_file_view view = a_view();
+    fxs_view view = a_view();
     double pivot[3], pixel[2];
     ahead(&view, 7, pivot);
     fxs_motion_pan(&view, 7, 31, -17);
@@ -105,7 +105,7 @@ static void test_pan_follows_the_pointer(void)
 
 static void test_zoom_keeps_the_pivot(void)
 {
-    fxs_file_view view = a_view();
+    fxs_view view = a_view();
     double pivot[3], pixel[2], distance = 7;
     ahead(&view, distance, pivot);
     fxs_motion_zoom(&view, &distance, 0.25);
@@ -115,7 +115,7 @@ static void test_zoom_keeps_the_pivot(void)
 
 static void test_parallel_rays(void)
 {
-    fxs_file_view view = a_view(), before;
+    fxs_view view = a_view(), before;
     double distance = 4;
     view.projection = FXS_ORTHOGRAPHIC;
     view.fx = view.fy = 100;
@@ -132,7 +132,7 @@ static void test_parallel_rays(void)
 /* The vertical field of view does not depend on the window's size. */
 static void test_height_stays(void)
 {
-    fxs_file_view view = a_view();
+    fxs_view view = a_view();
     const double top = view.cy / view.fy, bottom = (view.height - view.cy) / view.fy;
     fxs_motion_fit(&view, 1234, 321);
     CHECK(view.width == 1234 && view.height == 321 && near(view.fx, view.fy) && near(view.cx, 617));
@@ -141,7 +141,7 @@ static void test_height_stays(void)
 
 static void test_fly_along_the_axes(void)
 {
-    fxs_file_view view = a_view();
+    fxs_view view = a_view();
     double centre[3] = {view.position[0], view.position[1], view.position[2]}, pixel[2];
     fxs_motion_fly(&view, 1, 2, -4);
     CHECK(near(see(&view, centre, pixel), 4));
@@ -150,7 +150,7 @@ static void test_fly_along_the_axes(void)
 
 static void test_rotations_stay_rotations(void)
 {
-    fxs_file_view view = a_view();
+    fxs_view view = a_view();
     for (int i = 0; i < 100000; i++) {
         fxs_motion_orbit(&view, 3, up, 0.01 * (i % 7), 0.01 * (i % 11 - 5));
         fxs_motion_look(&view, up, -0.01 * (i % 5), 0.01 * (i % 3 - 1));
@@ -166,13 +166,13 @@ static void test_rotations_stay_rotations(void)
 
 static uint8_t dots[FXS_GRAPH_WIDTH * 200 * 4];
 
-static fxs_picture blank(int width, int height)
+static fxs_canvas blank(int width, int height)
 {
     memset(dots, 0, sizeof dots);
-    return (fxs_picture){dots, width, height};
+    return (fxs_canvas){dots, width, height};
 }
 
-static int pixels_of(const fxs_picture *picture, uint32_t colour)
+static int pixels_of(const fxs_canvas *picture, uint32_t colour)
 {
     const uint8_t rgba[4] = {(uint8_t)(colour >> 24), (uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour};
     int found = 0;
@@ -183,7 +183,7 @@ static int pixels_of(const fxs_picture *picture, uint32_t colour)
 
 static void test_rectangles_are_clipped(void)
 {
-    fxs_picture picture = blank(20, 10);
+    fxs_canvas picture = blank(20, 10);
     fxs_draw_rectangle(&picture, -3, -4, 5, 6, 0x102030ff);
     CHECK(pixels_of(&picture, 0x102030ff) == 2 * 2);
     fxs_draw_rectangle(&picture, 18, 7, 100, 100, 0x405060ff);
@@ -197,7 +197,7 @@ static void test_rectangles_are_clipped(void)
 
 static void test_lines(void)
 {
-    fxs_picture picture = blank(40, 40);
+    fxs_canvas picture = blank(40, 40);
     fxs_draw_line(&picture, (double[2]){5, 10}, (double[2]){25, 10}, 2, 0xff0000ff);
     CHECK(pixels_of(&picture, 0xff0000ff) == 22 * 2);
     fxs_draw_line(&picture, (double[2]){-1e3, -1e3}, (double[2]){1e3, 1e3}, 1, 0x00ff00ff);
@@ -215,7 +215,7 @@ static void test_panels_have_round_corners(void)
     fxs_panel_free(&panel);
 }
 
-static int differ(const fxs_picture *picture, int a, int b)
+static int differ(const fxs_canvas *picture, int a, int b)
 {
     return memcmp(picture->rgba + 4 * a, picture->rgba + 4 * b, 4) != 0;
 }
@@ -223,7 +223,7 @@ static int differ(const fxs_picture *picture, int a, int b)
 static void test_depths_have_colours(void)
 {
     uint32_t depths[400];
-    fxs_picture picture = blank(20, 20);
+    fxs_canvas picture = blank(20, 20);
     for (uint32_t i = 0; i < 400; i++)
         depths[i] = 65536 + 1000 * i;
     depths[7] = FXS_NOTHING;
@@ -239,7 +239,7 @@ static void test_depths_have_colours(void)
 static void test_ids_have_colours(void)
 {
     fxs_id ids[400];
-    fxs_picture picture = blank(20, 20);
+    fxs_canvas picture = blank(20, 20);
     for (uint32_t i = 0; i < 400; i++)
         ids[i] = (fxs_id){i % 4 == 3, i / 2};
     ids[399] = (fxs_id){FXS_NOTHING, FXS_NOTHING};
@@ -255,7 +255,7 @@ static void test_words(void)
     fxs_message message;
     if (fxs_words_open(&words, &message)) {
         CHECK(!words && !fxs_words_width(words, "a") && strstr(message.text, "no words in the window"));
-        fxs_draw_words(words, &(fxs_picture){dots, 4, 4}, 0, 0, "a", 0xffffffff);
+        fxs_draw_words(words, &(fxs_canvas){dots, 4, 4}, 0, 0, "a", 0xffffffff);
         printf("  words are left out: %s\n", message.text);
         check_skipped++;
         return;
@@ -264,7 +264,7 @@ static void test_words(void)
     CHECK(narrow > 0 && wide > 2 * narrow && fxs_words_line(words) > 10);
     for (int light = 0; light < 2; light++) {
         const fxs_theme *theme = light ? &fxs_light : &fxs_dark;
-        fxs_picture picture = blank(200, 40);
+        fxs_canvas picture = blank(200, 40);
         fxs_draw_rectangle(&picture, 0, 0, 200, 40, theme->panel);
         fxs_draw_words(words, &picture, 10, 5, "Hello", theme->words);
         int first = 200, last = 0;
@@ -278,16 +278,16 @@ static void test_words(void)
     }
     fxs_words_resize(words, 40);
     CHECK(fxs_words_width(words, "WWWW") > 2 * wide);
-    fxs_draw_words(words, &(fxs_picture){dots, 200, 40}, 190, 35, "cut at the edge", 0xffffffff);
-    fxs_draw_words(words, &(fxs_picture){dots, 200, 40}, -20, -20, "cut at the edge", 0xffffffff);
+    fxs_draw_words(words, &(fxs_canvas){dots, 200, 40}, 190, 35, "cut at the edge", 0xffffffff);
+    fxs_draw_words(words, &(fxs_canvas){dots, 200, 40}, -20, -20, "cut at the edge", 0xffffffff);
     fxs_words_close(words);
 }
 
-static int column_of(const fxs_picture *picture, int x, uint32_t colour)
+static int column_of(const fxs_canvas *picture, int x, uint32_t colour)
 {
     int found = 0;
     for (int y = 0; y < picture->height; y++) {
-        const fxs_picture pixel = {picture->rgba + 4 * (y * picture->width + x), 1, 1};
+        const fxs_canvas pixel = {picture->rgba + 4 * (y * picture->width + x), 1, 1};
         found += pixels_of(&pixel, colour);
     }
     return found;
@@ -296,7 +296,7 @@ static int column_of(const fxs_picture *picture, int x, uint32_t colour)
 static void test_graph_shows_the_times(void)
 {
     static fxs_frame_times times;
-    fxs_picture picture = blank(FXS_GRAPH_WIDTH, FXS_GRAPH_HEIGHT);
+    fxs_canvas picture = blank(FXS_GRAPH_WIDTH, FXS_GRAPH_HEIGHT);
     fxs_stats stats = {0};
     stats.nanoseconds[FXS_BLEND] = 8000000;
     stats.nanoseconds[FXS_SORT] = 7000000;
@@ -490,7 +490,7 @@ static void drop(viewer *v, const char *path)
 }
 
 /* True if the picture is the renderer's of that view. */
-static int shows(const viewer *v, fxs_file_view view, int width, int height)
+static int shows(const viewer *v, fxs_view view, int width, int height)
 {
     renderer r;
     picture expected = {.pixels = 0};
@@ -555,7 +555,7 @@ static void test_motion_is_coarse_then_full(void)
     drag(&v, 0, 9, 4);
     rest(&v);
     CHECK(!v.coarse && shows(&v, v.view, 64, 48));
-    fxs_file_view turned = v.view;
+    fxs_view turned = v.view;
     drag(&v, SDL_BUTTON_RMASK, 9, 4);
     CHECK(!memcmp(v.view.rotation, turned.rotation, sizeof turned.rotation));
     CHECK(v.view.position[0] != turned.position[0]);
@@ -884,7 +884,7 @@ static int shows_painted(const viewer *v, int draws)
     int same = !renderer_open(&r, &v->options);
     r.draws = draws;
     same = same && !renderer_render(&r, &v->world, &v->view, &v->options.render, &expected, 0);
-    const fxs_picture out = {expected.pixels, expected.width, expected.height};
+    const fxs_canvas out = {expected.pixels, expected.width, expected.height};
     if (same && draws == DRAW_IDS)
         fxs_paint_ids(&out, expected.ids);
     else if (same)
@@ -1065,7 +1065,7 @@ static void test_focus(void)
     click(&v, 2, x, y);
     CHECK(fabs(see(&v.view, point, pixel) - v.distance) < 1e-6);
     CHECK(fabs(pixel[0] - v.view.cx) < 1e-3 && fabs(pixel[1] - v.view.cy) < 1e-3 && shows(&v, v.view, 64, 48));
-    const fxs_file_view before = v.view;
+    const fxs_view before = v.view;
     click(&v, 2, 0, 0);
     CHECK(strstr(v.note, "nothing there") && !memcmp(&v.view, &before, sizeof before));
     viewer_close(&v);
@@ -1493,7 +1493,7 @@ static void test_tangents(void)
         return;
     CHECK(shows(&v, v.views[0], 64, 48));
     wheel(&v, 2);
-    fxs_file_view coarse = v.view;
+    fxs_view coarse = v.view;
     coarse.width = 32;
     coarse.height = 24;
     CHECK(!fxs_view_set_tangents(&coarse, tangents, &m));

@@ -12,7 +12,7 @@ typedef struct tile_lists {
 } tile_lists;
 
 /* Lists `count` slots, sorted by `depths`. */
-static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
+static tile_lists tile_lists_new(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                                  const fxs_box *boxes, const uint32_t *depths, uint32_t count)
 {
     const uint32_t tiles = (uint32_t)(view->tiles_x * view->tiles_y), across = fxs_macros(view->tiles_x);

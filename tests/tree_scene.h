@@ -39,10 +39,10 @@ static inline int pack_tree(const char *name, enum fxs_profile profile, fxs_pack
 static inline fxs_camera camera_at(double x, double y, double z)
 {
     fxs_message m;
-    fxs_file_view view;
+    fxs_view view;
     fxs_camera camera;
     const double eye[3] = {x, y, z}, target[3] = {0, 0, 0}, up[3] = {0, -1, 0};
-    CHECK(!fxs_view_look_at(&view, eye, target, up, 50, TREE_WIDTH, TREE_HEIGHT, &m) &&
+    CHECK(!fxs_view_look_at(&view, eye, target, up, &(fxs_picture){50, TREE_WIDTH, TREE_HEIGHT}, &m) &&
           !fxs_camera_from_view(&camera, &view, &m));
     return camera;
 }

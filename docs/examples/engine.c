@@ -130,28 +130,22 @@ typedef struct drawer {
 static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
 {
     memset(d, 0, sizeof *d);
-    d->compute = malloc(fxs_compute_bytes());
-    if (d->compute && fxs_compute_init(d->compute, load, NULL, NULL, why)) {
-        free(d->compute);
-        d->compute = NULL;
-    }
+    fxs_compute_create(&d->compute, load, NULL, NULL, why);
     puts(d->compute ? "by compute shaders" : "by fragment shaders");
     strcpy(why->text, "no memory");
     if (d->compute) {
         d->memory = malloc(fxs_compute_memory(request));
         return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
     }
-    fxs_init(&d->context, NULL);                           /* threads are optional: fixsplat/system.h */
+    fxs_context_init(&d->context, NULL);                           /* threads are optional: fixsplat/system.h */
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     d->context.config.kernels = &fastest;
     d->bytes = fxs_frame_bytes(&d->context, request->objects, 1, WIDTH, HEIGHT, NULL);
-    d->gles = malloc(fxs_gles_bytes());
-    return !d->gles || posix_memalign(&d->memory, 64, d->bytes) ||
-           fxs_gles_init(d->gles, load, NULL, NULL, why->text);
+    return posix_memalign(&d->memory, 64, d->bytes) || fxs_gles_create(&d->gles, load, NULL, NULL, why);
 }
 
-static int draw_scene(drawer *d, const fxs_request *request, const fxs_gles_target *target, fxs_message *why)
+static int draw_scene(drawer *d, const fxs_request *request, const fxs_gl_target *target, fxs_message *why)
 {
     const fxs_compute_scene *const scenes[] = {&d->scene};
     if (d->compute)
@@ -164,14 +158,10 @@ static int draw_scene(drawer *d, const fxs_request *request, const fxs_gles_targ
 
 static void close_drawer(drawer *d)
 {
-    if (d->compute) {
+    if (d->compute)
         fxs_compute_drop(d->compute, &d->scene);
-        fxs_compute_free(d->compute);
-    }
-    if (d->gles)
-        fxs_gles_free(d->gles);
-    free(d->compute);
-    free(d->gles);
+    fxs_compute_destroy(d->compute);
+    fxs_gles_destroy(d->gles);
     free(d->memory);
 }
 
@@ -209,7 +199,7 @@ int main(int argc, char **argv)
     drawer d;
     fxs_object object;
     fxs_request request;
-    fxs_gles_target target;
+    fxs_gl_target target;
     if ((argc != 2 && argc != 5) || fxs_open(argv[1], NULL, &opened, &why))
         return fail(why.text);
     if (SDL_Init(SDL_INIT_VIDEO) || SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_ES) ||
@@ -228,7 +218,7 @@ int main(int argc, char **argv)
         return fail(why.text);
     if (open_drawer(&d, &request, &why))
         return fail(why.text);
-    fxs_gles_target_init(&target);
+    fxs_gl_target_init(&target);
     target.framebuffer = framebuffers[SCENE];
     target.depth_buffer = textures[DEPTH];                 /* the mesh hides Gaussians behind it, */
     target.plane_0 = (float)NEAR;

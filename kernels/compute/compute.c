@@ -1,5 +1,7 @@
 /* Compute back end for OpenGL ES 3.1: uploads scenes and renders frames to images in memory, with the buffers and
  * dispatches of plan.c. */
+#include <stdlib.h>
+
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
@@ -49,19 +51,9 @@ static int use(const fxs_compute *c, fxs_message *why)
                ? fxs_plan_say(why, FXS_ERR_DEVICE, "the context cannot be made current", "") : 0;
 }
 
-size_t fxs_compute_bytes(void)
+fxs_gl_info fxs_compute_info(const fxs_compute *c)
 {
-    return sizeof(fxs_compute);
-}
-
-const char *fxs_compute_renderer(const fxs_compute *c)
-{
-    return c->renderer;
-}
-
-uint64_t fxs_compute_nanoseconds(const fxs_compute *c)
-{
-    return c->nanoseconds;
+    return (fxs_gl_info){c->renderer, 0, c->nanoseconds};
 }
 
 uint64_t fxs_compute_taken(const fxs_compute *c)
@@ -151,9 +143,22 @@ static int make_objects(fxs_compute *c, fxs_message *why)
     return error ? error : fxs_compute_check(c, why);
 }
 
-int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, void *argument, fxs_message *why)
+/* Deletes the GL objects of the back end. A lost context has already freed its objects. */
+static void end(fxs_compute *c)
 {
-    memset(c, 0, sizeof *c);
+    fxs_message why;
+    if (use(c, &why))
+        return;
+    fxs_compute_end_drawing(c);
+    fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
+    c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
+    if (c->timer)
+        c->gl.DeleteQueries(1, &c->query);
+    fxs_compute_check(c, &why);
+}
+
+static int begin(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, void *argument, fxs_message *why)
+{
     c->use = use_fn;
     c->use_argument = argument;
     int error = use(c, why);
@@ -168,23 +173,29 @@ int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn
     error = make_objects(c, why);
     if (error) {
         const fxs_message first = *why;
-        fxs_compute_free(c);
+        end(c);
         *why = first;
     }
     return error;
 }
 
-void fxs_compute_free(fxs_compute *c)
+int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, void *argument,
+                       fxs_message *why)
 {
-    fxs_message why;
-    if (use(c, &why))
-        return;                    /* a lost context has already freed its objects */
-    fxs_compute_end_drawing(c);
-    fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
-    c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
-    if (c->timer)
-        c->gl.DeleteQueries(1, &c->query);
-    fxs_compute_check(c, &why);
+    fxs_compute *c = *compute = calloc(1, sizeof *c);
+    const int error = c ? begin(c, load, use_fn, argument, why) : fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
+    if (error) {
+        free(c);
+        *compute = 0;
+    }
+    return error;
+}
+
+void fxs_compute_destroy(fxs_compute *c)
+{
+    if (c)
+        end(c);
+    free(c);
 }
 
 /* Grows a buffer to at least `bytes` bytes, without keeping its contents. */
@@ -341,7 +352,7 @@ static int put_places(const fxs_compute *c, fxs_message *why)
 
 static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, fxs_message *why)
 {
-    const fxs_view *view = &c->plan.view;
+    const fxs_stage_view *view = &c->plan.view;
     const uint64_t row = 4 * (uint64_t)view->width;
     if (!image->pixels)
         return 0;
@@ -420,7 +431,7 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
 }
 
 /* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has one or two words per pixel. */
-static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
+static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
     if (!to->pixels)
@@ -439,7 +450,7 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
 static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
-    const fxs_view *view = &c->plan.view;
+    const fxs_stage_view *view = &c->plan.view;
     const fxs_compute_frame *f = &c->plan.frame;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     const uint32_t *from = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0,
@@ -465,7 +476,7 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     return error ? error : result;
 }
 
-static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
                   fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
@@ -523,7 +534,7 @@ int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_comp
     return 0;
 }
 
-int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
                        fxs_stats *stats, fxs_message *why)
 {
     const int error = render(c, copies, target, why);

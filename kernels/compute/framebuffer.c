@@ -115,7 +115,7 @@ static int begin_drawing(fxs_compute *c, fxs_message *why)
     return error;
 }
 
-int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
+int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
 {
     const fxs_compute_frame *f = &c->plan.frame;
     const GLuint textures[] = {t->occluder, t->depth_buffer, t->backdrop};
@@ -157,7 +157,7 @@ static int put_words(fxs_compute *c, fxs_message *why)
     return fxs_compute_check(c, why);
 }
 
-int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
+int fxs_compute_show(fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
 {
     const fxs_compute_frame *f = &c->plan.frame;
     const fxs_gl *gl = &c->gl;
@@ -182,7 +182,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
 }
 
 /* Requests the planes that the target needs. The images given here are never read. */
-static void ask_planes(fxs_targets *to, const fxs_gles_target *t)
+static void ask_planes(fxs_targets *to, const fxs_gl_target *t)
 {
     const fxs_image wanted = to->colour, none = {0, 0};
     to->median_depth = to->id = t->depths_and_ids ? wanted : none;
@@ -191,7 +191,7 @@ static void ask_planes(fxs_targets *to, const fxs_gles_target *t)
 }
 
 int fxs_compute_draw(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies,
-                     const fxs_gles_target *target, void *memory, fxs_stats *stats, fxs_message *why)
+                     const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why)
 {
     kept k;
     if (!c || !request || !target)

@@ -50,13 +50,16 @@ int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *
    framebuffer if `target` is not null. */
 int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                       void *memory, fxs_message *why);
-int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
                        fxs_stats *stats, fxs_message *why);
 
-int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
+int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gl_target *target, fxs_message *why);
 
-int fxs_compute_show(fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
+int fxs_compute_show(fxs_compute *compute, const fxs_gl_target *target, fxs_message *why);
 
 void fxs_compute_end_drawing(fxs_compute *compute);
+
+/* Bytes of device memory of all frame buffers. */
+uint64_t fxs_compute_taken(const fxs_compute *c);
 
 #endif

@@ -215,7 +215,7 @@ static void split(uint32_t out[2], uint64_t x)
     out[1] = (uint32_t)(x >> 32);
 }
 
-static void fill_view(fxs_compute_object *o, const fxs_view *v)
+static void fill_view(fxs_compute_object *o, const fxs_stage_view *v)
 {
     const uint64_t x = (uint64_t)v->tiles_x * FXS_TILE, y = (uint64_t)v->tiles_y * FXS_TILE;
     split(o->near_q32, (uint64_t)v->near_q32);

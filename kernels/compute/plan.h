@@ -22,7 +22,7 @@ typedef struct fxs_plan_rooms {
 
 typedef struct fxs_plan {
     const fxs_request *request;
-    fxs_view view;
+    fxs_stage_view view;
     fxs_object_view *objects;
     uint32_t *part_chunks;         /* per object: most chunks in one buffer; set by the back end */
     const fxs_drawn *drawn;        /* null: draw every chunk of all objects */

@@ -261,7 +261,7 @@ struct region_blender {
     uint32_t column;
 
     __device__ region_blender(queued_splat *queue, queued_trace *traces, const uint16_t *alpha_q15,
-                              const frame_buffers *f, const fxs_view *view, int depth_bits, int32_t x, int32_t y)
+                              const frame_buffers *f, const fxs_stage_view *view, int depth_bits, int32_t x, int32_t y)
         : queue(kept_shared(queue)), traces(traces), alpha_q15(kept_shared(alpha_q15)), f(f), cut_q11(view->cut_q11),
           depth_bits(depth_bits), x(x), y(y), own_rows(kept_shared(queue->rows + lane_index() / LANES<Each>)),
           column(kept(lane_index() % LANES<Each>))
@@ -493,7 +493,7 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
 
 template <class Pixel>
 __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
-                           const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
+                           const fxs_stage_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
                            int32_t y)
 {
     const tile_entries list = entries_of(f, tile);
@@ -522,7 +522,7 @@ template <int Each>
 struct region {
     int32_t x, y;
 
-    __device__ region(const fxs_view *view, uint32_t tile, uint32_t part)
+    __device__ region(const fxs_stage_view *view, uint32_t tile, uint32_t part)
         : x((int32_t)(tile % (uint32_t)view->tiles_x * FXS_TILE + part % 2 * REGION)),
           y((int32_t)(tile / (uint32_t)view->tiles_x * FXS_TILE + part / 2 * ROWS<Each>))
     {
@@ -538,20 +538,20 @@ struct region {
         return x + (int32_t)(lane_index() % LANES<Each>) + i * (int32_t)LANES<Each>;
     }
 
-    __device__ bool inside(const fxs_view *view, int i) const
+    __device__ bool inside(const fxs_stage_view *view, int i) const
     {
         return column(i) < view->width && row() < view->height;
     }
 
     template <class Pixel>
-    __device__ void clear(Pixel (&p)[Each], const fxs_view *view, const target *t) const
+    __device__ void clear(Pixel (&p)[Each], const fxs_stage_view *view, const target *t) const
     {
         for (int i = 0; i < Each; i++)
             clear_pixel(&p[i], t, column(i), row(), inside(view, i));
     }
 
     template <class Pixel>
-    __device__ void store(const Pixel (&p)[Each], const fxs_view *view, const frame_buffers *f, const target *t) const
+    __device__ void store(const Pixel (&p)[Each], const fxs_stage_view *view, const frame_buffers *f, const target *t) const
     {
         for (int i = 0; i < Each; i++)
             if (inside(view, i))
@@ -641,7 +641,7 @@ __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 }
 
 template <int Each, class Pixel>
-__device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view *view, const frame_buffers *f,
+__device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_stage_view *view, const frame_buffers *f,
                                     const target *t, const turn_of_tile &turn)
 {
     warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
@@ -658,7 +658,7 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view
 /* Blends tiles with sorted lists of splats. alone: no other frame is in flight. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
-blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
+blend_sorted(const __grid_constant__ fxs_stage_view view, const __grid_constant__ frame_buffers f,
              const __grid_constant__ target t, bool alone)
 {
     sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)shared_memory();
@@ -687,7 +687,7 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
 
 template <class Pixel>
 __global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
-blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
+blend_tiles(const __grid_constant__ fxs_stage_view view, const __grid_constant__ frame_buffers f,
             const __grid_constant__ target t)
 {
     blend_shared<Pixel> *shared = (blend_shared<Pixel> *)shared_memory();

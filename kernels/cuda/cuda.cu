@@ -35,7 +35,7 @@ struct slot_sizes {
 enum { PLANES = 7 };
 
 struct frame {
-    fxs_view view;                 /* view of the world; in a frame with one plain object, view of the object */
+    fxs_stage_view view;                 /* view of the world; in a frame with one plain object, view of the object */
     fxs_scene scene;               /* the scene of a frame with one plain object, with device pointers */
     fxs_targets targets;
     bool hosted[PLANES];           /* true: an image rendered on the device, then copied to pinned host memory */
@@ -128,7 +128,7 @@ uint64_t cut_views_at(const frame *of)
 
 uint64_t drawn_at(const frame *of)
 {
-    return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
+    return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_stage_view) : 0);
 }
 
 /* With null blocks, only *sizes is valid. */
@@ -178,7 +178,7 @@ cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options,
     c.candidates = cut<uint64_t>(&at, of->cut_chunks);
     *bytes = (uint64_t)(at - start);
     c.drawn = (fxs_drawn *)(objects + drawn_at(of));
-    c.views = (const fxs_view *)(objects + cut_views_at(of));
+    c.views = (const fxs_stage_view *)(objects + cut_views_at(of));
     c.chunks = of->cut_chunks;
     c.whole_chunks = of->whole_chunks;
     c.room = of->cut_room;
@@ -475,7 +475,7 @@ int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *
 
 void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
 {
-    fxs_view *views = (fxs_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
+    fxs_stage_view *views = (fxs_stage_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
     for (uint32_t k = 0; k < f->object_count; k++) {
         views[k] = staged_objects(cuda, f)[k].view;
         fxs_view_of_whole(&views[k], &from->camera);
@@ -566,7 +566,7 @@ void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cuda
 }
 
 template <class Pixel>
-void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
+void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_stage_view &view,
                  const frame_buffers &f, const target &t)
 {
     launch(cuda, blend_sorted<Pixel>, cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream, view, f, t,
@@ -576,7 +576,7 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
               t);
 }
 
-void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
+void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view, const frame_buffers &f, const target &t)
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
     cudaStreamWaitEvent(s->side, s->listed, 0);
@@ -585,7 +585,7 @@ void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const
     cudaEventRecord(s->dense_done, s->side);
 }
 
-void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
+void blend(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view, const frame_buffers &f, const target &t)
 {
     const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
     if (dense)
@@ -669,7 +669,7 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *
 {
     const slot *s = slot_of_frame(cuda, i);
     const frame *of = &cuda->frames[i];
-    const fxs_view &view = of->view;
+    const fxs_stage_view &view = of->view;
     fxs_targets targets = of->targets;
     place_hosted(&targets, of, s->pixels.data);
     mark(cuda, s, 1);
@@ -932,12 +932,6 @@ int check_arguments(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t
 
 }
 
-int fxs_cuda_devices(void)
-{
-    int count = 0;
-    return check(nullptr, cudaGetDeviceCount(&count)) ? 0 : count;
-}
-
 int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why)
 {
     cudaDeviceProp properties;
@@ -1020,11 +1014,6 @@ void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene)
 void fxs_cuda_time(fxs_cuda *cuda, int on)
 {
     cuda->timed = on;
-}
-
-float fxs_cuda_milliseconds(const fxs_cuda *cuda)
-{
-    return cuda->milliseconds;
 }
 
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,

@@ -60,7 +60,7 @@ struct cut_buffers {
     node_sight *sights;
     uint64_t *candidates;
     fxs_drawn *drawn;
-    const fxs_view *views;
+    const fxs_stage_view *views;
     uint32_t chunks;
     uint32_t whole_chunks;
     uint32_t room, detail_q8;

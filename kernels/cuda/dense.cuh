@@ -622,7 +622,7 @@ __device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, c
         blend_rounds(shared, t, all, g);
 }
 
-__global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const __grid_constant__ fxs_view view,
+__global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const __grid_constant__ fxs_stage_view view,
                                                                            const __grid_constant__ frame_buffers f,
                                                                            const __grid_constant__ target t)
 {

@@ -20,7 +20,7 @@ const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
 __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
                                       uint32_t grow_q8)
 {
-    fxs_view view = object->view;
+    fxs_stage_view view = object->view;
     fxs_chunk header;
     if (!object->visible)
         return 0;
@@ -34,7 +34,7 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
 
 /* Writes the views of chunks of Gaussians that the camera sees. Sets status->damaged for an invalid chunk header. */
 template <bool Many>
-__global__ void locate_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
+__global__ void locate_chunks(const __grid_constant__ fxs_stage_view view, const __grid_constant__ fxs_scene scene,
                               const __grid_constant__ frame_buffers f, uint32_t chunks)
 {
     const uint32_t at = blockIdx.x * blockDim.x + threadIdx.x;
@@ -167,14 +167,14 @@ __device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
     return splat;
 }
 
-__device__ bool is_large(const ellipse *e, const fxs_view *view)
+__device__ bool is_large(const ellipse *e, const fxs_stage_view *view)
 {
     return view->cutoff == FXS_CUTOFF_SQUARE || e->columns.last - e->columns.first >= BOX_COLUMNS ||
            e->rows.last - e->rows.first >= BOX_ROWS;
 }
 
 /* True for a narrow splat on a single tile row that the picture's edge does not cut. */
-__device__ bool is_whole(const ellipse *e, const fxs_view *view)
+__device__ bool is_whole(const ellipse *e, const fxs_stage_view *view)
 {
     return view->cutoff != FXS_CUTOFF_SQUARE && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
@@ -182,7 +182,7 @@ __device__ bool is_whole(const ellipse *e, const fxs_view *view)
 
 /* Counts a splat in a span of tiles: adds 1 at the first tile and -1 after the last. start_lists sums these
    differences along each row. */
-__device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
+__device__ void count_tiles(const frame_buffers *f, const fxs_stage_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
     const uint32_t first = (uint32_t)(row * view->tiles_x + s.first), end = first + (uint32_t)(s.last + 1 - s.first);
@@ -195,7 +195,7 @@ __device__ uint32_t mask_of_span(span s, int32_t first_column)
     return s.first <= s.last ? (2u << (s.last - first_column)) - (1u << (s.first - first_column)) : 0;
 }
 
-__device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t items)
+__device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_stage_view *view, uint32_t items)
 {
     for (uint32_t first = 0; first < items; first += FXS_CHUNK) {
         const uint32_t item = first + threadIdx.x;
@@ -230,7 +230,7 @@ __device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, ui
             f->larges[place] = {*bounds, index, first};
 }
 
-__device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
+__device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_stage_view *view, uint32_t index,
                             const ellipse *e, bool visible)
 {
     const span none = {0, -1};
@@ -252,7 +252,7 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
 }
 
 template <bool Many>
-__global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
+__global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_stage_view view,
                                                               const __grid_constant__ fxs_scene only_scene,
                                                               const __grid_constant__ frame_buffers f)
 {
@@ -264,7 +264,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
         return;
     const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
     const fxs_scene *scene = Many ? &object->scene : &only_scene;
-    const fxs_view *camera = Many ? &object->view : &view;
+    const fxs_stage_view *camera = Many ? &object->view : &view;
     const uint32_t chunk = Many ? chunk_at(&f, place) - object->first_chunk : place, g = threadIdx.x;
     const uint32_t index = place * FXS_CHUNK + g;
     const uint32_t share_q8 = Many && f.drawn ? f.drawn[place].share_q8 : 256;
@@ -370,7 +370,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
 }
 
 /* Enters one large splat into the lists of its tiles, by one warp. */
-__device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
+__device__ void fill_large(const fxs_stage_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
     add_radius(&e, view);
@@ -393,7 +393,7 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
 }
 
 /* Enters all splats into the lists of their tiles. The first LARGE_BLOCKS thread blocks take the large splats. */
-__global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_view view,
+__global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_stage_view view,
                                                         const __grid_constant__ frame_buffers f)
 {
     const uint32_t warps = LARGE_BLOCKS * FXS_CHUNK / WARP;

@@ -206,7 +206,7 @@ __device__ void share_segment(list_segment *out, shared_range *range, share_shar
 }
 
 __global__ void __launch_bounds__(SHARE_THREADS, SHARE_BLOCKS)
-share_lists(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f, uint32_t dense_blocks)
+share_lists(const __grid_constant__ fxs_stage_view view, const __grid_constant__ frame_buffers f, uint32_t dense_blocks)
 {
     __shared__ share_shared shared;
     const share_group g = {0, threadIdx.x};

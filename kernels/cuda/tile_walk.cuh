@@ -12,7 +12,7 @@ struct tile_splats {
     int cut_q11;
     int32_t x, y;
 
-    __device__ tile_splats(const fxs_view *view, const frame_buffers *f, uint32_t tile)
+    __device__ tile_splats(const fxs_stage_view *view, const frame_buffers *f, uint32_t tile)
         : splats(f->splats), cut_q11(view->cut_q11), x((int32_t)(tile % (uint32_t)view->tiles_x) * FXS_TILE),
           y((int32_t)(tile / (uint32_t)view->tiles_x) * FXS_TILE)
     {

@@ -74,12 +74,12 @@ void fxs_gl_delete_programs(const fxs_gl *gl, int count, const GLuint *programs)
 
 /* ---- The caller's target ----------------------------------------------------------------------------------------- */
 
-void fxs_gles_target_init(fxs_gles_target *target)
+void fxs_gl_target_init(fxs_gl_target *target)
 {
     memset(target, 0, sizeof *target);
 }
 
-int fxs_gl_check_target(const fxs_gles_target *t)
+int fxs_gl_check_target(const fxs_gl_target *t)
 {
     if (t->depth_bits < 0 || t->depth_bits > 28 || (t->occluder && t->depth_buffer) ||
         (t->backdrop && t->format != FXS_FORMAT_RGBA8) || (t->over && t->format != FXS_FORMAT_RGBA8_COVERAGE) ||

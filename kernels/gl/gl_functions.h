@@ -63,7 +63,7 @@ int fxs_gl_link(const fxs_gl *gl, GLuint program, char *log, GLsizei size);
 /* Unbinds the current program before deletion, because GL keeps a program in use alive. */
 void fxs_gl_delete_programs(const fxs_gl *gl, int count, const GLuint *programs);
 
-int fxs_gl_check_target(const fxs_gles_target *target);
+int fxs_gl_check_target(const fxs_gl_target *target);
 
 enum { FXS_GL_UNITS = 10 };
 

@@ -48,6 +48,8 @@ enum {
     FXS_GLES_FRAMEBUFFERS
 };
 
+#define FXS_GLES_MESSAGE 512       /* bytes of fxs_message.text */
+
 typedef struct fxs_gles_program {
     GLuint name;
     GLint place, source, background, mesh, planes, size;
@@ -76,7 +78,7 @@ struct fxs_gles {
     int32_t record_rows, mask_rows, id_rows;
     int32_t occluder[2], backdrop[2], whole[2];
     int32_t width, height;
-    const fxs_gles_target *target;
+    const fxs_gl_target *target;
     uint64_t nanoseconds;
 };
 

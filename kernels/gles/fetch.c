@@ -45,9 +45,9 @@ static int is_veil(const fxs_bounds *b)
 }
 
 /* Returns the tile columns of a splat: the rows of the transposed picture. */
-static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
+static fxs_span columns_of(const fxs_stage_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
-    fxs_view turned = *view;
+    fxs_stage_view turned = *view;
     fxs_bounds bounds = *b;
     turned.tiles_y = view->tiles_x;
     bounds.cy_q14 = b->cx_q14;
@@ -56,7 +56,7 @@ static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_b
 
 static drawn drawn_of(const batch *b, uint32_t slot)
 {
-    const fxs_view *view = b->run->view;
+    const fxs_stage_view *view = b->run->view;
     const fxs_gles_window *w = b->window;
     const fxs_splat *s = &b->run->splats[slot];
     const fxs_bounds *bounds = &b->run->bounds[slot];
@@ -187,7 +187,7 @@ static int32_t guard_of(const fxs_gles *g, const fxs_gles_window *w)
 static void draw(const fxs_gles *g, const batch *b, uint32_t count)
 {
     const fxs_gles_window *w = b->window;
-    const fxs_view *view = b->run->view;
+    const fxs_stage_view *view = b->run->view;
     const int limited = view->cutoff == FXS_CUTOFF_SQUARE || fxs_gles_has_occluder(g, b->run);
     const fxs_gles_program *p = &g->programs[limited ? FXS_GLES_LIMITED : FXS_GLES_BLEND];
     const int32_t guard = guard_of(g, w), beside = guard / 2;
@@ -230,7 +230,3 @@ int fxs_gles_draw_fetch(void *argument, const fxs_tile_run *run)
     return g->no_fetch[0] ? FXS_ERR_UNSUPPORTED : fxs_gles_draw_windows(g, run, g->most, draw_window);
 }
 
-const char *fxs_gles_no_fetch(const fxs_gles *g)
-{
-    return g->no_fetch[0] ? g->no_fetch : 0;
-}

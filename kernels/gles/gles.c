@@ -1,5 +1,7 @@
 /* Objects of the back end: functions, programs, textures and buffers; reading back; rendering to the caller's
  * target. */
+#include <stdlib.h>
+
 #include <fixsplat/gl.h>
 
 #include "src/core/memory.h"
@@ -26,19 +28,9 @@ static int say(char *message, const char *text, const char *what)
     return FXS_ERR_UNSUPPORTED;
 }
 
-size_t fxs_gles_bytes(void)
+fxs_gl_info fxs_gles_info(const fxs_gles *g)
 {
-    return sizeof(fxs_gles);
-}
-
-const char *fxs_gles_renderer(const fxs_gles *g)
-{
-    return g->renderer;
-}
-
-uint64_t fxs_gles_nanoseconds(const fxs_gles *g)
-{
-    return g->nanoseconds;
+    return (fxs_gl_info){g->renderer, g->no_fetch[0] ? g->no_fetch : 0, g->nanoseconds};
 }
 
 /* Accepts OpenGL ES 3.0 and later, and desktop OpenGL with GL_ARB_ES3_compatibility. */
@@ -232,11 +224,12 @@ int fxs_gles_use(const fxs_gles *g)
     return g->use && g->use(g->use_argument) ? FXS_ERR_DEVICE : 0;
 }
 
-int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
-                  char message[FXS_GLES_MESSAGE])
+/* Deletes the GL objects of the back end. A lost context has already freed its objects. */
+static void end(const fxs_gles *g);
+
+static int begin(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument, char *message)
 {
     fxs_gl_state state;
-    memset(g, 0, sizeof *g);
     g->use = use;
     g->use_argument = argument;
     if (fxs_gles_use(g)) {
@@ -258,16 +251,39 @@ int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *a
     if (!error && (error = fxs_gl_check(&g->gl)) != 0)
         say(message, "the device failed to make textures and buffers", "");
     if (error)
-        fxs_gles_free(g);
+        end(g);
     fxs_gl_restore(&g->gl, &state);
     return error;
 }
 
-void fxs_gles_free(fxs_gles *g)
+int fxs_gles_create(fxs_gles **gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument, fxs_message *message)
+{
+    fxs_gles *g = *gles = calloc(1, sizeof *g);
+    message->bytes_needed = 0;
+    if (!g) {
+        say(message->text, "out of memory", "");
+        return FXS_ERR_MEMORY;
+    }
+    const int error = begin(g, load, use, argument, message->text);
+    if (error) {
+        free(g);
+        *gles = 0;
+    }
+    return error;
+}
+
+void fxs_gles_destroy(fxs_gles *g)
+{
+    if (g)
+        end(g);
+    free(g);
+}
+
+static void end(const fxs_gles *g)
 {
     const fxs_gl *gl = &g->gl;
     if (fxs_gles_use(g))
-        return;                    /* a lost context has already freed its objects */
+        return;
     for (int i = 0; i < FXS_GLES_PROGRAMS; i++)
         fxs_gl_delete_programs(gl, 1, &g->programs[i].name);
     gl->DeleteTextures(FXS_GLES_TEXTURES, g->textures);
@@ -407,7 +423,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int32_t x, int32_t y, in
 
 /* ---- Into the caller's target ------------------------------------------------------------------------------------ */
 
-int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *request, const fxs_gles_target *target,
+int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *request, const fxs_gl_target *target,
                     void *memory, size_t memory_bytes, fxs_stats *stats)
 {
     fxs_gl_state state;

@@ -17,7 +17,7 @@ int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)
 void fxs_gles_set_mesh(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w, const fxs_gles_program *p)
 {
     enum { OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024 };
-    const fxs_gles_target *t = g->target;
+    const fxs_gl_target *t = g->target;
     const fxs_targets *targets = run->targets;
     const fxs_gl *gl = &g->gl;
     if (!t) {
@@ -54,7 +54,7 @@ void fxs_gles_aim(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_win
 fxs_gles_surface fxs_gles_surface_of(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w,
                                      int32_t first_line, int32_t lines, int integer, int normalised)
 {
-    const fxs_gles_target *t = g->target;
+    const fxs_gl_target *t = g->target;
     if (!t)
         return (fxs_gles_surface){g->framebuffers[FXS_GLES_TARGET], integer, 0, 0, w->width, w->height, w->x, w->y, 1,
                                   first_line, lines};
@@ -138,7 +138,7 @@ static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_wind
 
 int fxs_gles_draw_windows(fxs_gles *g, const fxs_tile_run *run, int32_t most, fxs_gles_draw_window_fn *draw)
 {
-    const fxs_view *v = run->view;
+    const fxs_stage_view *v = run->view;
     const int32_t top = (int32_t)run->first_tile / v->tiles_x * FXS_TILE;
     const int32_t bottom = fxs_min(((int32_t)run->last_tile / v->tiles_x + 1) * FXS_TILE, v->height);
     int error = fxs_gles_has(g, run);

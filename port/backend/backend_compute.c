@@ -10,6 +10,7 @@
 #if defined(FXS_WITH_GLES) && defined(FXS_WITH_EGL)
 #define HERE 1
 #include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #endif
 
 #ifdef HERE
@@ -33,8 +34,7 @@ static void close_device(void *self)
     for (uint32_t i = 0; i < b->scene_count; i++)
         fxs_compute_drop(b->compute, &b->scenes[i]);
     if (b->compute)
-        fxs_compute_free(b->compute);
-    free(b->compute);
+        fxs_compute_destroy(b->compute);
     fxs_egl_close(b->port);
     free(b->scenes);
     free(b->copies);
@@ -44,15 +44,7 @@ static void close_device(void *self)
 
 static int make_compute(compute_backend *b, fxs_message *why)
 {
-    fxs_compute *compute = malloc(fxs_compute_bytes());
-    if (!compute)
-        return fxs_fail_memory(why, 0, fxs_compute_bytes());
-    const int error = fxs_compute_init(compute, fxs_egl_load, fxs_egl_use, b->port, why);
-    if (error)
-        free(compute);
-    else
-        b->compute = compute;
-    return error;
+    return fxs_compute_create(&b->compute, fxs_egl_load, fxs_egl_use, b->port, why);
 }
 
 static int open_device(void **self, const fxs_backend_options *options, fxs_message *why)
@@ -81,7 +73,7 @@ static int device_name(int device, char *name, size_t size, fxs_message *why)
     const int error = open_device(&self, &options, why);
     if (error)
         return error;
-    const char *renderer = fxs_compute_renderer(((compute_backend *)self)->compute);
+    const char *renderer = fxs_compute_info(((compute_backend *)self)->compute).renderer;
     const size_t length = strlen(renderer) < size ? strlen(renderer) : size - 1;
     memcpy(name, renderer, length);
     name[length] = 0;
@@ -220,7 +212,7 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
 
 static uint64_t nanoseconds(const void *self)
 {
-    return fxs_compute_nanoseconds(((const compute_backend *)self)->compute);
+    return fxs_compute_info(((const compute_backend *)self)->compute).nanoseconds;
 }
 
 #else

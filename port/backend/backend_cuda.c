@@ -91,7 +91,7 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     error = error ? error : fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;
-    b->nanoseconds = (uint64_t)(fxs_cuda_milliseconds(b->cuda) * 1e6f);
+    b->nanoseconds = (uint64_t)(cuda_stats.device_milliseconds * 1e6f);
     if (stats)
         fill_stats(stats, &cuda_stats, request, b->nanoseconds, fxs_clock(0) - start);
     return 0;

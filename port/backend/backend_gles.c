@@ -13,6 +13,7 @@
 
 #ifdef FXS_WITH_GLES
 #include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #else
 typedef int fxs_gl_load_fn;
 #endif
@@ -59,17 +60,10 @@ typedef struct gl_backend {
 #ifdef FXS_WITH_GLES
 static int open_gles(gl_backend *b, fxs_message *why)
 {
-    char text[FXS_GLES_MESSAGE];
-    fxs_gles *gles = malloc(fxs_gles_bytes());
-    if (!gles)
-        return fxs_fail_memory(why, 0, fxs_gles_bytes());
-    const int error = fxs_gles_init(gles, b->kind->load, b->kind->use, b->port, text);
-    if (error) {
-        free(gles);
-        return fxs_fail_as(error, why, "%s", text);
-    }
-    b->gles = gles;
-    const char *no_fetch = fxs_gles_no_fetch(gles);
+    const int error = fxs_gles_create(&b->gles, b->kind->load, b->kind->use, b->port, why);
+    if (error)
+        return error;
+    const char *no_fetch = fxs_gles_info(b->gles).no_fetch;
     if (no_fetch && b->kind->way == FETCH)
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s", no_fetch);
     snprintf(b->lost, sizeof b->lost, "%s", no_fetch ? no_fetch : "");
@@ -78,9 +72,7 @@ static int open_gles(gl_backend *b, fxs_message *why)
 
 static void close_gles(gl_backend *b)
 {
-    if (b->gles)
-        fxs_gles_free(b->gles);
-    free(b->gles);
+    fxs_gles_destroy(b->gles);
 }
 
 static fxs_config drawing(const gl_backend *b, enum way way)
@@ -91,12 +83,12 @@ static fxs_config drawing(const gl_backend *b, enum way way)
 
 static uint64_t nanoseconds(const void *self)
 {
-    return fxs_gles_nanoseconds(((const gl_backend *)self)->gles);
+    return fxs_gles_info(((const gl_backend *)self)->gles).nanoseconds;
 }
 
 static const char *renderer(const gl_backend *b)
 {
-    return fxs_gles_renderer(b->gles);
+    return fxs_gles_info(b->gles).renderer;
 }
 #else
 static int open_gles(gl_backend *b, fxs_message *why)
@@ -257,14 +249,14 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
 {
     static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
     unsigned char *pixels = malloc(TRIAL_WIDTH * TRIAL_HEIGHT * 4);
-    fxs_file_view view;
+    fxs_view view;
     fxs_scene scene;
     fxs_object object;
     fxs_request request;
     fxs_request_init(&request, &object, 1);
     request.targets->colour = (fxs_image){pixels, TRIAL_WIDTH * 4};
     int error = pixels ? fxs_scene_open(&scene, packed->data, packed->bytes) : FXS_ERR_MEMORY;
-    error = error ? error : fxs_view_look_at(&view, eye, look, up, 50, TRIAL_WIDTH, TRIAL_HEIGHT, why);
+    error = error ? error : fxs_view_look_at(&view, eye, look, up, &(fxs_picture){50, TRIAL_WIDTH, TRIAL_HEIGHT}, why);
     error = error ? error : fxs_camera_from_view(request.cameras, &view, why);
     if (!error)
         fxs_object_init(&object, &scene);

@@ -1,4 +1,5 @@
 #include <fixsplat/backend.h>
+#include <fixsplat/internal/backends.h>
 
 #include <string.h>
 

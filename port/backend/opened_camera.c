@@ -2,59 +2,47 @@
 #include <string.h>
 
 #include <fixsplat/renderer.h>
+#include <fixsplat/internal/views.h>
 #include "processor_internal.h"
 #include "src/base/try_internal.h"
 #include "src/camera/first_view.h"
 
-static int choose(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
-                  const double up[3], fxs_first_choice *first, fxs_message *message)
+/* Chooses with threads on all processors. */
+static int choose(const fxs_object *objects, uint32_t count, double box[2][3], const double up[3],
+                  fxs_first_choice *first, fxs_message *message)
 {
-    static const fxs_backend_options usual = {.size = sizeof(fxs_backend_options)};
-    static const fxs_config plain = {.size = sizeof(fxs_config)};
+    static const fxs_backend_options usual = {.size = sizeof usual};
+    static const fxs_config plain = {.size = sizeof plain};
     fxs_processor processor;
     int error = fxs_processor_open(&processor, &usual, &plain, message);
     if (error)
         return error;
-    error = fxs_first_view_choose(first, &processor.context, objects, count, low, high, up, message);
+    error = fxs_first_view_choose(first, &processor.context, objects, count, box[0], box[1], up, message);
     fxs_processor_close(&processor);
     return error;
 }
 
-static int first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
-                      const double known[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
-                      double up[3], fxs_message *message)
+int fxs_first_view(const fxs_object *objects, uint32_t count, double box[2][3], double up[3],
+                   const fxs_picture *picture, fxs_view *view, fxs_message *message)
 {
     fxs_first_choice chosen;
-    if ((count && !objects) || !low || !high || !view || !up)
+    if ((count && !objects) || !box || !picture || !view || !up)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to choose a view of", objects ? "box or view" : "objects");
+    const int width = picture->width, height = picture->height;
     if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
-        return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %ldx%ld: each side has 1 to %d pixels", (long)width,
-                           (long)height, FXS_MAX_SIZE);
-    const int error = choose(objects, count, low, high, known, &chosen, message);
+        return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %dx%d: each side has 1 to %d pixels", width, height,
+                           FXS_MAX_SIZE);
+    const int error = choose(objects, count, box, up, &chosen, message);
     if (error)
         return error;
     memcpy(up, chosen.up, sizeof chosen.up);
-    return fxs_first_view_make(&chosen, fov, width, height, view, message);
-}
-
-int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3], double fov,
-                   int32_t width, int32_t height, fxs_file_view *view, double up[3], fxs_message *message)
-{
-    return first_view(objects, count, low, high, NULL, fov, width, height, view, up, message);
-}
-
-int fxs_first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
-                           const double up[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
-                           fxs_message *message)
-{
-    double unit[3];
-    return first_view(objects, count, low, high, up, fov, width, height, view, unit, message);
+    return fxs_first_view_make(&chosen, picture->fov, width, height, view, message);
 }
 
 int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                       fxs_message *message)
 {
-    fxs_file_view view;
+    fxs_view view;
     fxs_object object;
     if (!opened || !camera)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
@@ -66,12 +54,15 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
         const double usual[3] = {0, -1, 0}, *up = opened->info->start.up;
         const int is_known = up[0] != 0 || up[1] != 0 || up[2] != 0;
         FXS_TRY(fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, is_known ? up : usual,
-                                   50, width, height, message));
+                                   &(fxs_picture){50, width, height}, message));
         view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
         return fxs_camera_from_view(camera, &view, message);
     }
+    double box[2][3], up[3];
+    memcpy(box[0], opened->report->inner_low, sizeof box[0]);
+    memcpy(box[1], opened->report->inner_high, sizeof box[1]);
+    memcpy(up, opened->info->start.up, sizeof up);
     fxs_object_init(&object, opened->scene);
-    const int error = fxs_first_view_upright(&object, 1, opened->report->inner_low, opened->report->inner_high,
-                                             opened->info->start.up, 50, width, height, &view, message);
+    const int error = fxs_first_view(&object, 1, box, up, &(fxs_picture){50, width, height}, &view, message);
     return error ? error : fxs_camera_from_view(camera, &view, message);
 }

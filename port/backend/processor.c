@@ -34,7 +34,7 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
     fxs_kernels_choose(&p->kernels, fxs_cpu_detect() & ~options->without_cpu);
     config.kernels = &p->kernels;
 #endif
-    const int error = fxs_init(&p->context, &config);
+    const int error = fxs_context_init(&p->context, &config);
     if (error) {
         fxs_processor_close(p);
         return fxs_fail_as(error, why, "%s", fxs_strerror(error));

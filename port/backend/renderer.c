@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/internal/backends.h>
 #include <fixsplat/internal/message.h>
 #include "src/core/sized.h"
 

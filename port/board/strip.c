@@ -3,7 +3,7 @@
 
 #include <fixsplat/internal/stage.h>
 
-static int is_valid(const fxs_strip *s, const fxs_view *view)
+static int is_valid(const fxs_strip *s, const fxs_stage_view *view)
 {
     const ptrdiff_t row = (ptrdiff_t)view->width * fxs_pixel_bytes(s->format);
     return s->pixels && s->rows >= FXS_TILE && s->rows % FXS_TILE == 0 && s->rows_done &&

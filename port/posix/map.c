@@ -117,7 +117,7 @@ static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message
     return 0;
 }
 
-int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message)
+int fxs_map_open(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     memset(mapping, 0, sizeof *mapping);
     mapping->slot = take_range();
@@ -146,7 +146,7 @@ int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *mes
     return 0;
 }
 
-void fxs_unmap(fxs_mapping *mapping)
+void fxs_map_close(fxs_mapping *mapping)
 {
     if (!mapping->data)
         return;

@@ -11,6 +11,8 @@
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/start.h>
 
 #include "src/base/files_internal.h"
 #include "src/base/options.h"
@@ -110,7 +112,7 @@ static int take_packed(open_scene *s, const void *data, size_t bytes, const fxs_
 
 static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opened, fxs_message *message)
 {
-    const int error = fxs_map(&s->mapping, s->name, message);
+    const int error = fxs_map_open(&s->mapping, s->name, message);
     return error ? finish(s, error, NULL, 0, opened, message)
                  : take_packed(s, s->mapping.data, s->mapping.bytes, o, opened, message);
 }
@@ -265,7 +267,7 @@ void fxs_close(fxs_opened *opened)
         return;
     fxs_pager_close(s->shown.pager);
     if (s->mapping.data)
-        fxs_unmap(&s->mapping);
+        fxs_map_close(&s->mapping);
     fxs_packed_scene_free(&s->packed);
     free(s);
 }

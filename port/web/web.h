@@ -64,6 +64,5 @@ int fxs_web_frame_end(const fxs_web_frame *frame, int error);
 /* Allocates memory aligned to 64 bytes. Returns null with a message if memory ran out. */
 void *fxs_web_allocate(size_t bytes);
 
-char *fxs_web_text(void);
 
 #endif

@@ -36,18 +36,14 @@ static fxs_gl_function load(void *argument, const char *name)
 
 EXPORT(gl_open) fxs_gles *fxs_web_gl_open(void)
 {
-    fxs_gles *gles = fxs_web_allocate(fxs_gles_bytes());
-    if (gles && fxs_gles_init(gles, load, NULL, NULL, fxs_web_text())) {
-        free(gles);
-        gles = NULL;
-    }
+    fxs_gles *gles;
+    fxs_gles_create(&gles, load, NULL, NULL, fxs_web_message());
     return gles;
 }
 
 EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
 {
-    fxs_gles_free(gles);
-    free(gles);
+    fxs_gles_destroy(gles);
 }
 
 /* Draws into a framebuffer at (x, y). `depth`: texture of a depth buffer, or 0. plane_0 and plane_1: distances of
@@ -57,10 +53,10 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, uint32_t framebuffer, ui
                                         int sh_degree, int square, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
-    fxs_gles_target target;
+    fxs_gl_target target;
     if (fxs_web_frame_begin(&f, background, sh_degree, square, budget, detail_q8, limit))
         return FXS_ERR_MEMORY;
-    fxs_gles_target_init(&target);
+    fxs_gl_target_init(&target);
     target.framebuffer = framebuffer;
     target.backdrop = backdrop;
     target.x = x;

@@ -47,7 +47,7 @@ static int map_opened(fxs_mapping *mapping, HANDLE handle, const char *path, fxs
     return 0;
 }
 
-int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message)
+int fxs_map_open(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     const char *fault = fxs_path_fault(path);
     memset(mapping, 0, sizeof *mapping);
@@ -72,7 +72,7 @@ int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *mes
     return 0;
 }
 
-void fxs_unmap(fxs_mapping *mapping)
+void fxs_map_close(fxs_mapping *mapping)
 {
     if (!mapping->data)
         return;

@@ -7,21 +7,21 @@
 
 /* Turns the camera about the pivot, as if a drag turned the scene right and down. Stops before the view is parallel
    to `up`. */
-void fxs_motion_orbit(fxs_file_view *view, double distance, const double up[3], double right, double down);
+void fxs_motion_orbit(fxs_view *view, double distance, const double up[3], double right, double down);
 
 /* Turns the camera about its own centre, to the right and down. Stops before the view is parallel to `up`. */
-void fxs_motion_look(fxs_file_view *view, const double up[3], double right, double down);
+void fxs_motion_look(fxs_view *view, const double up[3], double right, double down);
 
 /* Moves the camera along its own axes, in scene units. */
-void fxs_motion_fly(fxs_file_view *view, double right, double down, double forward);
+void fxs_motion_fly(fxs_view *view, double right, double down, double forward);
 
 /* Moves the camera so that the pivot shifts by right and down pixels in the view. */
-void fxs_motion_pan(fxs_file_view *view, double distance, double right, double down);
+void fxs_motion_pan(fxs_view *view, double distance, double right, double down);
 
 /* Multiplies the distance to the pivot by `factor`. In an orthographic view, multiplies the size of a pixel. */
-void fxs_motion_zoom(fxs_file_view *view, double *distance, double factor);
+void fxs_motion_zoom(fxs_view *view, double *distance, double factor);
 
 /* Changes the size of the view. Keeps the vertical field of view and the centre. */
-void fxs_motion_fit(fxs_file_view *view, int width, int height);
+void fxs_motion_fit(fxs_view *view, int width, int height);
 
 #endif

@@ -16,7 +16,7 @@ static const uint32_t stage_colours[FXS_STAGES] = {
     [FXS_BIN] = 0x4fc3a1ff, [FXS_BLEND] = 0xf0705aff, [FXS_RESOLVE] = 0xb8c0ccff
 };
 
-void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int height, uint32_t colour)
+void fxs_draw_rectangle(const fxs_canvas *picture, int x, int y, int width, int height, uint32_t colour)
 {
     const uint8_t rgba[4] = {(uint8_t)(colour >> 24), (uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour};
     for (int row = y < 0 ? 0 : y; row < y + height && row < picture->height; row++)
@@ -24,7 +24,7 @@ void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int
             memcpy(picture->rgba + 4 * ((size_t)row * (size_t)picture->width + (size_t)column), rgba, 4);
 }
 
-void fxs_draw_line(const fxs_picture *picture, const double from[2], const double to[2], double wide, uint32_t colour)
+void fxs_draw_line(const fxs_canvas *picture, const double from[2], const double to[2], double wide, uint32_t colour)
 {
     const double length = fmax(hypot(to[0] - from[0], to[1] - from[1]), 1);
     for (double at = 0; at <= length; at += 0.5) {
@@ -49,7 +49,7 @@ static int quantile(const uint32_t counts[BINS], uint64_t below)
     return bin;
 }
 
-void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths)
+void fxs_paint_depths(const fxs_canvas *picture, const uint32_t *depths)
 {
     static const uint8_t ramp[][3] = {{178, 24, 43}, {244, 109, 67}, {254, 224, 144}, {171, 217, 233}, {69, 117, 180},
                                       {30, 40, 100}};
@@ -75,7 +75,7 @@ void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths)
 }
 
 /* Hashes ids by an odd number near 2^64 / golden ratio, so that neighbouring ids differ in colour. */
-void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
+void fxs_paint_ids(const fxs_canvas *picture, const fxs_id *ids)
 {
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
     for (size_t i = 0; i < pixels; i++) {
@@ -144,7 +144,7 @@ static double graph_top(const fxs_frame_times *times)
     return top;
 }
 
-static void draw_bars(const fxs_picture *picture, int margin, int height, int scale, double top,
+static void draw_bars(const fxs_canvas *picture, int margin, int height, int scale, double top,
                       const fxs_frame_times *times)
 {
     for (int frame = 0; frame < FXS_GRAPH_FRAMES; frame++) {
@@ -159,7 +159,7 @@ static void draw_bars(const fxs_picture *picture, int margin, int height, int sc
     }
 }
 
-void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
+void fxs_draw_frame_times(const fxs_canvas *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words)
 {
     const int margin = 8 * scale, height = 112 * scale, wide = 2 * FXS_GRAPH_FRAMES * scale;

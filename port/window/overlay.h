@@ -7,13 +7,13 @@
 #include <fixsplat/fixsplat.h>
 
 /* An RGBA picture, not premultiplied: top row first, rows without padding. The caller owns the bytes. */
-typedef struct fxs_picture {
+typedef struct fxs_canvas {
     uint8_t *rgba;
     int width, height;
-} fxs_picture;
+} fxs_canvas;
 
 typedef struct fxs_panel {
-    fxs_picture picture;
+    fxs_canvas picture;
     int x, y;
 } fxs_panel;
 
@@ -27,21 +27,21 @@ extern const fxs_theme fxs_dark, fxs_light;
 
 typedef struct fxs_words fxs_words;
 
-void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int height, uint32_t colour);
+void fxs_draw_rectangle(const fxs_canvas *picture, int x, int y, int width, int height, uint32_t colour);
 
-void fxs_draw_line(const fxs_picture *picture, const double from[2], const double to[2], double wide, uint32_t colour);
+void fxs_draw_line(const fxs_canvas *picture, const double from[2], const double to[2], double wide, uint32_t colour);
 
 /* Draws one line of text with its top left corner at (x, y). */
-void fxs_draw_words(fxs_words *words, const fxs_picture *picture, int x, int y, const char *text, uint32_t colour);
+void fxs_draw_words(fxs_words *words, const fxs_canvas *picture, int x, int y, const char *text, uint32_t colour);
 
 /* Makes a panel of one colour with round corners. Returns 0, or -1 if memory ran out. */
 int fxs_panel_make(fxs_panel *panel, int x, int y, int width, int height, int radius, uint32_t colour);
 void fxs_panel_free(fxs_panel *panel);
 
 /* Paints depths on a logarithmic scale, from red for the nearest 2 % to blue for the farthest. */
-void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths);
+void fxs_paint_depths(const fxs_canvas *picture, const uint32_t *depths);
 
-void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids);
+void fxs_paint_ids(const fxs_canvas *picture, const fxs_id *ids);
 
 enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points of
                                                                                      the screen */
@@ -55,7 +55,7 @@ typedef struct fxs_frame_times {
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats);
 
 /* Draws a bar for each frame, and the times of the newest frame. scale: pixels per point. */
-void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
+void fxs_draw_frame_times(const fxs_canvas *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words);
 
 #endif

@@ -226,7 +226,7 @@ int fxs_window_holds(int key)
     return state[key == ' ' ? SDL_SCANCODE_SPACE : SDL_SCANCODE_A + (key - 'a')];
 }
 
-static SDL_Surface *surface_of(const fxs_picture *picture)
+static SDL_Surface *surface_of(const fxs_canvas *picture)
 {
     return SDL_CreateRGBSurfaceWithFormatFrom(picture->rgba, picture->width, picture->height, 32, 4 * picture->width,
                                               SDL_PIXELFORMAT_RGBA32);
@@ -241,7 +241,7 @@ static int show_panel(SDL_Surface *target, const fxs_panel *panel)
     return result;
 }
 
-int fxs_window_show(fxs_window *window, const fxs_picture *picture, uint32_t colour, const fxs_panel *panels, int count,
+int fxs_window_show(fxs_window *window, const fxs_canvas *picture, uint32_t colour, const fxs_panel *panels, int count,
                     fxs_message *message)
 {
     SDL_Surface *target = SDL_GetWindowSurface(window->window), *below = picture ? surface_of(picture) : 0;

@@ -59,7 +59,7 @@ int fxs_window_holds(int key);
 
 /* Shows a picture stretched to the window, and panels over it. picture null: fills the window with the colour
    0xRRGGBBFF. Returns 0, or -1 and a message. */
-int fxs_window_show(fxs_window *window, const fxs_picture *picture, uint32_t colour, const fxs_panel *panels, int count,
+int fxs_window_show(fxs_window *window, const fxs_canvas *picture, uint32_t colour, const fxs_panel *panels, int count,
                     fxs_message *message);
 
 #endif

@@ -76,7 +76,7 @@ static void blend(uint8_t *below, const uint8_t colour[3], unsigned alpha)
     below[3] = (uint8_t)sum;
 }
 
-static void copy_words(const fxs_picture *picture, int x, int y, const SDL_Surface *from, uint32_t colour)
+static void copy_words(const fxs_canvas *picture, int x, int y, const SDL_Surface *from, uint32_t colour)
 {
     const uint8_t rgb[3] = {(uint8_t)(colour >> 24), (uint8_t)(colour >> 16), (uint8_t)(colour >> 8)};
     for (int row = y < 0 ? -y : 0; row < from->h && y + row < picture->height; row++)
@@ -88,7 +88,7 @@ static void copy_words(const fxs_picture *picture, int x, int y, const SDL_Surfa
         }
 }
 
-void fxs_draw_words(fxs_words *words, const fxs_picture *picture, int x, int y, const char *text, uint32_t colour)
+void fxs_draw_words(fxs_words *words, const fxs_canvas *picture, int x, int y, const char *text, uint32_t colour)
 {
     const SDL_Color white = {255, 255, 255, 255};
     SDL_Surface *surface = words && *text ? TTF_RenderUTF8_Blended(words->font, text, white) : 0;
@@ -111,7 +111,7 @@ int fxs_words_line(const fxs_words *words) { return (void)words, 0; }
 
 int fxs_words_width(const fxs_words *words, const char *text) { return (void)words, (void)text, 0; }
 
-void fxs_draw_words(fxs_words *words, const fxs_picture *picture, int x, int y, const char *text, uint32_t colour)
+void fxs_draw_words(fxs_words *words, const fxs_canvas *picture, int x, int y, const char *text, uint32_t colour)
 {
     (void)words, (void)picture, (void)x, (void)y, (void)text, (void)colour;
 }

@@ -34,9 +34,11 @@ static int normalise(double v[3])
     return length > 1e-12 && isfinite(length);
 }
 
-int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3], double fov,
-                     int width, int height, fxs_message *message)
+int fxs_view_look_at(fxs_view *view, const double eye[3], const double target[3], const double up[3],
+                     const fxs_picture *picture, fxs_message *message)
 {
+    const double fov = picture->fov;
+    const int width = picture->width, height = picture->height;
     double *right = view->rotation, *down = view->rotation + 3, *forward = view->rotation + 6;
     if (!(fov >= 1 && fov <= 170))
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a field of view of %g degrees: expected 1 to 170", fov);
@@ -61,7 +63,7 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     return 0;
 }
 
-int fxs_view_level(fxs_file_view *view, const double up[3])
+int fxs_view_level(fxs_view *view, const double up[3])
 {
     double right[3];
     const double *forward = view->rotation + 6;
@@ -75,12 +77,12 @@ int fxs_view_level(fxs_file_view *view, const double up[3])
 
 /* The up vector u minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2. With R the mean of right right^T, (R
    + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
-int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3])
+int fxs_views_up(const fxs_view *views, size_t count, size_t stride, double up[3])
 {
     const char *at = (const char *)views;
     double mean[3] = {0, 0, 0}, a[3][3] = {{LEVEL_SHARE, 0, 0}, {0, LEVEL_SHARE, 0}, {0, 0, LEVEL_SHARE}}, inverse[3][3];
     for (size_t i = 0; i < count; i++, at += stride) {
-        const double *rotation = ((const fxs_file_view *)(const void *)at)->rotation;
+        const double *rotation = ((const fxs_view *)(const void *)at)->rotation;
         for (int k = 0; k < 9; k++)
             a[k / 3][k % 3] += rotation[k / 3] * rotation[k % 3] / (double)count;
         for (int k = 0; k < 3; k++)
@@ -93,7 +95,7 @@ int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double
     return dot(mean, mean) > 0.01 && normalise(up);
 }
 
-void fxs_view_up(const fxs_file_view *view, double up[3])
+void fxs_view_up(const fxs_view *view, double up[3])
 {
     const double *right = view->rotation, *down = view->rotation + 3;
     double most = 0.1;
@@ -122,7 +124,7 @@ double fxs_near_of_box(const double low[3], const double high[3])
 }
 
 /* Distance at which all corners of a box are within 95 % of the picture and beyond `near`. */
-static double distance_for(const fxs_file_view *view, const double half[3], double near)
+static double distance_for(const fxs_view *view, const double half[3], double near)
 {
     const double tangent[2] = {0.95 * view->width / 2 / view->fx, 0.95 * view->height / 2 / view->fy};
     double distance = 0;
@@ -138,8 +140,8 @@ static double distance_for(const fxs_file_view *view, const double half[3], doub
     return distance;
 }
 
-int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double high[3], const double from[3],
-                        const double up[3], double fov, int width, int height, fxs_message *message)
+int fxs_view_frame_from(fxs_view *view, const double low[3], const double high[3], const double from[3],
+                        const double up[3], const fxs_picture *picture, fxs_message *message)
 {
     static const double origin[3] = {0, 0, 0};
     double half[3];
@@ -148,7 +150,7 @@ int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double h
         if (!isfinite(low[i]) || !isfinite(half[i]))
             return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a box from %g to %g is not finite", low[i], high[i]);
     }
-    FXS_TRY(fxs_view_look_at(view, from, origin, up, fov, width, height, message));
+    FXS_TRY(fxs_view_look_at(view, from, origin, up, picture, message));
     view->near = fxs_near_of_box(low, high);
     const double distance = distance_for(view, half, 2.5 * view->near);
     for (int i = 0; i < 3; i++)
@@ -171,17 +173,17 @@ int fxs_level_back(double back[3], double axis[3], const double up[3], fxs_messa
     return 0;
 }
 
-int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
-                       int width, int height, fxs_message *message)
+int fxs_view_frame_box(fxs_view *view, const double low[3], const double high[3], const double up[3],
+                       const fxs_picture *picture, fxs_message *message)
 {
     double from[3], axis[3], back[3];
     FXS_TRY(fxs_level_back(back, axis, up, message));
     for (int i = 0; i < 3; i++)
         from[i] = 0.95 * back[i] + 0.31 * axis[i];
-    return fxs_view_frame_from(view, low, high, from, up, fov, width, height, message);
+    return fxs_view_frame_from(view, low, high, from, up, picture, message);
 }
 
-void fxs_view_resize(fxs_file_view *view, int width, int height)
+void fxs_view_resize(fxs_view *view, int width, int height)
 {
     const double scale = (double)width / view->width;
     view->fx *= scale;
@@ -193,7 +195,7 @@ void fxs_view_resize(fxs_file_view *view, int width, int height)
     view->height = height;
 }
 
-int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message)
+int fxs_view_set_tangents(fxs_view *view, const double tangents[4], fxs_message *message)
 {
     const double left = tangents[0], right = tangents[1], up = tangents[2], down = tangents[3];
     if (!(left >= -64 && left < right && right <= 64 && down >= -64 && down < up && up <= 64))
@@ -216,7 +218,7 @@ static void turn(double out[3], const double v[3], const double axis[3], double 
         out[i] = v[i] * c + across[i] * s + axis[i] * along;
 }
 
-void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle)
+void fxs_view_orbit(fxs_view *view, const double middle[3], const double axis[3], double angle)
 {
     double unit[3] = {axis[0], axis[1], axis[2]}, offset[3], turned[3];
     if (!normalise(unit))
@@ -292,7 +294,7 @@ static int to_fixed(int64_t *out, double x, int q, double limit)
     return fabs(x) < limit;
 }
 
-int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message)
+int fxs_camera_from_view(fxs_camera *camera, const fxs_view *view, fxs_message *message)
 {
     const double pixels[4] = {view->fx, view->fy, view->cx, view->cy};
     int64_t fixed[4], r;
@@ -329,7 +331,7 @@ static int is_near(double x, double wanted)
 
 /* The upper rows of the matrix are [R | t] for an OpenGL eye with y up and z backwards. The camera's axes are the
    rows x, -y and -z of R. Its centre is -R^T t. */
-static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message *message)
+static int take_view_matrix(fxs_view *view, const double m[16], fxs_message *message)
 {
     double *axes = view->rotation;
     for (int i = 0; i < 16; i++)
@@ -350,7 +352,7 @@ static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message
 
 /* Near plane, where -near c + d = -w. Perspective, w = near: d / (c - 1). Orthographic, w = 1: (d + 1) / c. The
    far plane, where -far c + d = w, must lie beyond the near plane or at infinity. */
-static int take_near(fxs_file_view *view, double c, double d, fxs_message *message)
+static int take_near(fxs_view *view, double c, double d, fxs_message *message)
 {
     const int flat = view->projection == FXS_ORTHOGRAPHIC;
     const double near = flat ? (d + 1) / c : d / (c - 1), far = flat ? (d - 1) / c : d / (c + 1);
@@ -361,7 +363,7 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
 }
 
 /* Pixels from clip coordinates: x = width (x_clip / w + 1) / 2, y = height (1 - y_clip / w) / 2. */
-static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
+static int take_projection(fxs_view *view, const double m[16], fxs_message *message)
 {
     static const int zeros[] = {1, 2, 3, 4, 6, 7};
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
@@ -386,7 +388,7 @@ static int take_projection(fxs_file_view *view, const double m[16], fxs_message 
 int fxs_camera_from_matrices(fxs_camera *camera, const double view_matrix[16], const double projection[16], int width,
                              int height, fxs_message *message)
 {
-    fxs_file_view view = {.name = "of matrices", .width = width, .height = height};
+    fxs_view view = {.name = "of matrices", .width = width, .height = height};
     if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
         return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %d x %d pixels: expected 1 to %d", width, height,
                            FXS_MAX_SIZE);

@@ -58,7 +58,7 @@ static int add_view(fxs_view_list *list, const char *name, const double camera[3
 {
     fxs_listed_view *listed;
     FXS_TRY(fxs_view_list_add(list, name, &listed));
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = r[i];
         view->rotation[3 + i] = -r[3 + i];

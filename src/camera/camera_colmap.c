@@ -116,7 +116,7 @@ static int add_image(fxs_view_list *list, const camera_list *cameras, const char
 {
     fxs_listed_view *listed;
     FXS_TRY(fxs_view_list_add(list, name, &listed));
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     const camera key = {.id = camera_id};
     const camera *found = cameras->count ?
         bsearch(&key, cameras->cameras, cameras->count, sizeof key, compare_ids) : NULL;

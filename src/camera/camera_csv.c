@@ -72,7 +72,7 @@ static void turn(double degrees, double *sine, double *cosine)
 
 /* Camera to world, with x right, y up and z backwards: Rz(-heading) Rx(pitch) Ry(roll). World: x east, y north, z
    up. */
-static void set_pose(fxs_file_view *view, const double v[VALUES])
+static void set_pose(fxs_view *view, const double v[VALUES])
 {
     double sh, ch, sp, cp, sr, cr;
     turn(-v[HEADING], &sh, &ch);
@@ -94,7 +94,7 @@ static int add_view(fxs_view_list *list, const char *name, const double v[VALUES
 {
     fxs_listed_view *listed;
     FXS_TRY(fxs_view_list_add(list, name, &listed));
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     set_pose(view, v);
     view->fx = view->fy = v[F] / FILM * SIZE;
     view->cx = SIZE / 2.0 + v[PX] * SIZE;

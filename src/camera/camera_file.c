@@ -115,7 +115,7 @@ int fxs_view_list_read(fxs_view_list *list)
     return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);
 }
 
-static int take_views(const fxs_view_list *list, int width, int height, fxs_file_view **views, fxs_lens **lenses)
+static int take_views(const fxs_view_list *list, int width, int height, fxs_view **views, fxs_lens **lenses)
 {
     const size_t bytes = list->count * (sizeof **views + sizeof **lenses);
     *views = malloc(list->count * sizeof **views);
@@ -132,7 +132,7 @@ static int take_views(const fxs_view_list *list, int width, int height, fxs_file
     }
     for (size_t i = 0; i < list->count; i++) {
         const fxs_listed_view *listed = &list->views[i];
-        fxs_file_view *view = memcpy(&(*views)[i], &listed->view, sizeof *view);
+        fxs_view *view = memcpy(&(*views)[i], &listed->view, sizeof *view);
         if (width && listed->sizeless)
             fxs_view_set_size(listed, view, width, height);
         else if (width)
@@ -143,7 +143,7 @@ static int take_views(const fxs_view_list *list, int width, int height, fxs_file
     return 0;
 }
 
-static long read_all(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
+static long read_all(const char *path, int width, int height, fxs_view **views, fxs_lens **lenses,
                      fxs_message *message)
 {
     fxs_view_list list;
@@ -158,12 +158,12 @@ static long read_all(const char *path, int width, int height, fxs_file_view **vi
     return status ? status : count;
 }
 
-long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message)
+long fxs_camera_file_read(const char *path, fxs_view **views, fxs_message *message)
 {
     return read_all(path, 0, 0, views, NULL, message);
 }
 
-long fxs_lens_file_read(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
+long fxs_lens_file_read(const char *path, int width, int height, fxs_view **views, fxs_lens **lenses,
                         fxs_message *message)
 {
     return read_all(path, width, height, views, lenses, message);

@@ -21,7 +21,7 @@ enum fxs_view_size {
 };
 
 typedef struct fxs_listed_view {
-    fxs_file_view view;
+    fxs_view view;
     fxs_lens lens;
     char *image;
     char *mask;
@@ -58,8 +58,8 @@ int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
 /* Frames a box with the camera in direction `from`. */
-int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double high[3], const double from[3],
-                        const double up[3], double fov, int width, int height, fxs_message *message);
+int fxs_view_frame_from(fxs_view *view, const double low[3], const double high[3], const double from[3],
+                        const double up[3], const fxs_picture *picture, fxs_message *message);
 
 /* Computes the horizontal direction from a scene to its camera, perpendicular to `axis`. Sets `axis` to the unit
    vector of `up`. */
@@ -82,7 +82,7 @@ static inline const char *fxs_without_dots(const char *path)
 }
 
 /* Sets the size of a view. Derives the intrinsics if the camera file states no size. */
-void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height);
+void fxs_view_set_size(const fxs_listed_view *listed, fxs_view *view, int width, int height);
 
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);

@@ -35,7 +35,7 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
     fxs_listed_view *listed;
     FXS_TRY(fxs_view_list_add(list, fxs_json_string(item, "img_name"), &listed));
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     if (!fxs_json_numbers(cJSON_GetObjectItemCaseSensitive(item, "position"), view->position, 3))
         return fxs_view_list_fault(list, "\"position\" is not three numbers");
     if (!matrix(cJSON_GetObjectItemCaseSensitive(item, "rotation"), r, 3))
@@ -120,7 +120,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     double m[16], width = first(own.w, file->w), height = first(own.h, file->h);
     FXS_TRY(fxs_view_list_add(list, fxs_json_string(frame, "file_path"), &listed));
     FXS_TRY(fxs_view_list_mask(list, listed, fxs_json_string(frame, "mask_path")));
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
         width = height = 800;   /* Blender's synthetic scenes state no size */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;

@@ -300,7 +300,7 @@ static void find_origin(reader *r)
 }
 
 /* Places a view. Columns of `pose`: the axes x, y (down), z (forward), and the camera's centre. */
-static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16], const placement *p,
+static int place(fxs_view_list *list, fxs_view *view, const double pose[16], const placement *p,
                  const double origin[3])
 {
     static const placement none = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .scale = 1};
@@ -324,7 +324,7 @@ static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16]
 static int set_intrinsics(fxs_view_list *list, fxs_listed_view *listed, const sensor *s)
 {
     const double *n = s->numbers;
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     const int fisheye = !strcmp(s->type, "fisheye");
     if (!fisheye && strcmp(s->type, "frame") && *s->type)
         return fxs_view_list_fault(list, "its sensor is neither a frame nor an (equidistant) fisheye");

@@ -3,7 +3,7 @@
 #include "src/base/output_internal.h"
 #include "view_print.h"
 
-void fxs_view_print(FILE *to, const fxs_file_view *v)
+void fxs_view_print(FILE *to, const fxs_view *v)
 {
     const double *r = v->rotation;
     fprintf(to, "{\"img_name\": \"");
@@ -18,7 +18,7 @@ void fxs_view_print(FILE *to, const fxs_file_view *v)
     fputs("]}", to);
 }
 
-int fxs_camera_file_write(const char *path, const fxs_file_view *views, size_t count, fxs_message *message)
+int fxs_camera_file_write(const char *path, const fxs_view *views, size_t count, fxs_message *message)
 {
     fxs_output output;
     FXS_TRY(fxs_output_open(&output, path, 0, message));

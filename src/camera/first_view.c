@@ -11,6 +11,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/stage.h>
 #include "camera_internal.h"
 #include "ground.h"
 #include "within.h"
@@ -121,12 +122,12 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
-static double end_of_core(const chooser *c, const fxs_file_view *view)
+static double end_of_core(const chooser *c, const fxs_view *view)
 {
     return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
 }
 
-static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
+static int take_look(const chooser *c, uint32_t thread, const fxs_view *view, sight *s)
 {
     look *l = &c->looks[thread];
     fxs_request r;
@@ -148,10 +149,11 @@ static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *vie
     return 0;
 }
 
-int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_file_view *view,
+int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_view *view,
                         fxs_message *message)
 {
-    FXS_TRY(fxs_view_frame_from(view, first->low, first->high, first->from, first->up, fov, width, height, message));
+    FXS_TRY(fxs_view_frame_from(view, first->low, first->high, first->from, first->up,
+                                &(fxs_picture){fov, width, height}, message));
     for (int i = 0; i < 3; i++) {
         const double middle = (first->low[i] + first->high[i]) / 2;
         view->position[i] = middle + first->part * (view->position[i] - middle);
@@ -179,7 +181,7 @@ static int first_of(fxs_first_choice *first, const stand *s, const double up[3],
     return 0;
 }
 
-static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
+static int view_of(const chooser *c, const stand *s, fxs_view *view)
 {
     fxs_first_choice first;
     FXS_TRY(first_of(&first, s, c->up, c->message));
@@ -188,7 +190,7 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
 
 typedef struct looking {
     const chooser *c;
-    fxs_file_view views[STANDS];
+    fxs_view views[STANDS];
     sight *sights;
     uint32_t count;
     int errors[THREADS_MOST];

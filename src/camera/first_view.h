@@ -18,7 +18,7 @@ int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, c
                           uint32_t count, const double low[3], const double high[3], const double up[3],
                           fxs_message *message);
 
-int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_file_view *view,
+int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_view *view,
                         fxs_message *message);
 
 #endif

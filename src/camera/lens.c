@@ -111,7 +111,7 @@ void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2])
 
 /* Returns 1 if the lens maps the line from the principal point to a border pixel into the photograph, with growing
    radius. */
-static int filled_along(const fxs_lens *lens, const fxs_file_view *photograph, double x, double y)
+static int filled_along(const fxs_lens *lens, const fxs_view *photograph, double x, double y)
 {
     double bent[2], last = 0;
     for (int ring = 1; ring <= RINGS; ring++) {
@@ -125,7 +125,7 @@ static int filled_along(const fxs_lens *lens, const fxs_file_view *photograph, d
     return at[0] >= 0 && at[0] <= photograph->width && at[1] >= 0 && at[1] <= photograph->height;
 }
 
-static int filled(const fxs_lens *lens, const fxs_file_view *photograph, double scale)
+static int filled(const fxs_lens *lens, const fxs_view *photograph, double scale)
 {
     const double w = photograph->width, h = photograph->height, fx = scale * photograph->fx,
                  fy = scale * photograph->fy;
@@ -140,13 +140,13 @@ static int filled(const fxs_lens *lens, const fxs_file_view *photograph, double 
     return 1;
 }
 
-static double scale_of_widest(const fxs_file_view *p)
+static double scale_of_widest(const fxs_view *p)
 {
     const double x = fmax(p->cx, p->width - p->cx) / p->fx, y = fmax(p->cy, p->height - p->cy) / p->fy;
     return fmax(x, y) / WIDEST;
 }
 
-int fxs_lens_fill(const fxs_lens *lens, const fxs_file_view *photograph, fxs_file_view *pinhole)
+int fxs_lens_fill(const fxs_lens *lens, const fxs_view *photograph, fxs_view *pinhole)
 {
     const double least = lens->kind == FXS_LENS_BROWN ? 0 : scale_of_widest(photograph);
     double low = 0.5, high = fmax(2, least);

@@ -42,7 +42,7 @@ void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2]);
 /* Scales the focal lengths of a pinhole camera to the widest view that the photograph fills. The scale is 1/2 to
    2. Models other than FXS_LENS_BROWN may exceed 2 if they see more than 60 degrees to a side. Returns 0 if no
    scale fits. */
-int fxs_lens_fill(const fxs_lens *lens, const fxs_file_view *photograph, fxs_file_view *pinhole);
+int fxs_lens_fill(const fxs_lens *lens, const fxs_view *photograph, fxs_view *pinhole);
 
 /* Tangent of an angle from 0 to pi / 2. */
 double fxs_tangent(double angle);

@@ -79,7 +79,7 @@ typedef struct box {
 /* Extends a box by a border point. Where the lens sees nothing, uses the farthest visible point. */
 static void take_place(const fxs_lens_warp *w, double x, double y, box *b)
 {
-    const fxs_file_view *p = &w->photograph;
+    const fxs_view *p = &w->photograph;
     const double bent[2] = {(x - p->cx) / p->fx, (y - p->cy) / p->fy};
     const double reach = sqrt(bent[0] * bent[0] + bent[1] * bent[1]), most = w->steps * w->step;
     double place[2];
@@ -112,7 +112,7 @@ static int pixels(double wanted, double side)
     return 2 * MARGIN + (wanted > 0 ? (int)ceil(wanted < most ? wanted : most) : 0);
 }
 
-void fxs_lens_warp_make(fxs_lens_warp *w, const fxs_lens *lens, const fxs_file_view *photograph)
+void fxs_lens_warp_make(fxs_lens_warp *w, const fxs_lens *lens, const fxs_view *photograph)
 {
     const double size[2] = {photograph->width, photograph->height};
     box b = {{0, 0}, {0, 0}, 0};
@@ -147,7 +147,7 @@ static int between(double at, int size, uint32_t *part)
     return fixed >> POSITION_BITS;
 }
 
-static void sample(const fxs_file_view *view, const uint8_t *rgba, const double at[2], uint8_t out[4])
+static void sample(const fxs_view *view, const uint8_t *rgba, const double at[2], uint8_t out[4])
 {
     uint32_t part[2];
     const int x = between(at[0], view->width, &part[0]), y = between(at[1], view->height, &part[1]);
@@ -163,7 +163,7 @@ static void sample(const fxs_file_view *view, const uint8_t *rgba, const double 
 void fxs_lens_warp_rows(const fxs_lens_warp *w, const uint8_t *cover, const uint8_t outside[4], uint8_t *rgba,
                         int first, int end)
 {
-    const fxs_file_view *p = &w->photograph, *c = &w->cover;
+    const fxs_view *p = &w->photograph, *c = &w->cover;
     for (int y = first; y < end; y++) {
         uint8_t *out = rgba + 4 * (size_t)y * (size_t)p->width;
         for (int x = 0; x < p->width; x++, out += 4) {

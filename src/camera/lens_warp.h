@@ -13,8 +13,8 @@ enum { FXS_WARP_STEPS = 1024 };
 
 typedef struct fxs_lens_warp {
     fxs_lens lens;
-    fxs_file_view photograph;
-    fxs_file_view cover;
+    fxs_view photograph;
+    fxs_view cover;
     double step;                   /* table spacing, focal lengths */
     double reach[FXS_WARP_STEPS + 1];    /* table: radius in the photograph at i * step off the axis */
     int steps;                     /* number of table entries, up to 75 degrees off the axis */
@@ -22,7 +22,7 @@ typedef struct fxs_lens_warp {
 
 /* Sets up a warp. The perspective picture has at least the photograph's resolution everywhere, up to 4 times its
    width and height and FXS_MAX_SIZE. */
-void fxs_lens_warp_make(fxs_lens_warp *warp, const fxs_lens *lens, const fxs_file_view *photograph);
+void fxs_lens_warp_make(fxs_lens_warp *warp, const fxs_lens *lens, const fxs_view *photograph);
 
 /* Inverts fxs_lens_bend. Returns 0 if the lens sees nothing there, or more than 75 degrees off the axis. */
 int fxs_lens_warp_straighten(const fxs_lens_warp *warp, const double bent[2], double place[2]);

@@ -29,7 +29,7 @@ static spline spline_at(long count, double at)
     return s;
 }
 
-static void blend(const spline *s, const fxs_file_view *keys, int values, void (*get)(const fxs_file_view *, double *),
+static void blend(const spline *s, const fxs_view *keys, int values, void (*get)(const fxs_view *, double *),
                   double *out)
 {
     double value[8];
@@ -45,7 +45,7 @@ static void blend(const spline *s, const fxs_file_view *keys, int values, void (
     }
 }
 
-static void lens_of(const fxs_file_view *view, double *v)
+static void lens_of(const fxs_view *view, double *v)
 {
     v[0] = fxs_log(view->fx);
     v[1] = fxs_log(view->fy);
@@ -54,7 +54,7 @@ static void lens_of(const fxs_file_view *view, double *v)
     v[4] = fxs_log(view->near > 0 ? view->near : 0.2);
 }
 
-static void position_of(const fxs_file_view *view, double *v)
+static void position_of(const fxs_view *view, double *v)
 {
     for (int i = 0; i < 3; i++)
         v[i] = view->position[i];
@@ -72,7 +72,7 @@ static void matrix_of(const double q[4], double r[9])
 }
 
 /* Quaternions q and -q are the same rotation, so each key takes the sign closer to the previous key. */
-static void turn_between(const spline *s, const fxs_file_view *keys, double rotation[9])
+static void turn_between(const spline *s, const fxs_view *keys, double rotation[9])
 {
     double sum[4] = {0, 0, 0, 0}, before[4] = {0, 0, 0, 0}, q[4];
     for (long k = 0; k < 4; k++) {
@@ -90,7 +90,7 @@ static void turn_between(const spline *s, const fxs_file_view *keys, double rota
 }
 
 /* Interpolates key views. A whole number `at` returns exactly that key. */
-void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view)
+void fxs_view_between(const fxs_view *keys, long count, double at, fxs_view *view)
 {
     double lens[5];
     const long key = at < (double)(count - 1) ? at > 0 ? (long)at : 0 : count - 1;

@@ -5,9 +5,10 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/start.h>
 #include "camera_internal.h"
 
-int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *message)
+int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
 {
     fxs_start start;
     fxs_camera camera;
@@ -25,7 +26,7 @@ int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *messag
     return 0;
 }
 
-int fxs_view_of_start(fxs_file_view *view, const void *data, int width, int height)
+int fxs_view_of_start(fxs_view *view, const void *data, int width, int height)
 {
     fxs_start start;
     fxs_start_of(&start, data);

@@ -33,7 +33,7 @@ int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **a
     if (list->count == list->capacity)
         FXS_TRY(enlarge(list));
     fxs_listed_view *listed = *added = memset(&list->views[list->count], 0, sizeof *listed);
-    fxs_file_view *view = &listed->view;
+    fxs_view *view = &listed->view;
     if (name) {
         snprintf(view->name, sizeof view->name, "%s", name);
         listed->image = malloc(strlen(name) + 1);
@@ -85,7 +85,7 @@ const char *fxs_without_drive(const char *name)
     return last ? last + 1 : name;
 }
 
-void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height)
+void fxs_view_set_size(const fxs_listed_view *listed, fxs_view *view, int width, int height)
 {
     const int longer = width > height ? width : height;
     const double factor = listed->sizeless == FXS_SIZE_OF_WIDTH  ? (double)width / view->width :
@@ -122,7 +122,7 @@ static int make_rotation(double r[9])
 
 int fxs_view_list_finish(fxs_view_list *list, double width, double height)
 {
-    fxs_file_view *view = &list->views[list->count - 1].view;
+    fxs_view *view = &list->views[list->count - 1].view;
     if (!size_valid(width) || !size_valid(height))
         return fxs_view_list_fault(list, "width and height are not whole numbers from 1 to 16384");
     view->width = (int)width;

@@ -6,6 +6,6 @@
 
 #include <fixsplat/camera.h>
 
-void fxs_view_print(FILE *to, const fxs_file_view *view);
+void fxs_view_print(FILE *to, const fxs_view *view);
 
 #endif

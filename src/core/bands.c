@@ -289,7 +289,7 @@ static void lay_out_rows(fxs_frame *f)
 
 int fxs_band_next(fxs_frame *f)
 {
-    const fxs_view *view = &f->view;
+    const fxs_stage_view *view = &f->view;
     if (f->end_row == view->tiles_y)
         return 0;
     f->first_row = f->end_row;

@@ -22,7 +22,7 @@ typedef struct ellipse {
     int32_t r_q12;
 } ellipse;
 
-static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right_q8)
+static span columns_between(const fxs_stage_view *view, int32_t left_q8, int32_t right_q8)
 {
     int32_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
     if (last < 0 || first >= view->width || first > last)
@@ -30,14 +30,14 @@ static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right
     return (span){first < 0 ? 0 : first / FXS_TILE, last >= view->width ? view->tiles_x - 1 : last / FXS_TILE};
 }
 
-static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
+static ellipse ellipse_of(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
 {
     int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
     return (ellipse){splat, bounds, columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8),
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
 
-static void add_radius(ellipse *e, const fxs_view *view)
+static void add_radius(ellipse *e, const fxs_stage_view *view)
 {
     int32_t offset_q11 = e->splat->offset_q11, limit_q11 = fxs_limit_q11(offset_q11, view->cut_q11);
     e->r_q12 = (int32_t)fxs_sqrt((uint32_t)(limit_q11 - offset_q11 + 1) << 13) + 1;
@@ -67,7 +67,7 @@ static int32_t larger(int32_t a, int32_t b)
 
 /* Returns the tile columns that the ellipse touches in a tile row. A veil, too large for `bounds`, touches all
    columns. */
-static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
+static span ellipse_span(const ellipse *e, const fxs_stage_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if ((top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2) && e->bounds->half_width_q8 != FXS_EVERYWHERE_Q8)
@@ -101,13 +101,13 @@ static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
                   last < tiles ? (int32_t)(last < -1 ? -1 : last) : tiles - 1};
 }
 
-FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
+FXS_STAGE fxs_span fxs_bin_rows(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
 {
     return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(bounds->cy_q14, bounds->square_radius, view->tiles_y)
                                              : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
 }
 
-fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
+fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds)
 {
     const int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
     return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(bounds->cx_q14, bounds->square_radius, view->tiles_x)
@@ -115,7 +115,7 @@ fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
                                              : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
 }
 
-static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
+static span span_of(const ellipse *e, const fxs_stage_view *view, int32_t row)
 {
     return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(e->bounds->cx_q14, e->bounds->square_radius, view->tiles_x)
                                              : ellipse_span(e, view, row);
@@ -132,7 +132,7 @@ static uint32_t tiles_of(span s, int32_t from)
     return s.first > s.last ? 0 : (2u << (s.last - from)) - (1u << (s.first - from));
 }
 
-static fxs_box box_of(const fxs_view *view, ellipse *e)
+static fxs_box box_of(const fxs_stage_view *view, ellipse *e)
 {
     const int32_t row = e->rows.first & ~1, column = e->columns.first & ~1;
     const uint32_t macro = (uint32_t)row / FXS_MACRO * fxs_macros(view->tiles_x) + (uint32_t)column / FXS_MACRO;
@@ -154,7 +154,7 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
     return mask ? (fxs_box){mask | (uint64_t)macro << FXS_BOX_BITS} : FXS_NOWHERE;
 }
 
-void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
+void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {
         ellipse e = ellipse_of(view, &splats[i], &bounds[i]);
@@ -162,7 +162,7 @@ void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *
     }
 }
 
-void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
+void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
                  span *spans)
 {
     ellipse e = ellipse_of(view, splat, bounds);
@@ -192,7 +192,7 @@ static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, con
     l->taken = taken;
 }
 
-uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
+uint32_t fxs_note_c(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
                     uint32_t *listed)
 {
     const uint32_t across = fxs_macros(view->tiles_x);
@@ -217,7 +217,7 @@ static uint32_t pair_of(span s, int32_t c)
 
 static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
-    const fxs_view *view = l->view;
+    const fxs_stage_view *view = l->view;
     const span rows = fxs_bin_rows(view, &l->splats[slot], &l->bounds[slot]);
     const int32_t first = larger(rows.first, (int32_t)(l->first_macro / across * FXS_MACRO));
     const int32_t last = fxs_min(rows.last, (int32_t)(l->last_macro / across * FXS_MACRO + FXS_MACRO - 1));
@@ -283,7 +283,7 @@ void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
     }
 }
 
-static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)
+static int touches(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)
 {
     const int32_t row = (int32_t)tile / view->tiles_x, column = (int32_t)tile % view->tiles_x;
     ellipse e = ellipse_of(view, splat, bounds);

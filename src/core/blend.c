@@ -7,7 +7,7 @@ typedef struct at_tile {
     int32_t u_q24, v_q24, first_row, last_row, limit_q11;
 } at_tile;
 
-static at_tile at_tile_of(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
+static at_tile at_tile_of(const fxs_stage_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
 {
     uint32_t u = splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24;
     uint32_t v = splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24;
@@ -81,7 +81,7 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile
     return closed;
 }
 
-static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+static void blend_list(blending *b, const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                        const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end)
 {
     int open = 0;
@@ -97,7 +97,7 @@ static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, 
     }
 }
 
-void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+void fxs_blend_count(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                      uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended)
 {
     blending b = {.tile = tile};
@@ -107,14 +107,14 @@ void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat
     *blended += b.blended;
 }
 
-void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+void fxs_blend_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  uint32_t count, fxs_tile *tile)
 {
     uint64_t evaluated = 0, blended = 0;
     fxs_blend_count(view, x, y, splats, entries, count, tile, &evaluated, &blended);
 }
 
-void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+void fxs_trace_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace)
 {
     blending b = {.tile = tile, .trace = trace};

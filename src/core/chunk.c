@@ -56,7 +56,7 @@ static uint64_t magnitude(int64_t x)
     return (uint64_t)(x < 0 ? -x : x);
 }
 
-static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+static void locate(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_chunk *chunk)
 {
     int64_t offset[3];
     uint64_t most = 0;
@@ -87,7 +87,7 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
 
 /* Returns an upper bound of the Gaussians' sideways reach. On the picture the half width is at most 3.34 sqrt((f / z
    sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation, and times z / f, that is 3.34 sigma |J|. */
-static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
+static int64_t reach_across(const fxs_chunk_view *cv, const fxs_stage_view *view)
 {
     int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
     int32_t whole = -(-log2_q16 >> 16);          /* ceiling */
@@ -98,7 +98,7 @@ static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 
 /* Returns the maximum of sign * (axis i) - slope * depth in the chunk's box. The depth is z; orthographic: 2^(32 -
    plane_zeros). */
-static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, int sign, int64_t slope_q23)
+static int64_t farthest(const fxs_chunk_view *cv, const fxs_stage_view *view, int i, int sign, int64_t slope_q23)
 {
     const int shift = 32 - 23 - cv->plane_zeros;
     int64_t across = slope_q23 * (cv->base_q16[2] >> 16) >> 23, slope_of_z_q23 = slope_q23;
@@ -114,7 +114,7 @@ static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, i
     return sum;
 }
 
-FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header)
+FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_chunk *header)
 {
     locate(cv, view, header);
     int64_t z_q16 = cv->base_q16[2];
@@ -132,7 +132,7 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
     return 1;
 }
 
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk)
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk)
 {
     fxs_chunk header;
     const int error = fxs_chunk_read(&header, scene, chunk);

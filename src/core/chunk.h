@@ -64,11 +64,11 @@ FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
 /* Fills in *cv, except cv->chunk, from a header that is already read. Returns 1 if the chunk may be visible. Returns 0
    if it is culled: behind the near plane, or outside the picture by more than its largest Gaussian reaches. */
-FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header);
+FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_chunk *header);
 
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk);
 
-void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
+void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
                     const uint32_t *indices, uint32_t count, fxs_splat *splats);
 
 #endif

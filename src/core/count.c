@@ -25,7 +25,7 @@ static int count(const fxs_request *request, void *memory, size_t memory_bytes, 
 {
     counting c = {.evaluated = 0, .blended = 0};
     fxs_context context;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     int error = fxs_frame_init(&c.frame, &context, request, memory, memory_bytes);
     if (error)
         return error;

@@ -13,7 +13,7 @@ int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_byte
                             uint64_t *blended);
 
 /* fxs_blend_c that also adds the pairs of fxs_count_pairs to *evaluated and *blended. */
-void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+void fxs_blend_count(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                              const uint32_t *entries, uint32_t count, fxs_tile *tile, uint64_t *evaluated,
                              uint64_t *blended);
 

@@ -38,7 +38,7 @@ typedef struct search {
     uint32_t visit_room;
     fxs_fading fading;
     uint32_t viewed;               /* object that the view belongs to; FXS_NOTHING: none */
-    fxs_view view;
+    fxs_stage_view view;
     int full, error;
 } search;
 

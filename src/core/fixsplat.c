@@ -54,7 +54,7 @@ void (fxs_options_init)(fxs_options *options, uint32_t size)
     fxs_sized_fill(options, size, &all, sizeof all);
 }
 
-int fxs_init(fxs_context *context, const fxs_config *config)
+int fxs_context_init(fxs_context *context, const fxs_config *config)
 {
     if (!context)
         return FXS_ERR_ARGUMENT;

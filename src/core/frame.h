@@ -51,7 +51,7 @@ typedef struct fxs_frame {
     fxs_tile_fn *draw_tile;                /* draws a tile; null: a back end draws */
     uint32_t only_tile;                    /* tile to draw for fxs_pick; FXS_NOTHING: all */
 
-    fxs_view view;
+    fxs_stage_view view;
     fxs_camera camera;
     const fxs_targets *targets;
 

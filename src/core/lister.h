@@ -5,21 +5,21 @@
 #include "frame.h"
 
 /* Return the tile rows, and the tile columns, that may list a splat. */
-FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
+FXS_STAGE fxs_span fxs_bin_rows(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
-fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds);
+fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds);
 
 /* State of a job that makes the lists of macro tiles first_macro to last_macro. The first pass counts the keys of each
    list and notes its results while space lasts. The second pass writes the keys. */
 typedef struct fxs_lister {
-    const fxs_view *view;
+    const fxs_stage_view *view;
     const fxs_splat *splats;
     const fxs_bounds *bounds;
     const fxs_box *boxes;
     const uint32_t *depths;
-    void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
+    void (*spans)(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
                   fxs_span *spans);
-    uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
+    uint32_t (*note)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
                      uint32_t *listed);
     uint32_t first_macro, last_macro;
     uint32_t *next;                /* per macro tile: number of keys; in the second pass, index of the next key */

@@ -55,7 +55,7 @@ static int32_t offset_of_q11(uint32_t opacity_q16)
     return fxs_min((int)((below_q16 * 45426 * 2 + (1 << 20)) >> 21), FXS_FAINT_Q11 + 1);   /* ln 2 = 45426 2^-16 */
 }
 
-int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
+int fxs_object_view_init(fxs_object_view *out, const fxs_stage_view *world, const fxs_camera *camera,
                          const fxs_object *object)
 {
     memset(out, 0, sizeof *out);
@@ -152,8 +152,8 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
                            uint32_t *indices, uint32_t *depths)
 {
-    const fxs_view *view = &object->view;
-    fxs_view changed;
+    const fxs_stage_view *view = &object->view;
+    fxs_stage_view changed;
     fxs_chunk header;
     int32_t kept = 0;
     if (!object->visible)

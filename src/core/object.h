@@ -7,7 +7,7 @@
 #include "view.h"
 
 typedef struct fxs_object_view {
-    fxs_view view;
+    fxs_stage_view view;
     fxs_scene scene;
     uint32_t first_chunk, end_chunk;   /* range of the object's chunks, counted over all objects */
     uint32_t id;
@@ -23,7 +23,7 @@ int fxs_object_check(const fxs_object *object);
 
 /* Transforms a checked object to a camera's space; does not set first_chunk and end_chunk. Returns the errors of
    fxs_view_of_object. */
-int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
+int fxs_object_view_init(fxs_object_view *out, const fxs_stage_view *world, const fxs_camera *camera,
                          const fxs_object *object);
 
 /* Returns the index of the object that contains a chunk, with chunks counted over all objects. */

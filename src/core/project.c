@@ -23,7 +23,7 @@ typedef struct covariance {
     int exponent;
 } covariance;
 
-static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
+static int project_centre(projected *out, const fxs_stage_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
     for (int i = 0; i < 3; i++)
         out->camera[i] = (int32_t)(fxs_mul_add(cv->m_q16[i][0], code[0], fxs_mul_add(cv->m_q16[i][1], code[1],
@@ -54,7 +54,7 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
 
 /* Rows of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i,
    Q15. */
-static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected *centre)
+static void jacobian(int32_t j_q15[2][3], const fxs_stage_view *view, const projected *centre)
 {
     for (int i = 0; i < 2; i++) {
         int32_t slope = fxs_clamp(centre->slope_q23[i], view->slope_low_q23[i], view->slope_high_q23[i]);
@@ -96,7 +96,7 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
 }
 
 /* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1); sigma_max = 2^log2 */
-static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, const projected *centre, int32_t log2_q16,
+static uint32_t screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const projected *centre, int32_t log2_q16,
                             int *exponent)
 {
     int32_t whole = -(-log2_q16 >> 16);
@@ -109,7 +109,7 @@ static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, cons
 }
 
 /* Returns true if the Gaussian cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
-static int off_picture(const fxs_view *view, const projected *centre, int exponent)
+static int off_picture(const fxs_stage_view *view, const projected *centre, int exponent)
 {
     const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
     const int32_t x_q14 = centre->position_q14[0], y_q14 = centre->position_q14[1];
@@ -202,7 +202,7 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
 
 /* Sets the rows that the ellipse of radius r can touch. sigma_q8 is its vertical sigma; the margin is 1/8 pixel and
    1/256 of the size. Returns 0 if the ellipse misses the picture. */
-static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
+static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
     int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);       /* below 2^27, because exponent <= 16 */
     const int32_t half_width_q8 = (int32_t)bounds->half_width_q8;
@@ -219,7 +219,7 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint
 
 /* The square cut-off of Kerbl et al. 2023: radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)).
    Returns 0 if the square misses the picture. */
-static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s)
+static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, const covariance *s)
 {
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
     uint64_t least_q60 = s->exponent < 15 ? TENTH_Q60 >> 4 * s->exponent : 1;
@@ -239,7 +239,7 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
 
 /* Returns the dilation of a veil. Each sigma is then at least 1/120 of the picture's diagonal, so |u| and |v| stay
    below 128. */
-static uint32_t veil_dilation_q30(const fxs_view *view, int exponent)
+static uint32_t veil_dilation_q30(const fxs_stage_view *view, int exponent)
 {
     const uint64_t x = (uint64_t)view->tiles_x * FXS_TILE, y = (uint64_t)view->tiles_y * FXS_TILE;
     const uint64_t dilation = exponent > 31 ? 0 : (((x * x + y * y) << 30) / 14400 >> 2 * exponent) + 1;
@@ -276,7 +276,7 @@ static int64_t magnitude_of(int64_t x)
 }
 
 /* Like `whiten`, for a veil, relative to the picture's middle. Returns 0 if the veil's ellipse misses the picture. */
-static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s,
+static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, const covariance *s,
                 const projected *centre, uint32_t r_q12)
 {
     const int shift = (s->exponent < 60 ? s->exponent : 60) - 6;
@@ -306,7 +306,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 
 /* ---------------------------------------------------------------------------------------------------------------- */
 
-static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
+static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, const fxs_chunk_view *cv,
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
     int32_t fall_q16[3], k_q15[3], j_q15[2][3], t_q15[2][3], least = INT32_MAX;
@@ -370,7 +370,7 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return (uint32_t)(cv->shift - zeros - 1 + FXS_DEPTH_BIAS) << 26 | ((z << zeros) >> 5 & 0x3ffffff);
 }
 
-static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
+static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_stage_view *view,
                        const fxs_chunk_view *cv, enum fxs_profile profile, const fxs_codes *codes, uint32_t offset_q11)
 {
     projected centre;
@@ -381,7 +381,7 @@ static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, co
     return project_shape(splat, bounds, view, cv, &centre, profile, codes);
 }
 
-int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+int32_t fxs_project_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                       fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
     const unsigned char *rows = fxs_rows(scene, chunk);

@@ -97,7 +97,7 @@ static fxs_sh_sums sum_of(const fxs_scene *scene, const fxs_chunk *chunk, const 
     return s;
 }
 
-static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *chunk, const uint16_t position[3])
+static void basis_at(int32_t b_q15[15], const fxs_stage_view *view, const fxs_chunk *chunk, const uint16_t position[3])
 {
     int64_t offset_q32[3];
     int32_t d_q15[3];
@@ -111,7 +111,7 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
     basis(b_q15, d_q15, view->sh_degree);
 }
 
-static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+static void directional(int32_t sum_q16[3], const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                         const unsigned char *rows, uint32_t g, const uint16_t position[3])
 {
     int32_t b_q15[15];
@@ -130,7 +130,7 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
         add_band(sum_q16, sh, b_q15, 3, chunk->sh_step_q19[2]);
 }
 
-static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+static void shade_one(fxs_splat *splat, const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                       const unsigned char *rows, uint32_t g)
 {
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
@@ -145,14 +145,14 @@ static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *s
         splat->colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
 }
 
-void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
+void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
                     const uint32_t *indices, uint32_t count, fxs_splat *splats)
 {
     for (uint32_t i = 0; i < count; i++)
         shade_one(&splats[i], view, scene, header, rows, indices[i] % FXS_CHUNK);
 }
 
-int fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
+int fxs_shade_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
                 fxs_splat *splats)
 {
     fxs_chunk header;

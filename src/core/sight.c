@@ -16,7 +16,7 @@
 #define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
 
 /* Returns log2 of the distance from the camera to the chunk's box, softened by 1/8 of the box. */
-static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
+static int32_t log2_distance_q8(const fxs_stage_view *view, const fxs_chunk *chunk)
 {
     uint64_t parts[6], most = 1, square = 0;
     if (view->orthographic)
@@ -34,7 +34,7 @@ static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
     return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
 }
 
-static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
+static int32_t log2_pixels_q8(const fxs_stage_view *view, const fxs_chunk *chunk)
 {
     const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;
     return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
@@ -52,7 +52,7 @@ static uint64_t exp2_q16(int32_t x_q8)
 /* Returns log2 of the growth of a node's mass, (area + 0.15 swell) / (area + 0.15). The dilation by 0.3 pixels^2 makes
    many small Gaussians cover more than a node's few coarse ones. Half the dilation is used, because small Gaussians
    hide each other. Antialiased scenes already compensate. */
-static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
+static int32_t swell_of(const fxs_stage_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;
     const uint64_t swollen = ((uint64_t)1 << 16) + exp2_q16(dilation_q8 + node->swell_q8);
@@ -66,7 +66,7 @@ FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swel
     return (fxs_drawn){chunk, (uint16_t)((share_q8 * depth_q8 + 255) >> 8), (uint16_t)(swell_q8 / FXS_SWELL_OF_SIGMA)};
 }
 
-FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t detail_q8)
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t detail_q8)
 {
     const int is_node = chunk >= scene->chunk_count;
     fxs_chunk_view cv;

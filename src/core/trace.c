@@ -177,7 +177,7 @@ static unsigned which_of(const fxs_targets *targets, const uint32_t *slots)
 void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots)
 {
     tracer t;
-    const fxs_view *view = &f->view;
+    const fxs_stage_view *view = &f->view;
     const int32_t columns = fxs_min(FXS_TILE, view->width - x), rows = fxs_min(FXS_TILE, view->height - y);
     int open = 1;
     t.f = f;

@@ -92,7 +92,7 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
 
 /* Returns the smallest size exponent of a Gaussian that may reach the picture with its centre out of range: at slope
    64, or 65536 pixels away. The radius is 3.5 (2^exponent + 1) pixels. */
-static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
+static int32_t veil_exponent(const fxs_stage_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
     int32_t exponent = 7;
@@ -111,7 +111,7 @@ static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const 
 }
 
 /* Returns ceil(log2(sqrt(1 + max(slope)^2))). */
-static int32_t jacobian_exponent(const fxs_view *view)
+static int32_t jacobian_exponent(const fxs_stage_view *view)
 {
     int64_t most = 1 << 23;
     for (int i = 0; i < 2; i++) {
@@ -125,7 +125,7 @@ static int32_t jacobian_exponent(const fxs_view *view)
     return exponent;
 }
 
-static void jacobian_rows(fxs_view *view)
+static void jacobian_rows(fxs_stage_view *view)
 {
     const int64_t focal_q12[2] = {view->fx_q12, view->fy_q12};
     uint32_t focal = (uint32_t)(focal_q12[0] > focal_q12[1] ? focal_q12[0] : focal_q12[1]);
@@ -151,7 +151,7 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
 }
 
 /* A camera that is a window of a picture has its own edges; the other values come from the whole picture. */
-static void derive(fxs_view *view, const fxs_camera *camera)
+static void derive(fxs_stage_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
@@ -170,7 +170,7 @@ static void derive(fxs_view *view, const fxs_camera *camera)
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
-FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
+FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera)
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
     int64_t whole[2], whole_c_q12[2];
@@ -189,7 +189,7 @@ static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 
 /* Converts the orthographic fx and fy, in pixels per unit, to focal lengths for a plane at depth 2^plane_exponent. One
    focal length is 1/2 to 1 times plane_focal_q12, so slopes are at most 32. */
-static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
+static void choose_plane(fxs_stage_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
     int64_t whole[2], c_q12[2];
@@ -213,7 +213,7 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
     camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
 }
 
-int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options)
+int fxs_view_init(fxs_stage_view *view, const fxs_camera *camera, const fxs_options *options)
 {
     int error = check_camera(camera);
     if (error)
@@ -294,7 +294,7 @@ static void turn(int32_t out_q30[9], const int32_t w_q30[9], const int32_t r_q30
         }
 }
 
-int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object)
+int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const fxs_camera *camera, const fxs_object *object)
 {
     *view = *world;
     turn(view->rotation_q30, world->rotation_q30, object->rotation_q30);

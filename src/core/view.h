@@ -5,13 +5,13 @@
 #include <fixsplat/internal/stage.h>
 
 /* Prepares the camera in world space. Returns 0, FXS_ERR_CAMERA or FXS_ERR_SIZE. */
-int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options);
+int fxs_view_init(fxs_stage_view *view, const fxs_camera *camera, const fxs_options *options);
 
 /* Prepares the camera in the space of a checked object. Returns 0, or FXS_ERR_OBJECT if the object is too far away. */
-int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
+int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const fxs_camera *camera, const fxs_object *object);
 
 /* Sets a view's edges to those of the whole picture that the camera is a window of. */
-FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera);
+FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera);
 
 /* Returns true if the matrix is a right-handed rotation, within 2^-10. */
 FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9]);

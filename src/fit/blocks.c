@@ -84,7 +84,7 @@ static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs
     return count;
 }
 
-static int is_seen(const fxs_file_view *view, const float place[3])
+static int is_seen(const fxs_view *view, const float place[3])
 {
     double seen[3] = {0, 0, 0};
     for (int i = 0; i < 3; i++)
@@ -117,7 +117,7 @@ static void widen(neighbourhood *n, float *sorted)
     }
 }
 
-static int is_chosen(const neighbourhood *n, const fxs_file_view *view)
+static int is_chosen(const neighbourhood *n, const fxs_view *view)
 {
     size_t seen = 0;
     int stands_in = 1;

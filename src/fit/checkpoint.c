@@ -451,7 +451,7 @@ int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos,
         error = resume(fit, a, path, photos, photo_count, options, message);
     close_input(a);
     if (error) {
-        fxs_fit_free(*fit);
+        fxs_fit_destroy(*fit);
         *fit = NULL;
     }
     return error;

@@ -63,7 +63,7 @@ void fxs_fit_coarse_free(fxs_fit_coarse *coarse)
 {
     if (!coarse)
         return;
-    fxs_fit_free(coarse->fit);
+    fxs_fit_destroy(coarse->fit);
     free(coarse->cameras);
     free(coarse);
 }
@@ -155,7 +155,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
         error = fxs_fit_hand_over(*fit, message);
     }
     if (error) {
-        fxs_fit_free(*fit);
+        fxs_fit_destroy(*fit);
         *fit = NULL;
     }
     return error;

@@ -34,7 +34,7 @@ size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe)
     return recipe == FXS_FIT_FAST ? 250000 : recipe == FXS_FIT_MCMC ? 1000000 : 1u << 22;
 }
 
-void fxs_fit_set_camera(fxs_fit_camera *c, const fxs_file_view *view)
+void fxs_fit_set_camera(fxs_fit_camera *c, const fxs_view *view)
 {
     memset(c, 0, sizeof *c);
     c->is_parallel = view->projection == FXS_ORTHOGRAPHIC;
@@ -62,7 +62,7 @@ static int is_within(const double place[3])
     return fabs(place[0]) <= farthest && fabs(place[1]) <= farthest && fabs(place[2]) <= farthest;
 }
 
-static int is_before(const fxs_file_view *view, const double place[3])
+static int is_before(const fxs_view *view, const double place[3])
 {
     double depth = 0;
     for (int k = 0; k < 3; k++)
@@ -128,7 +128,7 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     if (!count || count > UINT32_MAX)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs photographs");
     for (size_t i = 0; i < count; i++) {
-        const fxs_file_view *view = &photos[i].view;
+        const fxs_view *view = &photos[i].view;
         if (fxs_camera_from_view(&camera, view, &why))
             return fxs_fail_as(FXS_ERR_ARGUMENT, message, "photograph %zu: %s", i, why.text);
         if (view->projection != FXS_PERSPECTIVE)
@@ -225,7 +225,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     }
     if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->cameras.of ||
         !f->stepper) {
-        fxs_fit_free(f);
+        fxs_fit_destroy(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
     for (size_t i = 0; i < photo_count; i++) {
@@ -244,7 +244,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     }
     const int error = fxs_fit_choose_engine(f, message);
     if (error)
-        fxs_fit_free(f);
+        fxs_fit_destroy(f);
     else
         *fit = f;
     return error;
@@ -311,13 +311,13 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         error = fxs_fit_hand_over(*fit, message);
     }
     if (error) {
-        fxs_fit_free(*fit);
+        fxs_fit_destroy(*fit);
         *fit = NULL;
     }
     return error;
 }
 
-void fxs_fit_free(fxs_fit *f)
+void fxs_fit_destroy(fxs_fit *f)
 {
     if (!f)
         return;
@@ -482,7 +482,7 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     return error;
 }
 
-static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
+static void pose_view(fxs_view *view, const fxs_fit_pose *pose)
 {
     fxs_fit_camera own = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     double given[9];

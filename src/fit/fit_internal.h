@@ -27,7 +27,7 @@ struct fxs_fit {
 };
 
 /* Sets a view's camera, with Mahalanobis cut-off and without antialiasing. */
-void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_file_view *view);
+void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_view *view);
 
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);

@@ -3,10 +3,12 @@
 #include <fixsplat/fit.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/start.h>
+#include <fixsplat/internal/views.h>
 #include <math.h>
 #include <string.h>
 
-static double slope_of(const fxs_file_view *view, const double up[3])
+static double slope_of(const fxs_view *view, const double up[3])
 {
     const double *forward = view->rotation + 6;
     return fabs(forward[0] * up[0] + forward[1] * up[1] + forward[2] * up[2]);
@@ -25,7 +27,7 @@ int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *da
     fxs_start_of(&start, data);
     memcpy(start.up, up, sizeof up);
     fxs_start_to(data, &start);
-    fxs_file_view view = photos[best].view;
+    fxs_view view = photos[best].view;
     if (has_up)
         fxs_view_level(&view, up);
     return fxs_view_to_start(data, &view, message);

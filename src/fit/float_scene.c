@@ -140,7 +140,7 @@ static void place_from(const fxs_float_scene *s, const double eye[3])
     }
 }
 
-int fxs_float_scene_draw(fxs_float_scene *s, const fxs_file_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
+int fxs_float_scene_draw(fxs_float_scene *s, const fxs_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
                          fxs_message *message)
 {
     const fxs_fit_step_options options = {.sh_degree = s->sh_degree};

@@ -22,7 +22,7 @@ void fxs_float_scene_free(fxs_float_scene *scene);   /* scene may be null */
 void fxs_float_scene_nudge(fxs_float_scene *scene, double distance);
 
 /* Draws a view over black to width * height RGBA8 pixels, rows from the top. */
-int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_file_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
+int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
                          fxs_message *message);
 
 #ifdef __cplusplus

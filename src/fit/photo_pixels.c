@@ -20,13 +20,13 @@ typedef struct picture {
     const uint8_t *counts;         /* a byte per pixel, 0: ignored; null: all count */
 } picture;
 
-static int same_proportion(const fxs_file_view *view, int width, int height)
+static int same_proportion(const fxs_view *view, int width, int height)
 {
     const double by_width = (double)view->width * height, by_height = (double)view->height * width;
     return fabs(by_width - by_height) <= fmax(fmax(view->width, width), fmax(view->height, height));
 }
 
-static void scale(fxs_file_view *view, int width, int height)
+static void scale(fxs_view *view, int width, int height)
 {
     const double x = (double)width / view->width, y = (double)height / view->height;
     view->fx *= x;
@@ -37,7 +37,7 @@ static void scale(fxs_file_view *view, int width, int height)
     view->height = height;
 }
 
-static int fit_camera(const char *path, const fxs_listed_view *listed, const picture *p, fxs_file_view *view,
+static int fit_camera(const char *path, const fxs_listed_view *listed, const picture *p, fxs_view *view,
                       fxs_message *message)
 {
     *view = listed->view;
@@ -131,8 +131,8 @@ static int sample(const picture *p, const double at[2], uint16_t out[3])
     return counts[0] && counts[beside] && counts[under] && counts[under + beside];
 }
 
-static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
-                     const fxs_file_view *pinhole, int y, uint16_t *row, uint8_t *counts)
+static void bent_row(const picture *p, const fxs_lens *lens, const fxs_view *photograph,
+                     const fxs_view *pinhole, int y, uint16_t *row, uint8_t *counts)
 {
     const double v = (y + 0.5 - pinhole->cy) / pinhole->fy;
     for (int x = 0; x < p->width; x++, row += 3) {
@@ -215,8 +215,8 @@ static void work_free(work *w)
 }
 
 /* pinhole null: no distortion. mask null: all pixels count; else it is 1 everywhere on entry. */
-static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
-                    const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
+static void average(const picture *p, const fxs_lens *lens, const fxs_view *photograph,
+                    const fxs_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
 {
     const size_t values = 3 * (size_t)width;
     const uint64_t area = (uint64_t)p->width * (uint64_t)p->height;
@@ -255,7 +255,7 @@ static void smaller_size(const picture *p, int resolution, int size[2])
 static int finish(const char *path, const fxs_listed_view *listed, const picture *p, int resolution,
                   fxs_photo_pixels *photo, fxs_message *message)
 {
-    fxs_file_view photograph, *const pinhole = &photo->view;
+    fxs_view photograph, *const pinhole = &photo->view;
     const int bends = !fxs_lens_is_pinhole(&listed->lens);
     int size[2];
     FXS_TRY(fit_camera(path, listed, p, &photograph, message));
@@ -279,7 +279,7 @@ static int finish(const char *path, const fxs_listed_view *listed, const picture
     return allocated ? 0 : fxs_fail_memory(message, path, bytes);
 }
 
-void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view)
+void fxs_photo_view(const fxs_listed_view *listed, fxs_view *view)
 {
     if (fxs_lens_is_pinhole(&listed->lens) || !fxs_lens_fill(&listed->lens, &listed->view, view))
         *view = listed->view;

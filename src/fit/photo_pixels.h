@@ -6,7 +6,7 @@
 #include "photo_masks.h"
 
 typedef struct fxs_photo_pixels {
-    fxs_file_view view;            /* pinhole camera of `pixels` */
+    fxs_view view;            /* pinhole camera of `pixels` */
     uint8_t *pixels;               /* RGB; freed by the caller */
     uint8_t *mask;                 /* a byte per pixel, 0: ignored; null: all count; freed by the caller */
     double exposure;               /* relative exposure; 0: unknown */
@@ -18,6 +18,6 @@ int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resoluti
                    const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message);
 
 /* Sets the pinhole view at the size in the camera file, which must state a size or a field of view. */
-void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view);
+void fxs_photo_view(const fxs_listed_view *listed, fxs_view *view);
 
 #endif

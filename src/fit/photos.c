@@ -149,7 +149,7 @@ typedef struct box {
 
 static const box empty_box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-static void take_camera(box *b, const fxs_file_view *view)
+static void take_camera(box *b, const fxs_view *view)
 {
     for (int k = 0; k < 3; k++) {
         b->low[k] = view->position[k] < b->low[k] ? view->position[k] : b->low[k];
@@ -197,7 +197,7 @@ int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, ui
 static int in_front(const fxs_view_list *views, const fxs_fit_point *point)
 {
     for (size_t i = 0; i < views->count; i++) {
-        const fxs_file_view *v = &views->views[i].view;
+        const fxs_view *v = &views->views[i].view;
         double depth = 0;
         for (int k = 0; k < 3; k++)
             depth += v->rotation[6 + k] * ((double)point->position[k] - v->position[k]);

@@ -355,7 +355,7 @@ static int refine_far(void *data, size_t bytes, const fxs_refine_options *option
                       fxs_message *message)
 {
     fxs_refine_options near = *options;
-    fxs_file_view *views = malloc((options->view_count + 1) * sizeof *views);
+    fxs_view *views = malloc((options->view_count + 1) * sizeof *views);
     double back[3];
     if (!views)
         return fxs_fail_memory(message, "levels of detail", options->view_count * sizeof *views);

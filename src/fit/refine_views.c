@@ -9,6 +9,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/views.h>
 #include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/camera/camera_internal.h"
@@ -62,7 +63,7 @@ static size_t picture_bytes(const fxs_scene *scene)
     return 3 * longer * longer;
 }
 
-static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *scene, const fxs_refine_options *o,
+static int look_around(fxs_view views[FXS_REFINE_VIEWS], const fxs_scene *scene, const fxs_refine_options *o,
                        const double low[3], const double high[3], fxs_message *message)
 {
     const int longer = longer_of(scene, FXS_REFINE_LARGE), shorter = longer / 3 * 2;
@@ -89,7 +90,7 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
             eye[k] = views[i].position[k];
             target[k] = (low[k] + high[k]) / 2 + (1 - c.part) * (high[k] - low[k]) / 2 * random_between(i, (uint32_t)k);
         }
-        FXS_TRY(fxs_view_look_at(&views[i], eye, target, up, FOV, longer, shorter, message));
+        FXS_TRY(fxs_view_look_at(&views[i], eye, target, up, &(fxs_picture){FOV, longer, shorter}, message));
         views[i].near = fxs_near_of_box(low, high);
         cosine = cosine * TURN_COSINE - sine * TURN_SINE;
         sine = sine * TURN_COSINE + turned * TURN_SINE;
@@ -97,7 +98,7 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
     return (int)count;
 }
 
-static void limit(fxs_file_view *view, int most)
+static void limit(fxs_view *view, int most)
 {
     const int64_t longer = view->width > view->height ? view->width : view->height;
     if (longer > most)
@@ -105,16 +106,16 @@ static void limit(fxs_file_view *view, int most)
                         (int)((view->height * most + longer / 2) / longer));
 }
 
-static int is_usable(const fxs_file_view *view)
+static int is_usable(const fxs_view *view)
 {
     fxs_camera camera;
     fxs_message unwanted;
-    fxs_file_view small = *view;
+    fxs_view small = *view;
     limit(&small, LEAST / 3 * 2);
     return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, &small, &unwanted);
 }
 
-static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_options *o)
+static int choose_given(fxs_view views[FXS_REFINE_VIEWS], const fxs_refine_options *o)
 {
     size_t usable = 0, seen = 0;
     uint32_t count = 0;
@@ -130,7 +131,7 @@ static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_
     return (int)count;
 }
 
-static int render(const fxs_context *context, const fxs_scene *scene, const fxs_file_view *view, uint8_t *rgba,
+static int render(const fxs_context *context, const fxs_scene *scene, const fxs_view *view, uint8_t *rgba,
                   fxs_message *message)
 {
     fxs_object object;
@@ -148,7 +149,7 @@ static int render(const fxs_context *context, const fxs_scene *scene, const fxs_
     return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : 0;
 }
 
-static int take_photograph(fxs_fit_photograph *p, uint8_t *to, const fxs_file_view *view, const fxs_scene *scene,
+static int take_photograph(fxs_fit_photograph *p, uint8_t *to, const fxs_view *view, const fxs_scene *scene,
                            const fxs_context *context, fxs_message *message)
 {
     const size_t pixels = (size_t)view->width * (size_t)view->height;
@@ -164,7 +165,7 @@ static int take_photograph(fxs_fit_photograph *p, uint8_t *to, const fxs_file_vi
     return error;
 }
 
-static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, const fxs_scene *scene,
+static int take_photographs(fxs_refine_views *v, const fxs_view *views, const fxs_scene *scene,
                             const fxs_refine_options *o, fxs_message *message)
 {
     const int first = o->steps ? FXS_REFINE_LARGE : FXS_REFINE_SMALL;
@@ -174,7 +175,7 @@ static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, con
         return fxs_fail_memory(message, "pictures of the scene", bytes);
     for (int size = first; size < FXS_REFINE_SIZES; size++)
         for (uint32_t i = 0; i < v->count; i++, to += each) {
-            fxs_file_view view = views[i];
+            fxs_view view = views[i];
             limit(&view, longer_of(scene, size));
             FXS_TRY(take_photograph(&v->photographs[size][i], to, &view, scene, o->context, message));
         }
@@ -184,7 +185,7 @@ static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, con
 int fxs_refine_views_make(fxs_refine_views *v, const fxs_scene *scene, const void *data, const fxs_refine_options *o,
                           fxs_message *message)
 {
-    fxs_file_view views[FXS_REFINE_VIEWS];
+    fxs_view views[FXS_REFINE_VIEWS];
     double low[3], high[3], square = 0;
     memset(v, 0, sizeof *v);
     read_box(data, low, high);

@@ -24,7 +24,7 @@ typedef struct cells {
 } cells;
 
 /* Projects a place to pixels. Returns true if it is at most `beyond` pixels outside of the picture. */
-static int project(const fxs_file_view *view, const double place[3], double beyond, double at[2])
+static int project(const fxs_view *view, const double place[3], double beyond, double at[2])
 {
     double seen[3] = {0, 0, 0};
     for (int i = 0; i < 9; i++)
@@ -41,7 +41,7 @@ static void place_of(const fxs_fit_point *point, double place[3])
         place[k] = (double)point->position[k];
 }
 
-static void find_cells(cells *c, const fxs_file_view *view, const fxs_fit_point *points, size_t count)
+static void find_cells(cells *c, const fxs_view *view, const fxs_fit_point *points, size_t count)
 {
     const size_t some = count < MOST ? count : MOST;
     memset(c->is_near, 0, sizeof c->is_near);

@@ -30,7 +30,7 @@ static const signed char axes[FXS_PANORAMA_FACES][3] = {
     {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
 };
 
-void fxs_panorama_face(const fxs_file_view *view, int number, int width, fxs_file_view *out)
+void fxs_panorama_face(const fxs_view *view, int number, int width, fxs_view *out)
 {
     const face f = face_of(width);
     *out = *view;

@@ -14,7 +14,7 @@ extern "C" {
 int fxs_panorama_face_size(int width);
 
 /* Makes the view of a cube face: 0 to 5 are ahead, right, behind, left, up, down. */
-void fxs_panorama_face(const fxs_file_view *view, int face, int width, fxs_file_view *out);
+void fxs_panorama_face(const fxs_view *view, int face, int width, fxs_view *out);
 
 /* Writes rows first to end - 1 of a panorama. The view's z axis is in the middle, its y axis at the lower edge.
    Pictures are RGBA without padding. */

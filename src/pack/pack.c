@@ -14,6 +14,7 @@
 #include "src/base/options.h"
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/start.h>
 #include "src/base/pages_internal.h"
 #include "src/base/run.h"
 #include "src/base/try_internal.h"

@@ -80,7 +80,7 @@ static int frame(const fxs_request *request, void *memory, fxs_stats *stats)
     return fxs_compute_render(compute, request, copies, memory, stats, &why);
 }
 
-static void row(const char *name, const fxs_scene *scene, const fxs_file_view *view)
+static void row(const char *name, const fxs_scene *scene, const fxs_view *view)
 {
     static double times[FXS_COMPUTE_PROGRAMS][REPEATS], whole[REPEATS], clock_times[REPEATS];
     fxs_object object;
@@ -101,7 +101,7 @@ static void row(const char *name, const fxs_scene *scene, const fxs_file_view *v
         const uint64_t start = fxs_clock(0);
         error = frame(&request, memory, &stats);
         clock_times[at] = (double)(fxs_clock(0) - start) * 1e-6;
-        whole[at] = (double)fxs_compute_nanoseconds(compute) * 1e-6;
+        whole[at] = (double)fxs_compute_info(compute).nanoseconds * 1e-6;
         profiled = 1;
         compute->timer = 0;
         error = error ? error : frame(&request, memory, &stats);
@@ -126,16 +126,16 @@ static void row(const char *name, const fxs_scene *scene, const fxs_file_view *v
     fflush(stdout);
 }
 
-static fxs_file_view overview(const fxs_packed_header *header)
+static fxs_view overview(const fxs_packed_header *header)
 {
     const double up[3] = {0, -1, 0};
     double low[3], high[3];
-    fxs_file_view view;
+    fxs_view view;
     for (int k = 0; k < 3; k++) {
         low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
         high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
     }
-    fxs_view_frame_box(&view, low, high, up, 50, width, height, &why);
+    fxs_view_frame_box(&view, low, high, up, &(fxs_picture){50, width, height}, &why);
     return view;
 }
 
@@ -157,8 +157,8 @@ static void rows_of_scene(char *argument)
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     fxs_mapping file;
     fxs_scene scene;
-    fxs_file_view *views = 0, view;
-    if (fxs_map(&file, path, &why)) {
+    fxs_view *views = 0, view;
+    if (fxs_map_open(&file, path, &why)) {
         puts(why.text);
         return;
     }
@@ -177,7 +177,7 @@ static void rows_of_scene(char *argument)
     }
     free(views);
     fxs_compute_drop(compute, &copy);
-    fxs_unmap(&file);
+    fxs_map_close(&file);
 }
 
 #define HEAD(entry) " | " #entry
@@ -185,8 +185,7 @@ static void rows_of_scene(char *argument)
 int main(int argc, char **argv)
 {
     static const fxs_backend_options options = {.size = sizeof(fxs_backend_options)};
-    compute = malloc(fxs_compute_bytes());
-    if (fxs_egl_open(&egl, &why) || fxs_compute_init(compute, fxs_egl_load, fxs_egl_use, egl, &why) ||
+    if (fxs_egl_open(&egl, &why) || fxs_compute_create(&compute, fxs_egl_load, fxs_egl_use, egl, &why) ||
         fxs_backend_cpu.open(&cpu, &options, &why))
         return puts(why.text), 1;
     if (!compute->timer)
@@ -196,7 +195,7 @@ int main(int argc, char **argv)
     compute->gl.UseProgram = use_and_time;
     compute->more.CopyBufferSubData = copy_untimed;
     compute->gl.GenQueries(FXS_COMPUTE_PROGRAMS, queries);
-    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute),
+    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_info(compute).renderer,
            (double)compute->rooms.most / 1048576);
     printf("| scene | visible | entries" FXS_COMPUTE_PROGRAMS_OF(HEAD) " | frame | to the host | same | MB |\n");
     for (int i = 1; i < argc; i++) {
@@ -208,7 +207,7 @@ int main(int argc, char **argv)
         free(pixels[0]);
         free(pixels[1]);
     }
-    fxs_compute_free(compute);
+    fxs_compute_destroy(compute);
     fxs_backend_cpu.close(cpu);
     fxs_egl_close(egl);
     return 0;

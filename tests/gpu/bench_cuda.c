@@ -128,7 +128,7 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
     fflush(stdout);
 }
 
-static void rows_of_eyes(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_file_view view)
+static void rows_of_eyes(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_view view)
 {
     static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 0}, eyes = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 1};
     fxs_message message;
@@ -139,7 +139,7 @@ static void rows_of_eyes(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     row(batch, 0, name, &camera, &eyes);
 }
 
-static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_file_view view, int more)
+static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_view view, int more)
 {
     static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 0}, square = {FXS_CUTOFF_SQUARE, 0, 0, 0};
     static const kind ids = {FXS_CUTOFF_MAHALANOBIS, 1, 0, 0}, means = {FXS_CUTOFF_MAHALANOBIS, 1, 1, 0};
@@ -160,18 +160,18 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
 }
 
 /* A view of the scene's box, widened for `aside` objects along x and z. */
-static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
+static fxs_view overview(const fxs_packed_header *header, uint32_t aside)
 {
     const double up[3] = {0, -1, 0};
     double low[3], high[3];
-    fxs_file_view view;
+    fxs_view view;
     fxs_message message;
     for (int k = 0; k < 3; k++) {
         low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
         high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
         high[k] += k == 1 ? 0 : (high[k] - low[k]) * (aside - 1);
     }
-    fxs_view_frame_box(&view, low, high, up, 50, 1920, 1080, &message);
+    fxs_view_frame_box(&view, low, high, up, &(fxs_picture){50, 1920, 1080}, &message);
     return view;
 }
 
@@ -199,7 +199,7 @@ static void rows_of_scene(char *argument)
     fxs_mapping file;
     fxs_scene scene;
     fxs_message message;
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     fxs_cuda *single = 0, *batch = 0;
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     if (times)
@@ -208,7 +208,7 @@ static void rows_of_scene(char *argument)
         *limit++ = 0;
     budget = limit ? (uint32_t)strtoul(limit, 0, 10) : 0;
     const int count = times ? atoi(times) : 1;
-    if (count < 1 || count > OBJECTS || fxs_map(&file, path, &message)) {
+    if (count < 1 || count > OBJECTS || fxs_map_open(&file, path, &message)) {
         puts(count < 1 || count > OBJECTS ? "FILE@N: expected 1 to 400" : message.text);
         return;
     }
@@ -232,7 +232,7 @@ static void rows_of_scene(char *argument)
     free(views);
     fxs_cuda_destroy(single);
     fxs_cuda_destroy(batch);
-    fxs_unmap(&file);
+    fxs_map_close(&file);
 }
 
 int main(int argc, char **argv)

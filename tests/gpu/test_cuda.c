@@ -213,7 +213,7 @@ static void twice(pictures p[2], const fxs_camera *camera, unsigned which, enum 
 /* ---- A frame by the C stages ------------------------------------------------------------------------------------- */
 
 typedef struct expected {
-    fxs_view view;
+    fxs_stage_view view;
     uint32_t count, tiles;
     fxs_splat *splats;
     fxs_bounds *bounds;
@@ -344,7 +344,7 @@ static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, co
 {
     fxs_context context;
     const fxs_request request = request_for(frame->objects, frame->count, options, 1, &frame->camera, targets);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
     if (!memory || fxs_render(&context, &request, memory, bytes, 0))
@@ -508,12 +508,12 @@ static void overview(fxs_camera *camera, const fxs_packed_header *header)
 {
     const double up[3] = {0, -1, 0};
     double low[3], high[3];
-    fxs_file_view view;
+    fxs_view view;
     for (int k = 0; k < 3; k++) {
         low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
         high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
     }
-    fxs_view_frame_box(&view, low, high, up, 50, 1280, 720, &why);
+    fxs_view_frame_box(&view, low, high, up, &(fxs_picture){50, 1280, 720}, &why);
     fxs_camera_from_view(camera, &view, &why);
 }
 
@@ -527,7 +527,7 @@ static void test_files(void)
         fxs_camera camera;
         fxs_options options;
         fxs_object objects[2];
-        if (!CHECK(!fxs_map(&file, files[i], &why)) || !CHECK(!fxs_scene_open(&scene, file.data, file.bytes)))
+        if (!CHECK(!fxs_map_open(&file, files[i], &why)) || !CHECK(!fxs_scene_open(&scene, file.data, file.bytes)))
             continue;
         overview(&camera, file.data);
         fxs_options_init(&options);
@@ -542,7 +542,7 @@ static void test_files(void)
         if (!good)
             printf("  %s\n", files[i]);
         fxs_cuda_forget(cuda, &scene);
-        fxs_unmap(&file);
+        fxs_map_close(&file);
     }
 }
 
@@ -1087,7 +1087,7 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
     fxs_context context;
     const fxs_camera cameras[2] = {frames[0].camera, frames[1].camera};
     const fxs_request request = request_for(frames->objects, frames->count, options, 2, cameras, targets);
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
     if (!memory)

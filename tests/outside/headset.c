@@ -152,7 +152,7 @@ static void turn(const pose *p, double rotation[9], double position[3])
 static int camera_of(const view *v, fxs_camera *camera)
 {
     fxs_message message;
-    fxs_file_view file;
+    fxs_view file;
     const double tangents[4] = {tan(v->fov.left), tan(v->fov.right), tan(v->fov.up), tan(v->fov.down)};
     memset(&file, 0, sizeof file);
     file.width = WIDTH;
@@ -221,7 +221,7 @@ static void fill_depth(const program *p, GLuint framebuffer)
     gl.Disable(GL_DEPTH_TEST);
 }
 
-static int draw(program *p, const fxs_request *request, const fxs_gles_target *target)
+static int draw(program *p, const fxs_request *request, const fxs_gl_target *target)
 {
     const fxs_compute_scene *const copies[] = {&p->copy};
     fxs_message message;
@@ -233,12 +233,12 @@ static int draw(program *p, const fxs_request *request, const fxs_gles_target *t
 static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapchain *s)
 {
     const unsigned image = s->acquired % IMAGES;
-    fxs_gles_target target;
+    fxs_gl_target target;
     fxs_request request;
     fxs_request_init(&request, &p->object, 1);
     request.options = p->options;
     request.cameras[0] = *camera;
-    fxs_gles_target_init(&target);
+    fxs_gl_target_init(&target);
     target.framebuffer = s->framebuffers[0][image];
     target.depths_and_ids = 1;
     int error = draw(p, &request, &target);
@@ -353,17 +353,15 @@ static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
 static int open_compute(program *p, void *egl)
 {
     fxs_message message;
-    p->compute = (fxs_compute *)malloc(fxs_compute_bytes());
-    if (!p->compute || fxs_compute_init(p->compute, fxs_egl_load, fxs_egl_use, egl, &message))
+    if (fxs_compute_create(&p->compute, fxs_egl_load, fxs_egl_use, egl, &message))
         return printf("skip: %s\n", message.text), 77;
     return fxs_compute_upload(p->compute, &p->copy, &p->scene, &message);
 }
 
 static int open_gles(program *p, void *egl)
 {
-    char text[FXS_GLES_MESSAGE];
-    p->gles = (fxs_gles *)malloc(fxs_gles_bytes());
-    return !p->gles || fxs_gles_init(p->gles, fxs_egl_load, fxs_egl_use, egl, text) ? puts("no OpenGL ES 3.0"), 1 : 0;
+    fxs_message message;
+    return fxs_gles_create(&p->gles, fxs_egl_load, fxs_egl_use, egl, &message) ? puts("no OpenGL ES 3.0"), 1 : 0;
 }
 
 static int open_graphics(program *p, int by_compute, void **egl)
@@ -381,7 +379,7 @@ static int open_graphics(program *p, int by_compute, void **egl)
     attach(p->copying, GL_COLOR_ATTACHMENT0, p->copies);
     p->to_depth = make_program(to_depth);
     p->to_words = make_program(to_words);
-    fxs_init(&p->context, 0);
+    fxs_context_init(&p->context, 0);
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     p->context.config.kernels = &fastest;
@@ -394,14 +392,11 @@ static int open_graphics(program *p, int by_compute, void **egl)
 
 static void close_graphics(program *p, void *egl)
 {
-    if (p->compute) {
+    if (p->compute)
         fxs_compute_drop(p->compute, &p->copy);
-        fxs_compute_free(p->compute);
-    } else
-        fxs_gles_free(p->gles);
+    fxs_compute_destroy(p->compute);
+    fxs_gles_destroy(p->gles);
     fxs_egl_close(egl);
-    free(p->compute);
-    free(p->gles);
     free(p->allocation);
 }
 

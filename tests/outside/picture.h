@@ -41,7 +41,7 @@ static inline int picture(const fxs_scene *scene)
     fxs_context context;
     fxs_object object;
     fxs_request request;
-    if (fxs_init(&context, 0))
+    if (fxs_context_init(&context, 0))
         return 1;
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());

@@ -75,7 +75,7 @@ int main(int argc, char **argv)
     fxs_message message = {.text = "not found"};
     fxs_open_options options = {.size = sizeof(fxs_open_options), .file.progress = go_on, .progress = go_on};
     fxs_opened *opened;
-    fxs_file_view *views;
+    fxs_view *views;
     fxs_placement placement;
     fxs_object object;
     fxs_crop crops[FXS_MAX_CROPS];
@@ -88,7 +88,7 @@ int main(int argc, char **argv)
     must(CALL(fxs_open)(argv[2], &options, &opened, &message), &message);
     void (*const close)(fxs_opened *) = CALL(fxs_close);
     must(CALL(fxs_camera_file_read)(argv[3], &views, &message), &message);
-    const fxs_file_view view = views[0];
+    const fxs_view view = views[0];
     CALL(fxs_release)(NULL, views);
     CALL(fxs_placement_init)(&placement, 0, 0);
     must(CALL(fxs_object_place)(&object, opened->scene, &placement, crops, &message), &message);

@@ -1,4 +1,6 @@
 /* fixsplat bench: times the stages of rendering, and compares the times with an earlier run. */
+#include <fixsplat/internal/views.h>
+
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,9 +77,9 @@ static spread spread_of(double *values, int count)
     return (spread){values[0], (values[(count - 1) / 2] + values[count / 2]) / 2, values[count - 1]};
 }
 
-static fxs_file_view view_of_frame(const bench_options *o, const world *w, const fxs_file_view *view, int i)
+static fxs_view view_of_frame(const bench_options *o, const world *w, const fxs_view *view, int i)
 {
-    fxs_file_view turned = *view;
+    fxs_view turned = *view;
     double middle[3];
     for (int k = 0; k < 3; k++)
         middle[k] = (w->inner_low[k] + w->inner_high[k]) / 2;
@@ -87,7 +89,7 @@ static fxs_file_view view_of_frame(const bench_options *o, const world *w, const
 }
 
 static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o, const world *w,
-                   const fxs_file_view *view)
+                   const fxs_view *view)
 {
     enum { WARM_UP = 2 };
     int frames = o->frames, status = 0;
@@ -97,7 +99,7 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
     picture pixels = {.pixels = 0};
     for (int i = -WARM_UP; i < frames && !status; i++) {
         fxs_stats stats;
-        fxs_file_view turned = view_of_frame(o, w, view, i);
+        fxs_view turned = view_of_frame(o, w, view, i);
         status = renderer_render(r, w, &turned, &o->frame.render, &pixels, &stats);
         for (int s = 0; s < FXS_STAGES && i >= 0; s++)
             times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
@@ -137,7 +139,7 @@ static void name_scenes(char names[SCENES_ROOM], const world *w)
     }
 }
 
-static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
+static void name_camera(char text[CAMERA_ROOM], const fxs_view *v)
 {
     const double *r = v->rotation, *p = v->position;
     snprintf(text, CAMERA_ROOM, "%s %.9g %.9g %.9g, %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g, %.9g %.9g %.9g %.9g, "
@@ -158,7 +160,7 @@ static void name_processor(char name[128])
 }
 
 static void state(bench_facts *f, const renderer *r, const bench_options *o, const world *w,
-                  const fxs_file_view *view)
+                  const fxs_view *view)
 {
     name_scenes(f->scenes, w);
     name_camera(f->camera, view);
@@ -195,7 +197,7 @@ static void print_ratios(const spread columns[COLUMNS], const bench_earlier *ear
 /* ---- Printed ----------------------------------------------------------------------------------------------------- */
 
 static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o, const world *w,
-                       const fxs_file_view *view)
+                       const fxs_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
            w->gaussians, view->width, view->height, o->frame.threads, cutoff_names[o->frame.render.cutoff], o->frames,
@@ -224,7 +226,7 @@ static void print_json(const spread columns[COLUMNS], const bench_fact facts[FAC
     puts("}}");
 }
 
-static int bench(renderer *r, const bench_options *o, const world *w, const fxs_file_view *view)
+static int bench(renderer *r, const bench_options *o, const world *w, const fxs_view *view)
 {
     spread columns[COLUMNS];
     bench_facts f;
@@ -248,7 +250,7 @@ static int run(int argc, char **argv)
     bench_options o;
     renderer r;
     world w;
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     int status = read_options(&o, argc, argv);
     if (status)
         return status;

@@ -11,6 +11,9 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/kernels.h>
 #include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/start.h>
+#include <fixsplat/internal/views.h>
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"
@@ -35,7 +38,7 @@ typedef struct convert_options {
     int spz_version;
     int spz_fine;
     int has_start;
-    fxs_file_view start;
+    fxs_view start;
     int start_is_level;
     int refine_steps;
     int has_refine;
@@ -175,14 +178,14 @@ static int take_start(const option_row *row, void *field, const char *value)
     const char *colon = strrchr(value, ':');
     double n[7] = {[6] = 50};
     char file[4096];
-    fxs_file_view *views;
+    fxs_view *views;
     fxs_message message;
     o->has_start = 1;
     if (parse_vector(value, 6, n) || parse_vector(value, 7, n)) {
         if (!(n[6] >= 1 && n[6] <= 170))
             return wrong_value(row, value);
         o->start_is_level = 1;
-        return fxs_view_look_at(&o->start, n, n + 3, up, n[6], 1280, 720, &message)
+        return fxs_view_look_at(&o->start, n, n + 3, up, &(fxs_picture){n[6], 1280, 720}, &message)
                    ? fail(EXIT_USAGE, "--start-view %s: %s", value, message.text) : 0;
     }
     if (!*value)
@@ -359,7 +362,7 @@ static void check_views(const world *packed, const convert_options *o, const loa
 }
 
 static int refine_by(const convert_options *o, const fxs_opened *packed, const load_options *load,
-                     const fxs_file_view *views, long count)
+                     const fxs_view *views, long count)
 {
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
@@ -374,7 +377,7 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
     if (!pool)
         return fail(EXIT_FAILED, "out of memory: %u threads", (unsigned)threads);
     fxs_kernels_choose(&fastest, ~0u);
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     how.progress = progress_of(load, label, &how.argument);
     const int error = fxs_refine((void *)(uintptr_t)packed->data, packed->bytes, &how, &message);
     fxs_pool_destroy(pool);
@@ -383,7 +386,7 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
 
 static int refine(const convert_options *o, const fxs_opened *packed, const load_options *load)
 {
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     fxs_message message;
     long count = 0;
     if (o->cameras)
@@ -397,7 +400,7 @@ static int refine(const convert_options *o, const fxs_opened *packed, const load
 
 static int keep_start(const convert_options *o, void *header, fxs_message *message)
 {
-    fxs_file_view view = o->start;
+    fxs_view view = o->start;
     fxs_start start;
     fxs_start_of(&start, header);
     if (o->start_is_level)

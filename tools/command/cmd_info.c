@@ -7,9 +7,12 @@
 #include <fixsplat/backend.h>
 #include <fixsplat/board.h>
 #include "port/board/turntable.h"
+#include "src/pack/weight.h"
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/stage.h>
 #include "tree_levels.h"
 #include "quality.h"
 #include "stats.h"
@@ -490,7 +493,7 @@ static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *
     fxs_context context;
     fxs_request request;
     fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, enough, 0, {0}};
-    fxs_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
+    fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
     fxs_request_init(&request, &t->object, 1);
     for (uint32_t turn = 0; turn < 16; turn++) {
         fxs_stats stats;
@@ -517,7 +520,7 @@ static int measure_board(findings *f, int width, int height)
     const int error = fxs_turntable_open(&t, s->opened->data, s->opened->bytes, width, height);
     if (error)
         return fail(EXIT_FAILED, "%s: %s", s->path, fxs_strerror(error));
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     *b = (board){.width = width, .height = height, .strip = (size_t)width * 16 * 2, .rows = SIZE_MAX};
     fxs_frame_bytes(&context, &t.object, 1, width, height, &b->memory);
     void *memory = malloc(b->memory.least + 63), *rows = malloc(b->strip);
@@ -575,7 +578,7 @@ static int find(findings *f, const info_options *o)
     const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .threads = fxs_processors()};   /* used for sizes only */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     fxs_frame_bytes(&context, f->world.objects, f->world.count, f->width, f->height, &f->memory);
     const int status = o->board_width ? measure_board(f, o->board_width, o->board_height) : 0;
     return status || !o->original ? status : compare(f, o);

@@ -116,10 +116,10 @@ static void copy_file(void *argument, const char *name)
     join_path(path, c->from, name);
     if (c->status || is_folder(path))
         return;
-    c->status = fxs_map(&file, path, &why) ? fail_for(&why) : 0;
+    c->status = fxs_map_open(&file, path, &why) ? fail_for(&why) : 0;
     if (!c->status) {
         c->status = write_bytes(c->o, c->to, name, file.data, file.bytes);
-        fxs_unmap(&file);
+        fxs_map_close(&file);
     }
 }
 
@@ -136,10 +136,10 @@ static int copy_settings(publish_options *o)
     fxs_message why;
     if (!o->settings)
         return 0;
-    if (fxs_map(&file, o->settings, &why))
+    if (fxs_map_open(&file, o->settings, &why))
         return fail_for(&why);
     const int status = write_bytes(o, o->site, "settings.json", file.data, file.bytes);
-    fxs_unmap(&file);
+    fxs_map_close(&file);
     return status;
 }
 

@@ -23,8 +23,8 @@ typedef struct render_options {
 /* Renders all views and writes, compares or prints them. Returns the exit status. */
 int render_views(const render_options *o);
 
-int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view,
+int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_view *view,
                 const fxs_stats *stats);
-int print_pick(renderer *r, const render_options *o, const world *w, const fxs_file_view *view);
+int print_pick(renderer *r, const render_options *o, const world *w, const fxs_view *view);
 
 #endif

@@ -81,7 +81,7 @@ static int make_room(const renderer *r, picture *out, int width, int height)
 }
 
 /* Returns the fraction bits with which all depths of the world fit into 32 bits. */
-static int choose_depth_bits(const world *w, const fxs_file_view *view)
+static int choose_depth_bits(const world *w, const fxs_view *view)
 {
     double farthest = 1;
     int exponent;
@@ -122,10 +122,10 @@ static void cut(fxs_camera *camera, const int scissor[4])
 }
 
 /* Moves the camera by `offset` units along its right axis. `mirrored` flips its field of view left to right. */
-static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset, int mirrored)
+static int camera_beside(fxs_camera *camera, const fxs_view *view, double offset, int mirrored)
 {
     fxs_message message;
-    fxs_file_view beside = *view;
+    fxs_view beside = *view;
     for (int i = 0; i < 3; i++)
         beside.position[i] += offset * view->rotation[i];
     if (mirrored)
@@ -133,13 +133,13 @@ static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double o
     return fxs_camera_from_view(camera, &beside, &message) ? fail_for(&message) : 0;
 }
 
-int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera)
+int renderer_camera(const renderer *r, const fxs_view *view, fxs_camera *camera)
 {
     const int *s = r->scissor;
     if (r->has_scissor && (s[2] > view->width - s[0] || s[3] > view->height - s[1]))
         return fail(EXIT_FAILED, "--scissor %d,%d,%d,%d: view %s is %dx%d", s[0], s[1], s[2], s[3], view->name,
                     view->width, view->height);
-    fxs_file_view part = *view;
+    fxs_view part = *view;
     part.cx -= s[0];
     part.cy -= s[1];
     if (camera_beside(camera, &part, -r->stereo / 2, 0))
@@ -149,7 +149,7 @@ int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *ca
     return 0;
 }
 
-static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
+static int fail_frame(const renderer *r, const fxs_view *view, int error, const fxs_message *why)
 {
     char needed[64];
     if (error == FXS_ERR_STOPPED)
@@ -242,7 +242,7 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
                        "a larger --pool, or a smaller --budget", least);
 }
 
-int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
+int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats)
 {
     const int eyes = r->stereo > 0 ? 2 : 1;
@@ -276,7 +276,7 @@ static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_res
     return found;
 }
 
-int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, int x, int y,
+int renderer_pick(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, int x, int y,
                   fxs_pick_result *result)
 {
     fxs_request request;

@@ -45,14 +45,14 @@ void renderer_close(renderer *r);
 /* Frees the back end's copies of a world's scenes. Call renderer_forget before closing the world. */
 void renderer_forget(renderer *r, const world *w);
 
-int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera);
+int renderer_camera(const renderer *r, const fxs_view *view, fxs_camera *camera);
 
 /* Renders into *out, which grows as needed. `stats` may be null. */
-int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
+int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats);
 
 /* Finds the object and the Gaussian at a pixel. Returns 1 if found; 0: empty pixel; -1: failure. */
-int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, int x, int y,
+int renderer_pick(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, int x, int y,
                   fxs_pick_result *result);
 
 #endif

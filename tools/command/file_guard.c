@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <fixsplat/system.h>
+#include <fixsplat/internal/output.h>
 #include "src/base/opened.h"
 #include "src/base/os_calls.h"
 #include "command.h"

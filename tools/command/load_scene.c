@@ -1,6 +1,7 @@
 /* Opens scene files from disk, a server or standard input. Filters and decimates Gaussians, then packs, maps or
    pages the scene. */
 #include "load_scene.h"
+#include "src/pack/weight.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -12,6 +13,7 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
 #include "src/base/os_calls.h"
 #include "file_guard.h"
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/scene.h>
+#include <fixsplat/internal/placements.h>
 
 #include "command_line.h"
 

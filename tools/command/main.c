@@ -4,6 +4,7 @@
 #include <fixsplat/backend.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/output.h>
 #include "src/base/os_calls.h"
 #include "file_guard.h"
 #include "drawing.h"

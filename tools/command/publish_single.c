@@ -80,14 +80,14 @@ static int carry_file(carrier *c, const char *name)
     fxs_mapping mapping;
     fxs_message why;
     join_path(path, c->package, name);
-    if (fxs_map(&mapping, path, &why))
+    if (fxs_map_open(&mapping, path, &why))
         return fail_for(&why);
     fputs(c->count++ ? ",\n" : "{", c->file);
     write_json_string(c->file, name);
     fputs(": \"", c->file);
     const int status = write_packed(c->file, mapping.data, mapping.bytes);
     putc('"', c->file);
-    fxs_unmap(&mapping);
+    fxs_map_close(&mapping);
     return status;
 }
 
@@ -136,12 +136,12 @@ static int print_file(FILE *file, const char *package, const char *name, const c
     fxs_mapping mapping;
     fxs_message why;
     join_path(path, package, name);
-    if (fxs_map(&mapping, path, &why))
+    if (fxs_map_open(&mapping, path, &why))
         return fail_for(&why);
     fputs(before, file);
     fwrite(mapping.data, 1, mapping.bytes, file);
     fputs("</script>\n", file);
-    fxs_unmap(&mapping);
+    fxs_map_close(&mapping);
     return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <fixsplat/system.h>
+#include <fixsplat/internal/views.h>
 #include "src/fit/float_scene.h"
 #include "views.h"
 
@@ -57,7 +58,7 @@ static void find_middle(double middle[3], const world *scene)
         middle[k] = (scene->inner_low[k] + scene->inner_high[k]) / 2;
 }
 
-static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum fxs_cutoff cutoff, picture *out)
+static int draw_floats(fxs_float_scene *floats, const fxs_view *view, enum fxs_cutoff cutoff, picture *out)
 {
     fxs_message message;
     picture_free(out);
@@ -67,13 +68,13 @@ static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum 
     return fxs_float_scene_draw(floats, view, cutoff, out->pixels, &message) ? fail_for(&message) : 0;
 }
 
-static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_file_view *view)
+static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_view *view)
 {
     return fxs_metrics_compare(p->pictures[i].pixels, p->pictures[1].pixels, view->width, view->height, out)
         ? fail(EXIT_FAILED, "out of memory") : 0;
 }
 
-static int measure_nudged(quality_view *out, pair *p, const fxs_file_view *view)
+static int measure_nudged(quality_view *out, pair *p, const fxs_view *view)
 {
     struct fxs_metrics nudged;
     double middle[3], distance = 0;
@@ -90,7 +91,7 @@ static int measure_nudged(quality_view *out, pair *p, const fxs_file_view *view)
     return status;
 }
 
-static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_view *view, const fxs_options *options)
+static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_view *view, const fxs_options *options)
 {
     int status = p->floats[0] ? draw_floats(p->floats[0], view, options->cutoff, &p->pictures[0])
                               : renderer_render(r, p->scene, view, options, &p->pictures[0], 0);
@@ -108,7 +109,7 @@ static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_
 }
 
 /* Chooses a view from the camera file, or turned about the scene's middle at one of three distances. */
-static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const frame_options *options,
+static fxs_view choose(quality *q, long i, const fxs_view *views, long given, const frame_options *options,
                             const world *scene)
 {
     static const struct {
@@ -119,7 +120,7 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
     q->views[i].index = options->cameras ? i * given / q->count : i;
     if (options->cameras)
         return views[q->views[i].index];
-    fxs_file_view turned = views[0];
+    fxs_view turned = views[0];
     find_middle(middle, scene);
     for (int k = 0; k < 3; k++)
         turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
@@ -183,13 +184,13 @@ void quality_sum_up(quality *q)
     q->affine_psnr = q->has_affine ? mean_psnr(q, 1) : 0;
 }
 
-static int measure(quality *q, pair *p, const fxs_file_view *views, long given, const frame_options *options)
+static int measure(quality *q, pair *p, const fxs_view *views, long given, const frame_options *options)
 {
     renderer r;
     char label[] = "comparing";
     int status = renderer_open(&r, options);
     for (long i = 0; i < q->count && !status; i++) {
-        fxs_file_view view = choose(q, i, views, given, options, p->scene);
+        fxs_view view = choose(q, i, views, given, options, p->scene);
         progress_bar(label, (double)i / (double)q->count);
         status = measure_view(&q->views[i], &r, p, &view, &options->render);
     }
@@ -203,7 +204,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
 {
     pair p = {.scene = scene, .original_cutoff = original_cutoff, .nudge_below = nudge_below};
     frame_options all = *options;
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     all.view = "all";
     all.framed = 1;
     memset(q, 0, sizeof *q);

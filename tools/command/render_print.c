@@ -11,7 +11,7 @@ static int count_pairs(const render_options *o, const world *w, const fxs_camera
 {
     fxs_context context;
     fxs_request request;
-    fxs_init(&context, 0);
+    fxs_context_init(&context, 0);
     fxs_request_init(&request, w->objects, w->count);
     request.options = o->frame.render;
     request.cameras[0] = *camera;
@@ -22,7 +22,7 @@ static int count_pairs(const render_options *o, const world *w, const fxs_camera
     return error ? fail(EXIT_FAILED, "%s", fxs_strerror(error)) : 0;
 }
 
-static int print_pairs(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view)
+static int print_pairs(const renderer *r, const render_options *o, const world *w, const fxs_view *view)
 {
     fxs_camera camera;
     uint64_t evaluated, blended;
@@ -32,7 +32,7 @@ static int print_pairs(const renderer *r, const render_options *o, const world *
     return 0;
 }
 
-int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view,
+int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_view *view,
                 const fxs_stats *stats)
 {
     const fxs_frame_memory *memory = &stats->memory;
@@ -66,7 +66,7 @@ static double units(int64_t q32)
     return (double)q32 / 4294967296.0;
 }
 
-int print_pick(renderer *r, const render_options *o, const world *w, const fxs_file_view *view)
+int print_pick(renderer *r, const render_options *o, const world *w, const fxs_view *view)
 {
     fxs_pick_result p;
     const int x = o->pick[0], y = o->pick[1];

@@ -64,7 +64,7 @@ typedef struct drawn_round {
 typedef struct batch {
     const render_options *o;
     const world *world;
-    const fxs_file_view *views;
+    const fxs_view *views;
     const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
     long view_count;
     renderer renderers[DEVICES_MOST];
@@ -115,10 +115,10 @@ static int make_pixels(picture *out, int width, int height)
 
 static int draw_panorama(batch *b, int device, long number, picture *out)
 {
-    const fxs_file_view *view = &b->views[number];
+    const fxs_view *view = &b->views[number];
     panorama p = {.out = out};
     for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
-        fxs_file_view face;
+        fxs_view face;
         fxs_panorama_face(view, i, view->width, &face);
         if (renderer_render(&b->renderers[device], b->world, &face, &b->o->frame.render, &b->faces[device][i], 0))
             return EXIT_FAILED;
@@ -150,7 +150,7 @@ static void bend_rows(void *argument, uint32_t job)
 
 static int draw_bent(batch *b, int device, long number, picture *out)
 {
-    const fxs_file_view *view = &b->views[number];
+    const fxs_view *view = &b->views[number];
     const fxs_options *options = &b->o->frame.render;
     picture *straight = &b->faces[device][0];
     bent *d = calloc(1, sizeof *d);
@@ -318,7 +318,7 @@ static void *write_round(void *argument)
 }
 
 /* Prints a view's results. Call in ascending order of views. */
-static int report_view(batch *b, const drawn_view *d, const fxs_file_view *view)
+static int report_view(batch *b, const drawn_view *d, const fxs_view *view)
 {
     const render_options *o = b->o;
     if (d->status)
@@ -417,7 +417,7 @@ static int open_film(batch *b)
 {
     const render_options *o = b->o;
     const int eyes = o->frame.stereo > 0 ? 2 : 1, rate = o->rate ? o->rate : 30;
-    const fxs_file_view *first = b->views;
+    const fxs_view *first = b->views;
     fxs_message why;
     for (long i = 1; i < b->view_count && !o->has_scissor; i++)
         if (b->views[i].width != first->width || b->views[i].height != first->height)
@@ -501,7 +501,7 @@ int render_views(const render_options *o)
     static batch b;
     world w = {.count = 0};
     frame_options frame = o->frame;
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     fxs_lens *lenses = 0;
     b = (batch){.o = o, .world = &w};
     int status = open_renderers(&b, &o->frame);

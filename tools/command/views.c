@@ -8,6 +8,9 @@
 #include <string.h>
 
 #include <fixsplat/renderer.h>
+#include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/views.h>
 #include "src/camera/lens_file.h"
 
 enum { VIEWS_MOST = 100000 };
@@ -65,7 +68,7 @@ static int has_slashes_as(const char *view, const char *name)
     return !*view && !*name;
 }
 
-long find_view(const frame_options *options, const fxs_file_view *views, long count)
+long find_view(const frame_options *options, const fxs_view *views, long count)
 {
     const char *wanted = options->view ? options->view : "0";
     uint64_t number;
@@ -78,7 +81,7 @@ long find_view(const frame_options *options, const fxs_file_view *views, long co
     return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
 }
 
-static long take_one(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
+static long take_one(const frame_options *options, const fxs_view *views, long count, long **chosen)
 {
     const long index = find_view(options, views, count);
     if (index < 0)
@@ -92,7 +95,7 @@ static long take_one(const frame_options *options, const fxs_file_view *views, l
 
 /* Allocates the numbers of the views that --view names, and returns their count. On failure returns -1, and *chosen
    is null. */
-static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
+static long views_of_list(const frame_options *options, const fxs_view *views, long count, long **chosen)
 {
     const int several = names_several(options->view);
     *chosen = 0;
@@ -109,7 +112,7 @@ static long views_of_list(const frame_options *options, const fxs_file_view *vie
     return -1;
 }
 
-static void turn(const frame_options *o, const world *w, const fxs_file_view *first, fxs_file_view *frames)
+static void turn(const frame_options *o, const world *w, const fxs_view *first, fxs_view *frames)
 {
     double middle[3];
     for (int i = 0; i < 3; i++)
@@ -121,7 +124,7 @@ static void turn(const frame_options *o, const world *w, const fxs_file_view *fi
     }
 }
 
-static void pass_through(const frame_options *o, fxs_file_view *keys, long count, fxs_file_view *frames)
+static void pass_through(const frame_options *o, fxs_view *keys, long count, fxs_view *frames)
 {
     for (long i = 1; i < count; i++)
         if (keys[i].width != keys->width || keys[i].height != keys->height)
@@ -132,10 +135,10 @@ static void pass_through(const frame_options *o, fxs_file_view *keys, long count
 
 /* Replaces the views by the frames of an orbit, or of a path through the views, and returns their number. On failure
    returns -1, and *views is null. */
-static long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count)
+static long frames_of_film(const frame_options *options, const world *w, fxs_view **views, long count)
 {
     const long frames = options->orbit ? options->orbit : options->frames;
-    fxs_file_view *made = 0;
+    fxs_view *made = 0;
     if (options->orbit && count > 1)
         fail(-1, "--orbit begins at one view, --view %s are %ld", options->view, count);
     else if (options->frames && count < 2)
@@ -162,13 +165,13 @@ static int height_of(const frame_options *options)
 }
 
 /* Keeps the views that --view names, in new arrays. Returns their number; -1: failure. */
-static long keep_named(const frame_options *options, fxs_file_view **views, fxs_lens **lenses, long count)
+static long keep_named(const frame_options *options, fxs_view **views, fxs_lens **lenses, long count)
 {
     long *chosen;
     count = views_of_list(options, *views, count, &chosen);
     if (count < 0)
         return -1;
-    fxs_file_view *kept = malloc((size_t)count * sizeof *kept);
+    fxs_view *kept = malloc((size_t)count * sizeof *kept);
     fxs_lens *kept_lenses = malloc((size_t)count * sizeof *kept_lenses);
     const int memory = kept && kept_lenses;
     for (long i = 0; i < count && memory; i++) {
@@ -185,7 +188,7 @@ static long keep_named(const frame_options *options, fxs_file_view **views, fxs_
     return count;
 }
 
-static void say_bent(const frame_options *options, const fxs_file_view *views, long count)
+static void say_bent(const frame_options *options, const fxs_view *views, long count)
 {
     long bent = 0;
     for (long i = 0; i < count; i++)
@@ -195,7 +198,7 @@ static void say_bent(const frame_options *options, const fxs_file_view *views, l
              "it does", options->cameras, bent, count);
 }
 
-static long views_of_file(const frame_options *options, fxs_file_view **views, fxs_lens **lenses)
+static long views_of_file(const frame_options *options, fxs_view **views, fxs_lens **lenses)
 {
     const int sized = options->width || options->panorama;
     fxs_message message;
@@ -239,26 +242,31 @@ static double fov_of(const frame_options *o)
 
 /* Computes the start view of a single scene. Returns 0 if the scene has no start view or an option asks for another
    camera. */
-static int has_start(const frame_options *o, const world *w, fxs_file_view *view)
+static int has_start(const frame_options *o, const world *w, fxs_view *view)
 {
     return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
 /* Chooses the first view of a world that is wholly in memory. `is_up` 0: also finds the up direction. */
-static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_file_view *view,
+static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_view *view,
                         fxs_message *message)
 {
+    const fxs_picture picture = {fov_of(o), width_of(o), height_of(o)};
+    double box[2][3], up[3] = {0};
+    memcpy(box[0], w->inner_low, sizeof box[0]);
+    memcpy(box[1], w->inner_high, sizeof box[1]);
     if (is_up)
-        return fxs_first_view_upright(objects, w->count, w->inner_low, w->inner_high, o->up.at, fov_of(o), width_of(o),
-                                      height_of(o), view, message);
-    return fxs_first_view(objects, w->count, w->inner_low, w->inner_high, fov_of(o), width_of(o), height_of(o), view,
-                          o->up.at, message);
+        memcpy(up, o->up.at, sizeof up);
+    const int error = fxs_first_view(objects, w->count, box, up, &picture, view, message);
+    if (!error && !is_up)
+        memcpy(o->up.at, up, sizeof up);
+    return error;
 }
 
 /* A paged world is only partly in memory. The choice of a view needs whole scenes, so their files are mapped
    meanwhile. */
-static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
+static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
     fxs_object *objects = malloc(w->count * sizeof *objects);
@@ -289,12 +297,11 @@ static int is_of_server(const world *w)
 
 /* Uses the start view, else the view that shows most of the scene. A scene from a server is framed by its bounds, to
    avoid reading all of it. */
-static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
+static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_view *view, fxs_message *message)
 {
     if (!has_start(o, w, view) && is_of_server(w)) {
         note("%s: has no start view, so it is framed whole; convert --start-view gives it one", w->placed.files[0]);
-        return fxs_view_frame_box(view, w->inner_low, w->inner_high, o->up.at, fov_of(o), width_of(o), height_of(o),
-                                  message);
+        return fxs_view_frame_box(view, w->inner_low, w->inner_high, o->up.at, &(fxs_picture){fov_of(o), width_of(o), height_of(o)}, message);
     }
     if (!has_start(o, w, view))
         return world_is_paged(w) ? choose_by_files(o, w, is_up, view, message)
@@ -305,7 +312,7 @@ static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_v
     return 0;
 }
 
-static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
+static int make_view(const frame_options *options, const world *w, fxs_view *view, fxs_message *message)
 {
     const int width = width_of(options), height = height_of(options);
     const double fov = fov_of(options);
@@ -316,18 +323,18 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
     if (options->eye.given || options->panorama) {
         const double *eye = options->eye.given ? options->eye.at : middle;
         find_target(options, middle, eye, target);
-        result = fxs_view_look_at(view, eye, target, options->up.at, fov, width, height, message);
+        result = fxs_view_look_at(view, eye, target, options->up.at, &(fxs_picture){fov, width, height}, message);
     } else {
-        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, fov, width, height, message);
+        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, &(fxs_picture){fov, width, height}, message);
     }
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
     return result;
 }
 
-static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
+static int make_level(fxs_view *view, const frame_options *options, fxs_message *message)
 {
     const double *forward = view->rotation + 6, *up = options->up.at, *eye = view->position;
-    const fxs_file_view old = *view;
+    const fxs_view old = *view;
     double square = 0, along = 0, target[3];
     for (int i = 0; i < 3; i++) {
         square += up[i] * up[i];
@@ -335,14 +342,14 @@ static int make_level(fxs_file_view *view, const frame_options *options, fxs_mes
     }
     for (int i = 0; i < 3; i++)
         target[i] = eye[i] + forward[i] - (square > 0 ? along / square * up[i] : 0);
-    if (fxs_view_look_at(view, old.position, target, up, 90, old.width, old.height, message))
+    if (fxs_view_look_at(view, old.position, target, up, &(fxs_picture){90, old.width, old.height}, message))
         return -1;
     memcpy(view->name, old.name, sizeof view->name);
     view->near = old.near;
     return 0;
 }
 
-static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
+static int finish_view(const frame_options *options, fxs_view *view, fxs_message *message)
 {
     fxs_camera camera;
     if (options->near > 0)
@@ -359,10 +366,10 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
-static long choose(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
+static long choose(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses)
 {
     fxs_message message;
-    fxs_file_view first;
+    fxs_view first;
     long count = options->cameras ? views_of_file(options, views, lenses) : 1;
     if (count < 0)
         return -1;
@@ -386,7 +393,7 @@ static long choose(frame_options *options, const world *w, fxs_file_view **views
     return options->cameras ? fail(-1, "%s: %s", options->cameras, message.text) : fail(-1, "%s", message.text);
 }
 
-long choose_views(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
+long choose_views(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses)
 {
     fxs_lens *found = 0;
     const long count = choose(options, w, views, &found);

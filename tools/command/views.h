@@ -11,9 +11,9 @@ int names_several(const char *view);
 /* Allocates the views that the options ask for and returns their number. An up direction found in the scene is
    stored in the options. *lenses, initially null, gets the lenses of a camera file; `lenses` may be null. On failure
    prints the reason and returns -1. */
-long choose_views(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses);
+long choose_views(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses);
 
 /* Returns the number of the view that --view names, 0 by default. On failure prints the reason and returns -1. */
-long find_view(const frame_options *options, const fxs_file_view *views, long count);
+long find_view(const frame_options *options, const fxs_view *views, long count);
 
 #endif

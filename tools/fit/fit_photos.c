@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/system.h>
+#include <fixsplat/internal/fit_more.h>
 #include "src/base/os_calls.h"
 #include "tools/command/file_guard.h"
 #include "film_frames.h"
@@ -15,7 +16,7 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
 {
     int width = 0, height = 0;
     for (size_t i = 0; i < photos->fit_count; i++) {
-        const fxs_file_view *view = &photos->fit[i].view;
+        const fxs_view *view = &photos->fit[i].view;
         width = view->width > width ? view->width : width;
         height = view->height > height ? view->height : height;
     }
@@ -159,7 +160,7 @@ static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_bloc
     }
     if (!status)
         status = fit_end(c, fit, photos, block, &progress);
-    fxs_fit_free(fit);
+    fxs_fit_destroy(fit);
     return status;
 }
 

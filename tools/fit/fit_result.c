@@ -131,7 +131,7 @@ int result_write_cameras(const char *path, const fxs_photos *photos)
 {
     const size_t count = photos->fit_count + photos->held_out_count;
     fxs_message message;
-    fxs_file_view *views = malloc(count * sizeof *views);
+    fxs_view *views = malloc(count * sizeof *views);
     if (!views)
         return fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < count; i++)
@@ -176,7 +176,7 @@ static const fxs_fit_photo *measured_of(const fxs_photos *photos, size_t *count)
     return photos->held_out_count ? photos->held_out : photos->fit;
 }
 
-static void name_picture(char name[4096], const char *folder, long index, const fxs_file_view *view)
+static void name_picture(char name[4096], const char *folder, long index, const fxs_view *view)
 {
     const char *slash = strrchr(view->name, '/'), *base = slash ? slash + 1 : view->name;
     snprintf(name, 4096, "%s/%04ld_%.*s.png", folder, index, (int)strcspn(base, "."), base);
@@ -196,7 +196,7 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare)
 /* Writes the photograph and the rendered picture side by side. Ignored pixels are darkened. */
 static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, uint8_t *photograph)
 {
-    const fxs_file_view *view = &photo->view;
+    const fxs_view *view = &photo->view;
     const size_t width = (size_t)view->width, row = 4 * width;
     uint8_t *both = malloc(2 * row * (size_t)view->height);
     char name[4096];
@@ -218,7 +218,7 @@ static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, ui
 
 static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quality_view *out)
 {
-    const fxs_file_view *view = &photo->view;
+    const fxs_view *view = &photo->view;
     int status = renderer_render(&g->renderer, g->world, view, &g->options, &g->drawn, 0);
     uint8_t *rgba = status ? 0 : to_rgba(photo);
     if (!status && (!rgba || fxs_metrics_compare_masked(rgba, g->drawn.pixels, photo->mask, view->width, view->height,

@@ -297,7 +297,7 @@ static uint64_t size_of_model(const char *models, const char *name)
 static int check_model(const work *w, const char *model)
 {
     char path[TASK_PATH];
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     fxs_photo_points points = {0};
     fxs_message why;
     join_path(path, model, "points3D.bin");
@@ -355,7 +355,7 @@ static void look_at_report(task *t, const char *line)
         w->error = error;
 }
 
-static int has_camera(const char *name, const fxs_file_view *views, long count)
+static int has_camera(const char *name, const fxs_view *views, long count)
 {
     for (long i = 0; i < count; i++)
         if (!strncmp(name, views[i].name, sizeof views[i].name - 1))
@@ -363,7 +363,7 @@ static int has_camera(const char *name, const fxs_file_view *views, long count)
     return 0;
 }
 
-static void say_missing(const work *w, const fxs_file_view *views, long count)
+static void say_missing(const work *w, const fxs_view *views, long count)
 {
     char text[400] = "";
     size_t missing = 0, used = 0;
@@ -385,7 +385,7 @@ static void say_missing(const work *w, const fxs_file_view *views, long count)
 static int report(work *w)
 {
     char model[TASK_PATH];
-    fxs_file_view *views = 0;
+    fxs_view *views = 0;
     fxs_message why;
     join_path(model, w->folder, "sparse/0");
     const char *const arguments[] = {"colmap", "model_analyzer", "--path", model, 0};

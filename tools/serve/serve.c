@@ -71,7 +71,7 @@ static int add_kept(site *s, const char *name, const char *of, int descriptor)
 static int add_views(site *s, const frame_options *o)
 {
     fxs_message message;
-    fxs_file_view *views;
+    fxs_view *views;
     const long count = fxs_camera_file_read(o->cameras, &views, &message);
     if (count < 0)
         return fail_for(&message);

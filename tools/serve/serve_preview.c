@@ -9,6 +9,9 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/output.h>
+#include <fixsplat/internal/start.h>
+#include <fixsplat/internal/views.h>
 #include "port/http/server.h"
 #include "src/base/os_calls.h"
 #include "src/camera/view_print.h"

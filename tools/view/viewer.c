@@ -12,6 +12,8 @@
 #include "src/base/os_calls.h"
 #include "tools/command/views.h"
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/views.h>
 
 enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
        FILM_NS = 1000000000 / FILM_RATE };
@@ -20,7 +22,7 @@ enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS
 static void show_view(viewer *v, long index)
 {
     const double *low = v->world.inner_low, *high = v->world.inner_high;
-    const fxs_file_view *view = &v->views[index];
+    const fxs_view *view = &v->views[index];
     double ahead = 0, square = 0;
     for (int i = 0; i < 3; i++) {
         double half = (high[i] - low[i]) / 2;
@@ -570,7 +572,7 @@ static int time_to_wait(const viewer *v, int milliseconds)
 
 static void move(viewer *v, int milliseconds)
 {
-    const fxs_file_view view = v->view;
+    const fxs_view view = v->view;
     const double distance = v->distance;
     fxs_camera camera;
     fxs_message message;

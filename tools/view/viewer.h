@@ -24,7 +24,7 @@ typedef struct viewer viewer;
 typedef struct request {
     void (*work)(viewer *v, struct request *r);
     void (*done)(viewer *v, struct request *r);
-    fxs_file_view view;
+    fxs_view view;
     fxs_options render;
     int divisor, x, y;
     int moves, shows_part;
@@ -47,7 +47,7 @@ typedef struct loading {
     char why[256];
     frame_options options;
     world world;
-    fxs_file_view *views;
+    fxs_view *views;
     long count, index;
     int status;
     int unkept;
@@ -67,7 +67,7 @@ struct viewer {
     int cropped;
     picture drawn;
     picture picture;
-    fxs_file_view seen;                     /* view of the last frame; width 0: no frame yet */
+    fxs_view seen;                     /* view of the last frame; width 0: no frame yet */
 
     loading loading;
     int installing;                         /* 1: loaded scenes will replace the current scenes */
@@ -75,12 +75,12 @@ struct viewer {
     int recent_marked;                      /* index of the recent scene under the pointer; -1: none */
     char *path;                             /* path of the scene; null: no scene */
     world world;
-    fxs_file_view *views;
+    fxs_view *views;
     long view_count, index;                 /* number of views; view that the camera started from */
     double (*points)[3];
     int point_count;
 
-    fxs_file_view view;
+    fxs_view view;
     double up[3];
     double distance;                        /* distance from the camera to its pivot, scene units */
     double radius, speed;                   /* radius of the scene in units; relative speed of flight */
@@ -93,7 +93,7 @@ struct viewer {
     uint64_t hint;                          /* time when the hint disappears in nanoseconds; 0: no hint */
 
     enum viewer_film film;
-    fxs_file_view *way;                     /* recorded path of the camera, at most FILM_MOST views */
+    fxs_view *way;                     /* recorded path of the camera, at most FILM_MOST views */
     int way_count;
     uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 

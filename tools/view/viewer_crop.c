@@ -1,5 +1,7 @@
 /* The crop box of the window and its six handles. A dragged handle moves along its axis to the point nearest to the
    pointer's ray. */
+#include <fixsplat/internal/placements.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -146,7 +148,7 @@ int crop_face_at(const viewer *v, double x, double y)
 /* Computes the ray of a window position in the last frame: origin `from`, direction `along`. */
 static void find_ray(const viewer *v, double x, double y, double from[3], double along[3])
 {
-    const fxs_file_view *view = &v->seen;
+    const fxs_view *view = &v->seen;
     int width, height;
     fxs_window_size(v->window, &width, &height);
     const double pixels = (double)view->height / height;

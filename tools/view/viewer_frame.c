@@ -20,7 +20,7 @@ int eyes_of(const viewer *v)
     return v->options.stereo > 0 ? 2 : 1;
 }
 
-static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int height)
+static fxs_view fit(const viewer *v, fxs_view view, int width, int height)
 {
     fxs_message message;
     if (width != view.width || height != view.height)
@@ -30,7 +30,7 @@ static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int hei
     return view;
 }
 
-static fxs_file_view fit_view(const viewer *v, int divisor)
+static fxs_view fit_view(const viewer *v, int divisor)
 {
     int width, height;
     fxs_window_size(v->window, &width, &height);
@@ -166,7 +166,7 @@ static void render(viewer *v, request *r)
     v->renderer.shows_part = r->shows_part;
     v->renderer.draws = draws[r->shown];
     r->status = renderer_render(&v->renderer, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
-    const fxs_picture out = {p->pixels, p->width, p->height};
+    const fxs_canvas out = {p->pixels, p->width, p->height};
     if (!r->status && r->shown == SHOW_DEPTH)
         fxs_paint_depths(&out, p->depths);
     else if (!r->status && r->shown == SHOW_IDS)
@@ -270,15 +270,15 @@ static void print_scenes(const world_options *o)
 }
 
 /* True if the view is unchanged from the camera file's. */
-static int is_of_file(const viewer *v, const fxs_file_view *view)
+static int is_of_file(const viewer *v, const fxs_view *view)
 {
-    const fxs_file_view *start = &v->views[v->index];
+    const fxs_view *start = &v->views[v->index];
     return v->options.cameras && !memcmp(view->position, start->position, sizeof view->position) &&
            !memcmp(view->rotation, start->rotation, sizeof view->rotation) &&
            view->width * (int64_t)start->height == start->width * (int64_t)view->height;
 }
 
-static void print_camera(const viewer *v, const fxs_file_view *view)
+static void print_camera(const viewer *v, const fxs_view *view)
 {
     const double *e = view->position, *down = view->rotation + 3, *ahead = view->rotation + 6, d = v->distance;
     printf(" --eye %.17g,%.17g,%.17g --look %.17g,%.17g,%.17g", e[0], e[1], e[2], e[0] + d * ahead[0],
@@ -293,10 +293,10 @@ static void print_camera(const viewer *v, const fxs_file_view *view)
 
 /* Prints the command that renders the picture again. The pictures are equal if pixels are square and the principal
    point is central. */
-static void print_command(const viewer *v, const fxs_file_view *view, const fxs_options *render_options,
+static void print_command(const viewer *v, const fxs_view *view, const fxs_options *render_options,
                           const char *path)
 {
-    const fxs_file_view *start = &v->views[v->index];
+    const fxs_view *start = &v->views[v->index];
     const int of_file = is_of_file(v, view);
     printf("fixsplat render");
     print_scenes(&v->options.world);

@@ -1,5 +1,6 @@
 /* fixsplat-view: the program behind `fixsplat view`, with the same arguments. */
 #include <fixsplat/system.h>
+#include <fixsplat/internal/output.h>
 #include "src/base/os_calls.h"
 #include "viewer.h"
 #include "tools/command/cmd_view.h"

@@ -179,7 +179,7 @@ static void add_loading(panels *p, const viewer *v)
     add_bar(p, v->loading.on ? fxs_worker_progress(v->loader) : 1);
 }
 
-static void see(const fxs_file_view *view, const double point[3], double seen[3])
+static void see(const fxs_view *view, const double point[3], double seen[3])
 {
     for (int i = 0; i < 3; i++) {
         seen[i] = 0;
@@ -188,7 +188,7 @@ static void see(const fxs_file_view *view, const double point[3], double seen[3]
     }
 }
 
-static void pixel_of(const fxs_file_view *view, const double seen[3], double pixels, double pixel[2])
+static void pixel_of(const fxs_view *view, const double seen[3], double pixels, double pixel[2])
 {
     const double depth = view->projection == FXS_ORTHOGRAPHIC ? 1 : seen[2];
     pixel[0] = (view->cx + view->fx * seen[0] / depth) * pixels;
@@ -244,7 +244,7 @@ static void add_measure(panels *p, const viewer *v)
 
 /* Clips a line in camera coordinates to the near plane and the four sides of the view. Inside is n p + d >= 0.
    Returns 0 if nothing is left. */
-static int clip(const fxs_file_view *view, double near, double from[3], double to[3])
+static int clip(const fxs_view *view, double near, double from[3], double to[3])
 {
     const int parallel = view->projection == FXS_ORTHOGRAPHIC;
     const double left = view->cx, right = view->width - view->cx, top = view->cy, bottom = view->height - view->cy;
@@ -272,7 +272,7 @@ static int clip(const fxs_file_view *view, double near, double from[3], double t
 }
 
 /* Draws an edge of the crop box from a corner along an axis. Bit i of `corner` selects the high side of axis i. */
-static void draw_edge(const fxs_picture *out, const viewer *v, int corner, int axis, double wide, uint32_t colour)
+static void draw_edge(const fxs_canvas *out, const viewer *v, int corner, int axis, double wide, uint32_t colour)
 {
     double ends[2][3], seen[2][3], pixel[2][2];
     for (int k = 0; k < 2; k++) {
@@ -389,7 +389,7 @@ static void show_title(viewer *v)
 
 int viewer_show(viewer *v)
 {
-    const fxs_picture frame = {v->picture.pixels, v->picture.width, v->picture.height};
+    const fxs_canvas frame = {v->picture.pixels, v->picture.width, v->picture.height};
     fxs_message message;
     panels p = panels_of(v);
     add_all(&p, v);

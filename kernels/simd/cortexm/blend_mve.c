@@ -118,7 +118,7 @@ static inline void place_across(group *g, outline *o, const fxs_splat *splats, p
     o->middle_q24 = add(u, (pair){(vu)((vi)far.even >> 1), (vu)((vi)far.odd >> 1)});
 }
 
-static inline void place(group *g, outline *o, const fxs_view *view, const fxs_splat *splats, pair at, uint32_t which,
+static inline void place(group *g, outline *o, const fxs_stage_view *view, const fxs_splat *splats, pair at, uint32_t which,
                          uint32_t y)
 {
     o->vy_q24 = word_of(splats, at, 4);
@@ -161,7 +161,7 @@ static inline void set_out_rows(uint16_t reached[ACROSS], const outline *o, pair
     }
 }
 
-static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, const fxs_splat *splats,
+static __attribute__((noinline)) void set_out(group *g, const fxs_stage_view *view, const fxs_splat *splats,
                                               const uint32_t *entries, uint32_t left, int32_t x, int32_t y)
 {
     outline o;
@@ -291,7 +291,7 @@ static uint32_t open_patches(const fxs_tile *tile, uint32_t first)
     return bits_of(open);
 }
 
-ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_view *view, int32_t x, int32_t y,
+ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_stage_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               uint32_t first, uint32_t end)
 {

@@ -9,7 +9,7 @@
 #define HALF_WIDTH_LIMIT_Q8 (1 << 16)
 
 typedef struct job {
-    const fxs_view *view;
+    const fxs_stage_view *view;
     const fxs_splat *splats;
     const fxs_bounds *bounds;
     fxs_box *boxes;
@@ -26,7 +26,7 @@ enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
     load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
 
 /* Returns the lanes of splats without a pixel between the two x coordinates. */
-static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi left_q8, vi right_q8)
+static inline mask columns_between(vi *first, vi *last, const fxs_stage_view *view, vi left_q8, vi right_q8)
 {
     vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
     *first = first_pixel >> 4;
@@ -47,14 +47,14 @@ static inline vi spread_row(vi tiles)
     return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
 }
 
-static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi high, vi row, vi column, mask none)
+static inline void store_boxes(fxs_box *boxes, const fxs_stage_view *view, vi low, vi high, vi row, vi column, mask none)
 {
     const vi macro = (row >> 1) * (int32_t)fxs_macros(view->tiles_x) + (column >> 1);
     store_pairs(boxes, choose(none, all(0), low | high << FXS_BOX_LOW_BITS),
                 choose(none, all(0), high >> (32 - FXS_BOX_LOW_BITS) | macro << (FXS_BOX_BITS - 32)));
 }
 
-static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
+static inline void set_radius(ellipse *e, const fxs_stage_view *view, vi offset_q11)
 {
     const vi limit_q11 = least(offset_q11 + view->cut_q11, all(FXS_FAINT_Q11));
     e->margin_q8 = (e->reach_q8 >> 8) + 32;
@@ -96,7 +96,7 @@ static inline vi half_width_q8(const ellipse *e, vi v_q12)
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
 
-static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first, vi *last)
+static inline mask span_of_row(const ellipse *e, const fxs_stage_view *view, vi *first, vi *last)
 {
     const vi r = e->r_q12, reach = e->reach_q8;
     const vi top_q12 = e->v_q24 >> 12, bottom_q12 = (e->v_q24 + (FXS_TILE - 1) * e->vy_q24) >> 12;
@@ -115,7 +115,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first
            greater(-r - 2, bottom_q12);
 }
 
-static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
+static inline vi tiles_of_row(const ellipse *e, const fxs_stage_view *view)
 {
     vi first, last;
     const mask none = span_of_row(e, view, &first, &last);

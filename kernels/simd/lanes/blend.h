@@ -104,7 +104,7 @@ static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, 
     return which;
 }
 
-static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, const fxs_splat *splats,
+static inline vu load_places(group *g, outline *o, int j, const fxs_stage_view *view, const fxs_splat *splats,
                              const int32_t at[LANES], int32_t x, int32_t y)
 {
     vi words[4], more[4];
@@ -167,7 +167,7 @@ static inline void set_out_rows(group *g, outline *o, int patch)
     g->reached[patch + 1] = reach(o, g->u_q24[patch + 1], least_q11);
 }
 
-static inline void set_out(group *g, const fxs_view *view, const fxs_splat *splats, const uint32_t *entries,
+static inline void set_out(group *g, const fxs_stage_view *view, const fxs_splat *splats, const uint32_t *entries,
                            uint32_t left, int32_t x, int32_t y)
 {
     outline o;
@@ -262,7 +262,7 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
     return any_h(open);
 }
 
-ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *view, int32_t x, int32_t y,
+ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_stage_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               unsigned which, uint32_t first, uint32_t end)
 {

@@ -28,7 +28,7 @@ static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
 }
 
 /* Returns the lanes that are not too far off the camera's axis. */
-static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chunk_view *cv)
+static inline mask project_depth(centre *c, const fxs_stage_view *view, const fxs_chunk_view *cv)
 {
     vi *x = &c->camera[0], *y = &c->camera[1], z = c->camera[2];
     c->zeros_of_z = clz((vu)z);
@@ -66,7 +66,7 @@ static inline vi fall_of(const fxs_chunk_view *cv, vi code)
 
 /* Computes f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest scale
    code has the largest sigma. */
-static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
+static inline vu screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
                              vi *exponent)
 {
     vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 19 & 1022);
@@ -81,7 +81,7 @@ static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, con
 }
 
 /* Lanes on the picture. radius = 3.5 (2^exponent + 1), cut to the limit of centres. */
-static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
+static inline mask on_picture(const fxs_stage_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
     vi radius_q14 = least((14 << 12) * (size + 1), all(FXS_CENTRE_LIMIT_Q14));
@@ -98,7 +98,7 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
 }
 
 /* Returns 0 if the C version must project the chunk. */
-static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
+static inline int find_centres(survivors *s, const fxs_stage_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     vi code[3], opacity = (vi)((vu)load(rows + (scene->profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR) +
@@ -136,7 +136,7 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
     return 1;
 }
 
-static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q23)
+static inline void jacobian(vi j_q15[3], const fxs_stage_view *view, int i, vi slope_q23)
 {
     vi slope = clamp(slope_q23, all(view->slope_low_q23[i]), all(view->slope_high_q23[i]));
     const int32_t shift = 8 + view->jacobian_exponent, half = 1 << (shift - 1);
@@ -190,7 +190,7 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
 }
 
 /* Computes the screen axes T = J W R S from Jacobian J, view W, rotation R and scales S. */
-static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
+static inline mask screen_axes(vi t_q15[2][3], const fxs_stage_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
                                const survivors *s, uint32_t at)
 {
     vi j_q15[2][3], fall_q16[3], k_q15[3], exponent = load(&s->rows[EXPONENT][at]);
@@ -311,7 +311,7 @@ static inline void whiten(vi splat[WORDS], vi bounds[WORDS], const covariance *s
     bounds[SHEAR] = scale_down_wide(mul_wide(s->b_q30, (vi)c->inverse_q30), 52 + c->half - e);
 }
 
-static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, vi half_height_q8)
+static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_stage_view *view, vi half_height_q8)
 {
     vi half_width_q8 = bounds[HALF_WIDTH], cx_q8 = bounds[CX] >> 6, cy_q8 = bounds[CY] >> 6;
     half_width_q8 += (half_width_q8 >> 8) + 32;
@@ -324,7 +324,7 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
            greater(all(view->height), first) & greater(last + 1, first);
 }
 
-static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const fxs_chunk_view *cv,
+static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_stage_view *view, const fxs_chunk_view *cv,
                          enum fxs_profile profile, const survivors *s, uint32_t at)
 {
     vi t_q15[2][3], offset_q11 = load(&s->rows[OPACITY][at]);
@@ -374,7 +374,7 @@ typedef struct outputs {
     uint32_t *indices, *depths, count;
 } outputs;
 
-static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv,
+static inline void shape_survivors(outputs *out, const fxs_stage_view *view, const fxs_chunk_view *cv,
                                    enum fxs_profile profile, survivors *s, uint32_t chunk)
 {
     const uint16_t *offsets_q11 = fxs_offset_of_code_q11[cv->opacity_law];
@@ -395,7 +395,7 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
 /* Not inlined, to free the stack before the C version runs. */
-static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
+static __attribute__((noinline)) int32_t project_chunk(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
                                                        outputs out)
 {
     fxs_chunk_view cv;

@@ -8,7 +8,7 @@
 
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
-static inline wide offset_q32(const fxs_view *view, const fxs_chunk *chunk, int axis, vi position)
+static inline wide offset_q32(const fxs_stage_view *view, const fxs_chunk *chunk, int axis, vi position)
 {
     const wide x = mul_wide_u((vu)position, (vu)all((int32_t)chunk->step_q32[axis]));
     return offset_wide(shift_left_wide(x, chunk->step_shift), chunk->origin_q32[axis] - view->eye_q32[axis]);
@@ -75,7 +75,7 @@ typedef struct neighbours {
     vi d_q15[PARTS][3];
 } neighbours;
 
-static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+static inline void find_direction(vi d_q15[3], const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                                   const unsigned char *rows, uint32_t first)
 {
     vi position[3];
@@ -86,7 +86,7 @@ static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_s
     direction(d_q15, offset);
 }
 
-static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t count, const fxs_view *view,
+static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t count, const fxs_stage_view *view,
                                                       const fxs_scene *scene, const fxs_chunk *chunk,
                                                       const unsigned char *rows)
 {
@@ -95,7 +95,7 @@ static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t
             find_direction(n->d_q15[part], view, scene, chunk, rows, n->first + part * LANES);
 }
 
-static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_view *view,
+static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_stage_view *view,
                             const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows)
 {
     vi d_q15[3];
@@ -176,7 +176,7 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
 
 /* Not inlined, because constants would be saved around calls of the C version. */
 static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
-                                              const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header,
+                                              const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header,
                                               const unsigned char *rows)
 {
     const uint32_t first = n->first;
@@ -218,7 +218,7 @@ static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, u
     return end;
 }
 
-static inline void shade_neighbours(const neighbours *n, const fxs_view *view, const fxs_scene *scene,
+static inline void shade_neighbours(const neighbours *n, const fxs_stage_view *view, const fxs_scene *scene,
                                     const fxs_chunk *header, const unsigned char *rows, const uint32_t *indices,
                                     fxs_splat *splats)
 {

@@ -9,22 +9,22 @@
 #define FXS_JOIN(stage, isa) fxs_##stage##_##isa
 #define FXS_STAGE_OF(stage, isa) FXS_JOIN(stage, isa)
 
-#define FXS_PROJECT(isa) int32_t FXS_STAGE_OF(project, isa)(const fxs_view *view, const fxs_scene *scene, \
+#define FXS_PROJECT(isa) int32_t FXS_STAGE_OF(project, isa)(const fxs_stage_view *view, const fxs_scene *scene, \
     uint32_t chunk, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
-#define FXS_SHADE(isa) int FXS_STAGE_OF(shade, isa)(const fxs_view *view, const fxs_scene *scene, \
+#define FXS_SHADE(isa) int FXS_STAGE_OF(shade, isa)(const fxs_stage_view *view, const fxs_scene *scene, \
     uint32_t chunk, const uint32_t *indices, uint32_t count, fxs_splat *splats)
-#define FXS_BIN(isa) void FXS_STAGE_OF(bin, isa)(const fxs_view *view, const fxs_splat *splats, \
+#define FXS_BIN(isa) void FXS_STAGE_OF(bin, isa)(const fxs_stage_view *view, const fxs_splat *splats, \
     const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
-#define FXS_SPANS(isa) void FXS_STAGE_OF(spans, isa)(const fxs_view *view, const fxs_splat *splat, \
+#define FXS_SPANS(isa) void FXS_STAGE_OF(spans, isa)(const fxs_stage_view *view, const fxs_splat *splat, \
     const fxs_bounds *bounds, int32_t row, int32_t rows, fxs_span *spans)
-#define FXS_NOTE(isa) uint32_t FXS_STAGE_OF(note, isa)(const fxs_view *view, const fxs_box *boxes, uint32_t first, \
+#define FXS_NOTE(isa) uint32_t FXS_STAGE_OF(note, isa)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, \
     uint32_t count, uint32_t *macros, uint32_t *listed)
 #define FXS_LIST(isa) uint32_t FXS_STAGE_OF(list, isa)(const fxs_key *keys, uint32_t count, uint32_t tile, \
     uint32_t *entries)
 #define FXS_SORT(isa) void FXS_STAGE_OF(sort, isa)(fxs_key *keys, fxs_key *spare, uint32_t count)
-#define FXS_BLEND(isa) void FXS_STAGE_OF(blend, isa)(const fxs_view *view, int32_t x, int32_t y, \
+#define FXS_BLEND(isa) void FXS_STAGE_OF(blend, isa)(const fxs_stage_view *view, int32_t x, int32_t y, \
     const fxs_splat *splats, const uint32_t *entries, uint32_t count, fxs_tile *tile)
-#define FXS_TRACE(isa) void FXS_STAGE_OF(trace, isa)(const fxs_view *view, int32_t x, int32_t y, \
+#define FXS_TRACE(isa) void FXS_STAGE_OF(trace, isa)(const fxs_stage_view *view, int32_t x, int32_t y, \
     const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end, \
     fxs_tile *tile, fxs_trace *trace)
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \

@@ -91,7 +91,7 @@ int main(void)
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     config.kernels = &fastest;
 #endif
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), (int32_t)width,
                                    (int32_t)height);
     if (!error && console_option(line, "display", 0)) {

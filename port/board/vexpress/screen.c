@@ -50,7 +50,7 @@ int main(void)
     static fxs_request request;
     console_command(line, sizeof line);
     const uint32_t frames = console_option(line, "frames", 0);     /* number of frames; 0: endless */
-    fxs_init(&context, &config);
+    fxs_context_init(&context, &config);
     fxs_request_init(&request, &table.object, 1);
     request.options = (fxs_options){.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), WIDTH, HEIGHT);

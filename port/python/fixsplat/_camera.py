@@ -70,7 +70,7 @@ class Camera:
         if (pose[3] != (0, 0, 0, 1)).any():
             raise ValueError("world_to_camera: expected 0, 0, 0, 1 as its last row")
         rotation = rotation_of("world_to_camera", pose[:3, :3])
-        view = new("fxs_file_view", name=name.encode()[:127], width=whole("width", width, 1, lib.FXS_MAX_SIZE),
+        view = new("fxs_view", name=name.encode()[:127], width=whole("width", width, 1, lib.FXS_MAX_SIZE),
                    height=whole("height", height, 1, lib.FXS_MAX_SIZE), fx=k[0, 0], fy=k[1, 1], cx=k[0, 2], cy=k[1, 2],
                    rotation=list(rotation.ravel()), position=list(np.linalg.solve(rotation, -pose[:3, 3])),
                    projection=lib.FXS_ORTHOGRAPHIC if orthographic else lib.FXS_PERSPECTIVE)
@@ -90,7 +90,7 @@ class Camera:
                 up: Sequence[float] = (0, -1, 0)) -> "Camera":
         """Makes a camera at the position `eye` that looks towards the point `target`, both in scene units. fov: the
         vertical field of view, 1 to 170 degrees. up: the direction that is up in the picture."""
-        view = new("fxs_file_view")
+        view = new("fxs_view")
         vectors = [list(numbers(name, values, (3,))) for name, values in (("eye", eye), ("target", target), ("up", up))]
         call("fxs_view_look_at", view, *vectors, number("fov", fov, 1, 170),
              whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE))
@@ -168,7 +168,7 @@ def load_cameras(path: PathLike) -> "list[Camera]":
     """Reads the cameras of a file: Inria's cameras.json, a transforms.json of nerfstudio or Blender, or a COLMAP model,
     named by its folder, its images.bin or its images.txt. All cameras are turned to the axes x right, y down, z
     forward. Raises an Error where the file cannot be read."""
-    views = new("fxs_file_view *")
+    views = new("fxs_view *")
     count = call("fxs_camera_file_read", file_name(path), views)
     try:
         return [Camera._of(copy(views[0] + i)) for i in range(count)]

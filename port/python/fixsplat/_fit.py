@@ -242,7 +242,7 @@ def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callabl
             warnings.warn(f"no start view: {why}", stacklevel=4)
         return Scene(Memory.packed(packed, name), report.read - report.packed, report.brought_in)
     finally:
-        lib.fxs_fit_free(handle[0])
+        lib.fxs_fit_destroy(handle[0])
 
 
 def _make_steps(handle: Any, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> None:

@@ -158,7 +158,7 @@ class Scene:
         the size of the picture in pixels. fov: the vertical field of view, 1 to 170 degrees; None stands for that of
         the start view, or 50. up: the direction that is up. With it, the camera shows the whole scene from the front
         and slightly above. With `fov` or `up`, the start view is not taken."""
-        view, start = new("fxs_file_view"), new("fxs_start")
+        view, start = new("fxs_view"), new("fxs_start")
         low, high = self.inner_box
         size = whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE)
         angle = number("fov", 50 if fov is None else fov, 1, 170)

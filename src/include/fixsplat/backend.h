@@ -97,9 +97,6 @@ FXS_API const fxs_backend *fxs_backend_at(int index);
    names. */
 FXS_API const fxs_backend *fxs_backend_find(const char *name);
 
-FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_compute,
-                         fxs_backend_osmesa, fxs_backend_cuda;
-
 #ifdef __cplusplus
 }
 #endif

@@ -22,7 +22,7 @@ extern "C" {
    cameras.json. */
 
 /* One camera in doubles. Its axes: x right, y down, z forward; pixel centres at +0.5. */
-typedef struct fxs_file_view {
+typedef struct fxs_view {
     char name[128];          /* image name, cut to fit */
     int width, height;       /* pixels, 1 to FXS_MAX_SIZE */
     double fx, fy, cx, cy;   /* pixels; in an orthographic camera, fx and fy are pixels per scene unit */
@@ -32,7 +32,7 @@ typedef struct fxs_file_view {
     enum fxs_projection projection;   /* orthographic if a cameras.json says "orthographic": true */
     int bends;               /* 1: the file states lens distortion (radial, tangential, fisheye), which the other fields
                                 ignore: they describe a pinhole camera */
-} fxs_file_view;
+} fxs_view;
 
 /* Reads every camera of a file. A file named images or cameras with the ending .bin or .txt is a COLMAP model. For
    other files the content distinguishes a cameras.json (an array), a transforms.json (an object with "frames") and the
@@ -52,12 +52,12 @@ typedef struct fxs_file_view {
    focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number that is not finite, a size
    out of range, an unknown camera model); FXS_ERR_UNSUPPORTED for .json if fixsplat was built without cJSON and for
    .xml without expat; FXS_ERR_MEMORY. Several threads may read files at the same time. */
-FXS_API long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
+FXS_API long fxs_camera_file_read(const char *path, fxs_view **views, fxs_message *message);
 
 /* Writes views as a cameras.json, as system.h says, with the extensions cx, cy and "orthographic", which Inria's code
    does not know. `count` 0 writes an empty array, which fxs_camera_file_read refuses. Returns 0, or FXS_ERR_FILE or
    FXS_ERR_MEMORY and a message. */
-FXS_API int fxs_camera_file_write(const char *path, const fxs_file_view *views, size_t count, fxs_message *message);
+FXS_API int fxs_camera_file_write(const char *path, const fxs_view *views, size_t count, fxs_message *message);
 
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
@@ -65,66 +65,50 @@ FXS_API int fxs_camera_file_write(const char *path, const fxs_file_view *views, 
 
    The functions keep no state, so several threads may call them at the same time. */
 
-/* Makes a camera of `width` x `height` pixels at `eye` that looks towards `target`, both in scene units. `up` is any
-   vector that points up in the picture, and `fov` the vertical field of view in degrees, 1 to 170. The near plane is
-   the renderer's default. Returns 0, or FXS_ERR_ARGUMENT and a message if no such camera exists. */
-FXS_API int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3],
-                             double fov, int width, int height, fxs_message *message);
+/* The picture that a camera is made for. */
+typedef struct fxs_picture {
+    double fov;              /* vertical field of view, degrees, 1 to 170 */
+    int width, height;       /* pixels, 1 to FXS_MAX_SIZE */
+} fxs_picture;
 
-/* A near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2 for an
-   empty box. */
-FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
+/* Makes a camera at `eye` that looks towards `target`, both in scene units. `up` is any vector that points up in the
+   picture. The near plane is the renderer's default. Returns 0, or FXS_ERR_ARGUMENT and a message if no such camera
+   exists. */
+FXS_API int fxs_view_look_at(fxs_view *view, const double eye[3], const double target[3], const double up[3],
+                             const fxs_picture *picture, fxs_message *message);
 
 /* Makes a camera that shows the whole box low..high (such as the inner bounds of fxs_pack_report) as large as possible,
-   from the front and slightly above. The near plane is fxs_near_of_box. Errors: as fxs_view_look_at, and
-   FXS_ERR_ARGUMENT for a box that is not finite. */
-FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
-                               double fov, int width, int height, fxs_message *message);
-
-/* Estimates a scene's up direction from `count` views, each `stride` bytes after the one before. It is the mean of the
-   cameras' up vectors, corrected by least squares to be perpendicular to the cameras' right vectors, since cameras
-   pitch but rarely roll. `up` has the length 1. Returns 1, or 0 if the up vectors cancel each other: the length of
-   their mean is 0.1 or less. */
-FXS_API int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3]);
-
-/* Estimates a scene's up direction from one view that is not rolled, such as a start view. Candidates are the
-   directions along the scene's axes (both ways) whose component along the picture's right vector is below a thousandth.
-   The result is the candidate nearest to the picture's up vector; without candidates, the up vector itself. */
-FXS_API void fxs_view_up(const fxs_file_view *view, double up[3]);
-
-/* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1; returns 0 and leaves the
-   view unchanged if it looks along `up`. */
-FXS_API int fxs_view_level(fxs_file_view *view, const double up[3]);
+   from the front and slightly above. The near plane is a hundredth of half the box's diagonal, at most 0.2 units.
+   Errors: as fxs_view_look_at, and FXS_ERR_ARGUMENT for a box that is not finite. */
+FXS_API int fxs_view_frame_box(fxs_view *view, const double low[3], const double high[3], const double up[3],
+                               const fxs_picture *picture, fxs_message *message);
 
 /* Stores a start view in the header of a packed scene at `data`: position, rotation and vertical field of view. Call
    fxs_file_write or fxs_file_seal afterwards. Returns 0, or FXS_ERR_CAMERA and a message for a view that is
    orthographic, out of the renderer's range, or wider than 170 degrees. */
-FXS_API int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *message);
+FXS_API int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the start view of an open packed scene at `data`. The near plane is
    the renderer's default. Returns 1, or 0 if the scene has no start view or the size is out of range. */
-FXS_API int fxs_view_of_start(fxs_file_view *view, const void *data, int width, int height);
+FXS_API int fxs_view_of_start(fxs_view *view, const void *data, int width, int height);
 
 /* Changes the size of the picture: multiplies fx, fy and the distance of the principal point from the picture's centre
    by new width / old width. */
-FXS_API void fxs_view_resize(fxs_file_view *view, int width, int height);
+FXS_API void fxs_view_resize(fxs_view *view, int width, int height);
 
 /* Sets the field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left < right
    and down < up; left and down are negative if the picture contains the axis. Pixels may become non-square. Returns 0,
    or FXS_ERR_ARGUMENT and a message if the tangents are out of order or beyond +-64. */
-FXS_API int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message);
-
-/* Turns the camera about an axis through `middle` by an angle in radians, as if the scene turned the opposite way. */
-FXS_API void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
+FXS_API int fxs_view_set_tangents(fxs_view *view, const double tangents[4], fxs_message *message);
 
 /* Interpolates the camera at `at` = 0 to count - 1 on a smooth path through `count` keys, 1 or more; key i lies at `at`
    = i. Positions, rotations (as quaternions, the shorter way round), the logarithms of focal lengths and near planes,
    and principal points follow Catmull-Rom splines. Size, name and projection come from the last key before `at`. */
-FXS_API void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view);
+FXS_API void fxs_view_between(const fxs_view *keys, long count, double at, fxs_view *view);
 
 /* Rounds a camera to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message if a number is out of the
    renderer's range. */
-FXS_API int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
+FXS_API int fxs_camera_from_view(fxs_camera *camera, const fxs_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the two matrices of an OpenGL program, each 16 numbers by columns
    (as glUniformMatrix4fv takes them, not transposed), for column vectors: eye = view_matrix * world, clip = projection

@@ -45,6 +45,9 @@ typedef struct fxs_cuda_stats {
     uint32_t visible;
     uint64_t entries;
     float milliseconds[FXS_CUDA_STAGES];   /* with fxs_cuda_time: sum over the last frame of each slot; else 0 */
+    float device_milliseconds;     /* with fxs_cuda_time: from the start of the first frame to the end of the last frame's
+                                      blend; else 0. Includes the host's work if a frame was rendered again, because its
+                                      tile lists did not fit */
     fxs_cuda_memory memory;
 } fxs_cuda_stats;
 
@@ -56,9 +59,6 @@ typedef struct fxs_cuda_frame {
     fxs_targets targets;           /* in device memory, or in pinned host memory (cudaHostAlloc), to which they are
                                       copied; pixels and strides are multiples of a pixel's bytes */
 } fxs_cuda_frame;
-
-/* Number of CUDA devices; 0 without a driver. */
-FXS_API int fxs_cuda_devices(void);
 
 /* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_DEVICE. */
 FXS_API int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
@@ -85,11 +85,6 @@ FXS_API void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 
 /* Switches stage timing on or off. Timing records a CUDA event after each stage. */
 FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
-
-/* Device time of the frames of the last fxs_cuda_finish, in milliseconds, from the start of the first frame to the end
-   of the last frame's blend; 0 without fxs_cuda_time or after an error. If a frame was rendered again, because its tile
-   lists did not fit, the time includes the host's work in between. */
-FXS_API float fxs_cuda_milliseconds(const fxs_cuda *cuda);
 
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
    makes the stream wait for them. The frames' targets must not overlap. The pixels are complete once fxs_cuda_finish

@@ -12,7 +12,7 @@
  *         ...
  *     fxs_fit_pack(fit, &scene, &pack_report, &message);
  *     fxs_fit_start_view(photos.fit, photos.fit_count, scene.data, &message);
- *     fxs_fit_free(fit);
+ *     fxs_fit_destroy(fit);
  *     fxs_photos_free(&photos);
  *
  * Between two steps, the program may show the scene, save the fit or stop. Functions return 0, or an error and a
@@ -35,7 +35,7 @@ typedef struct fxs_fit fxs_fit;
 
 /* A photograph and its camera: perspective, of the photograph's size, and accepted by fxs_camera_from_view. */
 typedef struct fxs_fit_photo {
-    fxs_file_view view;
+    fxs_view view;
     const uint8_t *pixels;         /* red, green, blue; rows from the top without padding; valid until the fit is
                                       freed */
     double exposure;               /* relative exposure, time * ISO / f^2, in any unit that all photographs share; 0:
@@ -140,12 +140,12 @@ typedef struct fxs_fit_report {
 } fxs_fit_report;
 
 /* Creates a fit. It copies its arguments, except the photographs' pixels and masks. If the set has more than
-   max_gaussians points, the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_free frees *fit,
+   max_gaussians points, the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_destroy frees *fit,
    which is null after an error: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a
    camera), FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no CUDA. */
 FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                            size_t point_count, const fxs_fit_options *options, fxs_message *message);
-FXS_API void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
+FXS_API void fxs_fit_destroy(fxs_fit *fit);      /* null is allowed */
 
 /* Makes one step. `report` may be null; then a device may still be working on the step when the function returns,
    and a later call may return the step's error. After an error, FXS_ERR_MEMORY or FXS_ERR_DEVICE, the fit can only
@@ -157,9 +157,6 @@ FXS_API uint32_t fxs_fit_steps(const fxs_fit *fit);
 
 /* The options in use; after fxs_fit_resume, most come from the file. */
 FXS_API const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
-
-/* Number of sky Gaussians that the fit started with: 0 if no photograph shows sky, and in a resumed fit. */
-FXS_API size_t fxs_fit_sky_count(const fxs_fit *fit);
 
 /* Replaces the views of `photos` by the refined poses. `photos` are the photographs that the fit was created with, with
    their original views. Does nothing without refine_poses. Errors as fxs_fit_gaussians. */
@@ -178,13 +175,6 @@ typedef struct fxs_fit_subject {
     double middle[3], radius;      /* scene units */
     size_t dropped;                /* Gaussians dropped by the crop */
 } fxs_fit_subject;
-
-/* Finds the subject that the cameras look at, as a sphere. Its middle is the point nearest to the axes of all cameras
-   (least squares). Each camera gives a distance: from its axis to the nearest edge of its picture, at the depth of the
-   middle. The radius is the median of these distances. Returns 0, or an error and a message: FXS_ERR_ARGUMENT if the
-   cameras do not look at one subject (their axes are nearly parallel, or in more than a quarter of the pictures the
-   point is not in the middle half of the width and height), or FXS_ERR_MEMORY. */
-FXS_API int fxs_fit_find_subject(const fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
 /* Crops a finished fit to its subject: drops Gaussians whose distance from the middle plus largest sigma exceeds the
    radius. Returns 0, or an error and a message: as fxs_fit_find_subject; FXS_ERR_ARGUMENT if no Gaussian would be left,
@@ -316,12 +306,6 @@ FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options,
                             fxs_message *message);
 FXS_API void fxs_photos_free(fxs_photos *photos);
 
-/* Makes the points of a set without points, for photographs that a program has in memory: 100,000 grey points in the
-   cube around the cameras. Returns 0 and points that the caller frees, or an error and a message, with *points null:
-   FXS_ERR_ARGUMENT (no photographs), FXS_ERR_FILE if the cube reaches beyond 2^27 units, FXS_ERR_MEMORY. */
-FXS_API int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, uint64_t seed,
-                                     fxs_fit_point **points, size_t *point_count, fxs_message *message);
-
 /* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
 /* Refines the levels of detail of a packed scene: fits coarse Gaussians to pictures of the fine ones, and measures for
@@ -342,7 +326,7 @@ typedef struct fxs_refine_options {
                                           and only measures the gain of drawing each node's children */
     /* Cameras that show the scene as viewers will see it; null: none. Only perspective views are used, at most
        FXS_REFINE_VIEWS (without steps FXS_REFINE_MEASURED), evenly spaced. */
-    const fxs_file_view *views;
+    const fxs_view *views;
     size_t view_count;
     unsigned cpu;                      /* allowed instruction sets for the steps, bits of enum fxs_cpu */
     fxs_progress_fn *progress;         /* may be null */

@@ -140,7 +140,6 @@ typedef struct fxs_scene {
     const uint32_t *places;
 } fxs_scene;
 
-
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    Nothing is copied: `data` must stay in place and unchanged while the scene is in use. If another program changes the
    bytes, as it can in a mapped file, a frame ends with FXS_ERR_SCENE or mixes old and new bytes; the renderer never
@@ -351,7 +350,7 @@ typedef struct fxs_context {
 } fxs_context;
 
 /* Fills *context. `config` may be null: one thread, no clock. Errors: FXS_ERR_ARGUMENT, FXS_ERR_STRUCT. */
-FXS_API int fxs_init(fxs_context *context, const fxs_config *config);
+FXS_API int fxs_context_init(fxs_context *context, const fxs_config *config);
 
 /* ---- Frame ----------------------------------------------------------------------------------------------------- */
 
@@ -368,19 +367,6 @@ typedef struct fxs_frame_memory {
                                       slices. 0 if all splats fitted */
 } fxs_frame_memory;
 
-/* Working memory of a frame of the given size. With `total` the frame is rendered in one pass, for every camera,
-   placement and set of targets: the memory holds a splat for every Gaussian of every object. With less, but at least
-   `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or 200 KB a thread
-   with several; plus 24 bytes a chunk, the objects and the tiles.)
-     Bands   An extra pass projects every Gaussian and counts the splats on each tile row. Then the frame is rendered in
-             bands, each with as many tile rows as fit: 88 bytes for each Gaussian that touches the band.
-     Slices  A tile row that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones. The
-             time grows with the square of the number of slices. Slices support colour and coverage only; a back end
-             needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
-   *memory may be null. Returns total; 0 if an argument is out of range or the memory exceeds a size_t. */
-FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                               int32_t height, fxs_frame_memory *memory);
-
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
     uint32_t drawn;                /* slots of the projected chunks. With a budget at most the budget, except that a
@@ -396,7 +382,7 @@ typedef struct fxs_stats {
     uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage. Blend and resolve run together; their wall time is
                                            divided in proportion to the threads' time in each */
     uint64_t frame_nanoseconds;
-    uint64_t reserved[8];
+    uint64_t reserved[4];
 } fxs_stats;
 
 /* What to render: one frame, or a stereo pair. */

@@ -1,4 +1,4 @@
-/* OpenGL: renders in a context of OpenGL ES 3.0 or 3.1, and makes contexts without a window. */
+/* OpenGL: renders in a context of OpenGL ES 3.0 or 3.1. */
 #ifndef FXS_GL_H
 #define FXS_GL_H
 
@@ -24,9 +24,17 @@ typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
 /* Makes the context current on the calling thread. Returns 0, or another value if it cannot. */
 typedef int fxs_gl_use_fn(void *argument);
 
+/* What a back end knows of its context. */
+typedef struct fxs_gl_info {
+    const char *renderer;          /* GL_RENDERER; valid as long as the back end */
+    const char *no_fetch;          /* why fxs_gles_draw_fetch is not supported, one line; null: it is */
+    uint64_t nanoseconds;          /* device time of the last frame that was read back; 0 without a timer
+                                      (EXT_disjoint_timer_query) */
+} fxs_gl_info;
+
 /* Target of fxs_gles_render and fxs_compute_draw: a framebuffer of the caller with one colour buffer of 8 bits,
    normalised, linear, not multisampled; its colour buffer is a texture, or it is framebuffer 0 of the context. */
-typedef struct fxs_gles_target {
+typedef struct fxs_gl_target {
     uint32_t framebuffer;          /* the framebuffer's GL name */
     int32_t x, y;                  /* the picture's lower left corner */
     enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
@@ -52,10 +60,10 @@ typedef struct fxs_gles_target {
        (object, gaussian). The draw buffers (glDrawBuffers) must be attachments 0, 1 and 2. Coverage is the alpha of
        RGBA8_COVERAGE. The first frame takes longer, as shaders are compiled. */
     int depths_and_ids;
-} fxs_gles_target;
+} fxs_gl_target;
 
 /* The context's own framebuffer with the picture at its corner, RGBA8, first row on top; no inputs. */
-FXS_API void fxs_gles_target_init(fxs_gles_target *target);
+FXS_API void fxs_gl_target_init(fxs_gl_target *target);
 
 /* ---- OpenGL ES 3.0 ----------------------------------------------------------------------------------------------- */
 
@@ -63,31 +71,26 @@ FXS_API void fxs_gles_target_init(fxs_gles_target *target);
    and resolves, with the same bytes. It runs in any context of OpenGL ES 3.0, or of OpenGL 3.3 with
    GL_ARB_ES3_compatibility, on one thread at a time.
 
-       fxs_gles *gles = malloc(fxs_gles_bytes());
-       if (fxs_gles_init(gles, load, use, argument, message)) ...
+       fxs_gles *gles;
+       if (fxs_gles_create(&gles, load, use, argument, &message)) ...
        config.draw = fxs_gles_draw, config.draw_argument = gles;
-       fxs_init(&context, &config), fxs_render(&context, ...); */
+       fxs_context_init(&context, &config), fxs_render(&context, ...); */
 
 typedef struct fxs_gles fxs_gles;
-
-#define FXS_GLES_MESSAGE 512
-
-/* Bytes of a back end, for the caller to allocate (aligned as malloc does). */
-FXS_API size_t fxs_gles_bytes(void);
 
 /* Loads the GL functions, compiles the shaders, creates buffers and textures. Preserves the context's state, except for
    a pending GL error. `use` makes the context current; every function here calls it first, so several contexts may take
    turns on a thread. Null: the caller makes the context current before every call. `argument` is the first argument of
-   both functions, which the back end keeps. Returns 0, or FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE or FXS_ERR_MEMORY, with
-   one line in `message` and all GL objects deleted. */
-FXS_API int fxs_gles_init(fxs_gles *gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
-                          char message[FXS_GLES_MESSAGE]);
+   both functions, which the back end keeps. fxs_gles_destroy frees *gles, which is null after an error. Errors:
+   FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
+FXS_API int fxs_gles_create(fxs_gles **gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
+                            fxs_message *message);
 
-/* Deletes the GL objects. Do not call it after the context was lost or destroyed, which deletes the objects too. */
-FXS_API void fxs_gles_free(fxs_gles *gles);
+/* Deletes the GL objects and frees the back end; null is allowed. If `use` fails, because the context was lost, only
+   memory is freed. With a null `use` the context is current, or no context is. */
+FXS_API void fxs_gles_destroy(fxs_gles *gles);
 
-/* GL_RENDERER of the context. */
-FXS_API const char *fxs_gles_renderer(const fxs_gles *gles);
+FXS_API fxs_gl_info fxs_gles_info(const fxs_gles *gles);
 
 /* For fxs_config.draw, with the fxs_gles as draw_argument. Needs a context of its own: GL state is not preserved.
    Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY if the device has too little memory. After either error, free the back end
@@ -96,16 +99,9 @@ FXS_API fxs_draw_fn fxs_gles_draw;
 
 /* Gives the same bytes as fxs_gles_draw without tile lists, in a context with framebuffer fetch: blends splats one by
    one, near to far, on an integer framebuffer. Needs fxs_config.draw_unlisted. Which of the two functions is faster
-   depends on the device and the scene. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason that
-   fxs_gles_no_fetch gives. */
+   depends on the device and the scene. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason in
+   fxs_gl_info.no_fetch. */
 FXS_API fxs_draw_fn fxs_gles_draw_fetch;
-
-/* Null if fxs_gles_draw_fetch is supported; else the reason, one line. */
-FXS_API const char *fxs_gles_no_fetch(const fxs_gles *gles);
-
-/* Device time of the last frame, from the first upload to the last draw, without readback; 0 without a timer
-   (EXT_disjoint_timer_query). Does not cover fxs_gles_render. */
-FXS_API uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
 
 /* Renders the first eye of a request into a target in the caller's GL context. Errors as fxs_render; the request's own
    targets are ignored. `context` configures the stages before blend; its draw is ignored. The GL state is preserved,
@@ -115,10 +111,10 @@ FXS_API uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
    nor written. Transform feedback must not be active. An active occlusion query counts this draw too.
    Further errors: FXS_ERR_TARGET (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop
    with RGBA8_COVERAGE, `over` without RGBA8_COVERAGE, depths_and_ids in framebuffer 0), FXS_ERR_UNSUPPORTED (another
-   format, a picture larger than the device's textures, `fetch` without support (fxs_gles_no_fetch), depths_and_ids
+   format, a picture larger than the device's textures, `fetch` without support (fxs_gl_info), depths_and_ids
    with `fetch`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (device memory). */
 FXS_API int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
-                            const fxs_gles_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);
+                            const fxs_gl_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);
 
 /* ---- Compute shaders --------------------------------------------------------------------------------------------- */
 
@@ -126,8 +122,8 @@ FXS_API int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fx
    shade, bin, sort, blend and resolve, from copies of packed scenes on the device. It replaces fxs_render, in any
    context of OpenGL ES 3.1, on one thread at a time.
 
-       fxs_compute *compute = malloc(fxs_compute_bytes());
-       if (fxs_compute_init(compute, load, use, argument, &why)) ...
+       fxs_compute *compute;
+       if (fxs_compute_create(&compute, load, use, argument, &message)) ...
        fxs_compute_scene copies[1] = {{0}}, *of_objects[1] = {copies};
        if (fxs_compute_upload(compute, copies, scene, &why)) ...
        memory = malloc(fxs_compute_memory(&request));
@@ -151,24 +147,19 @@ typedef struct fxs_compute_scene {
     uint64_t bytes;                /* device memory */
 } fxs_compute_scene;
 
-/* Bytes of a back end, for the caller to allocate (aligned as malloc does). */
-FXS_API size_t fxs_compute_bytes(void);
-
-/* Loads the GL functions and compiles the shaders. `use` makes the context current; every function here calls it first.
-   Null: the caller makes the context current before every call. Errors: FXS_ERR_UNSUPPORTED (no compute shaders, a
-   limit that is too low, a shader that does not compile), FXS_ERR_DEVICE, FXS_ERR_MEMORY; all GL objects are then
-   deleted. */
-FXS_API int fxs_compute_init(fxs_compute *compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
-                             fxs_message *why);
+/* Loads the GL functions and compiles the shaders. `load`, `use` and `argument` as in fxs_gles_create.
+   fxs_compute_destroy frees *compute, which is null after an error: FXS_ERR_UNSUPPORTED (no compute shaders, a limit
+   that is too low, a shader that does not compile), FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
+FXS_API int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
+                               fxs_message *message);
 
 /* Sets the most bytes of device memory that frames and scenes may use together; 0 (initial value): no limit. */
 FXS_API void fxs_compute_limit(fxs_compute *compute, uint64_t bytes);
 
-/* Deletes the back end's GL objects, except scenes. */
-FXS_API void fxs_compute_free(fxs_compute *compute);
+/* As fxs_gles_destroy. First drop the scenes. */
+FXS_API void fxs_compute_destroy(fxs_compute *compute);
 
-/* GL_RENDERER of the context. */
-FXS_API const char *fxs_compute_renderer(const fxs_compute *compute);
+FXS_API fxs_gl_info fxs_compute_info(const fxs_compute *compute);
 
 /* Copies a scene to the device and replaces the previous content of *copy. All rows of the scene must be in memory (no
    `places`). */
@@ -196,48 +187,7 @@ FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
    for `fetch`. After an error nothing was drawn, unless the device failed while drawing. The first call takes longer,
    as shaders are compiled. */
 FXS_API int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
-                             const fxs_gles_target *target, void *memory, fxs_stats *stats, fxs_message *why);
-
-/* Device time of the last frame, without readback; 0 without a timer. Does not cover fxs_compute_draw. */
-FXS_API uint64_t fxs_compute_nanoseconds(const fxs_compute *compute);
-
-/* Device memory in use, without scenes, bytes. */
-FXS_API uint64_t fxs_compute_taken(const fxs_compute *compute);
-
-/* ---- Contexts of EGL --------------------------------------------------------------------------------------------- */
-
-/* An OpenGL ES 3.0 context without a display, for kernels/gles: EGL on a device (EGL_EXT_platform_device), Mesa without
-   a surface (EGL_MESA_platform_surfaceless), or the default display. libEGL and libGLESv2 are loaded at run time. */
-
-/* Creates a context with the first of these that works and makes it current on this thread. Returns 0, or -1 and a
-   message. */
-FXS_API int fxs_egl_open(void **egl, fxs_message *message);
-
-/* Finds a function of OpenGL ES by its name: an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */
-FXS_API void (*fxs_egl_load(void *egl, const char *name))(void);
-
-/* Makes the context current on this thread again. Returns 0, or -1. */
-FXS_API int fxs_egl_use(void *egl);
-
-/* Ends the context; null is allowed. The display stays open, as the process may have other contexts on it. */
-FXS_API void fxs_egl_close(void *egl);
-
-/* ---- Contexts of OSMesa ------------------------------------------------------------------------------------------ */
-
-/* An OpenGL 3.3 context of Mesa's off-screen library, for kernels/gles: rendered on the processor, without a display.
-   libOSMesa is loaded at run time; Mesa dropped it in version 25.1. */
-
-/* Makes a context and makes it current on this thread. Returns 0, or -1 and a message. */
-FXS_API int fxs_osmesa_open(void **osmesa, fxs_message *message);
-
-/* Finds a function of OpenGL by its name: an fxs_gl_load_fn, whose argument is the context of fxs_osmesa_open. */
-FXS_API void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
-
-/* Makes the context current on this thread again. Returns 0, or -1. */
-FXS_API int fxs_osmesa_use(void *osmesa);
-
-/* Ends the context; null is allowed. */
-FXS_API void fxs_osmesa_close(void *osmesa);
+                             const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why);
 
 #ifdef __cplusplus
 }

@@ -80,17 +80,10 @@ FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile 
 FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                      fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
-/* The weight of a Gaussian: opacity times area, where the area is the product of its two largest sigmas, each clamped
-   to e^-20..e^20; NaN and infinity count as e^-20. */
-FXS_API double fxs_weight(const fxs_gaussian *gaussian);
-
 /* Returns 1 if fxs_pack keeps a Gaussian, with SH up to the given degree. Otherwise returns 0, counts the reason in
    *dropped and adds the Gaussian's weight to dropped->weight. The caller adds the weights of accepted Gaussians to
    dropped->kept. */
 FXS_API int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
-
-/* The dropped share of the total weight, 0 to 1. */
-FXS_API double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
 /* Frees a scene from fxs_pack and sets it to 0. A scene that is all 0 is allowed. */
 FXS_API void fxs_packed_scene_free(fxs_packed_scene *scene);

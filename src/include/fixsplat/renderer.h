@@ -78,20 +78,14 @@ FXS_API int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs
 FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 
 /* Chooses a first view of objects without cameras: renders small pictures from many sides and from inside, and takes
-   the view that shows most of the objects, upright. `up` receives the up direction, of length 1. low..high: the box of
-   the objects' visible part (for one scene the inner bounds of its report). The direction is the same on every machine,
-   for any `fov` (vertical, degrees) and picture size. Takes about 0.2 s. Errors: as fxs_view_look_at, FXS_ERR_SIZE,
-   FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
-FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
-                           double fov, int32_t width, int32_t height, fxs_file_view *view, double up[3],
-                           fxs_message *message);
+   the view that shows most of the objects, upright. box: least and greatest corner of the objects' visible part (for one
+   scene the inner bounds of its report). `up`: the up direction, of any length, or all 0 if it is unknown; receives the
+   up direction of length 1. The direction of the view is the same on every machine, for any picture. Takes about
+   0.2 s. Errors: as fxs_view_look_at, FXS_ERR_SIZE, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
+FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, double box[2][3], double up[3],
+                           const fxs_picture *picture, fxs_view *view, fxs_message *message);
 
-/* fxs_first_view with a known up direction: `up` has any length; all 0: the up direction is found. */
-FXS_API int fxs_first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
-                                   const double up[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
-                                   fxs_message *message);
-
-/* Makes a camera for the start view of an .fxs (camera.h), if it has one. Otherwise uses fxs_first_view_upright on the
+/* Makes a camera for the start view of an .fxs (camera.h), if it has one. Otherwise uses fxs_first_view on the
    scene alone, with a field of view of 50 degrees and the file's up direction; a scene with a pager is framed as a
    whole instead. Errors: as fxs_first_view, FXS_ERR_CAMERA. */
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,

@@ -61,14 +61,6 @@ typedef struct fxs_start {
     double rotation[4];   /* world to camera (x right, y down, z forward): unit quaternion w, x, y, z */
 } fxs_start;
 
-/* Reads the start data from the header of a packed scene at `data`, 192 bytes. Invalid data count as missing. */
-FXS_API void fxs_start_of(fxs_start *start, const void *data);
-
-/* Stores the start data in the header of a packed scene at `data`; call fxs_file_write or fxs_file_seal afterwards.
-   `up` may have any length, and is rounded to a direction within 0.01 degrees of it. Values out of range are not
-   stored. */
-FXS_API void fxs_start_to(void *data, const fxs_start *start);
-
 /* ---- Input ------------------------------------------------------------------------------------------------------- */
 
 /* The source of a scene file's bytes, and the limits on reading it. */
@@ -450,11 +442,6 @@ FXS_API int fxs_file_seal(void *data, size_t bytes);
    Returns 0, or an error and a message: FXS_ERR_FILE if the file is damaged, FXS_ERR_VERSION if it has another
    version. */
 FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
-
-/* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
-   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (internal/packed.h). Returns the
-   number of entries written, fewer than scene->count only if the scene is damaged. */
-FXS_API uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
 
 #ifdef __cplusplus
 }

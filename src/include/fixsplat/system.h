@@ -32,7 +32,7 @@ typedef struct fxs_mapping {
 
 /* Maps a regular file of at least 1 byte. Returns 0, or FXS_ERR_FILE and a message. At most 64 files can be mapped at
    once. Several threads may map, check and unmap their own files at the same time. */
-FXS_API int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message);
+FXS_API int fxs_map_open(fxs_mapping *mapping, const char *path, fxs_message *message);
 
 /* Checks a mapped file. Later writes to the file may appear in the memory, and if the file is truncated, a read beyond
    its end raises SIGBUS. A program that renders from a mapping calls this after each frame, before it uses the picture.
@@ -45,7 +45,7 @@ FXS_API int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_mess
 FXS_API void fxs_map_guard(void);
 
 /* Unmaps a file; a mapping with null data is allowed. */
-FXS_API void fxs_unmap(fxs_mapping *mapping);
+FXS_API void fxs_map_close(fxs_mapping *mapping);
 
 /* ---- Threads ----------------------------------------------------------------------------------------------------- */
 
@@ -74,17 +74,6 @@ FXS_API uint32_t fxs_processors(void);
    keeps its permissions. For a symbolic link, its target is written, even if the target does not exist yet. A FIFO, a
    device or standard output ("-", or another name such as /dev/stdout) gets the bytes immediately, so bytes written
    before an error stay there. Several threads may write at the same time, each its own file. */
-
-/* Optional, to be called once at the start of a program: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ then
-   remove this process's temporary files before they end the process as usual. A signal that is already ignored or
-   handled is left alone. The library never calls this; without it, or at any other signal, the temporary files stay.
-   Does nothing on Windows, which deletes the files however a process ends. */
-FXS_API void fxs_output_remove_at_signals(void);
-
-/* The name of the file that an output to `path` writes: `path` with its symbolic links followed, whether or not the
-   file exists. The caller frees it with free(). Null, with errno set, if the path has too many links or memory ran
-   out. */
-FXS_API char *fxs_output_target(const char *path);
 
 #ifdef __cplusplus
 }

@@ -40,14 +40,6 @@ typedef struct fxs_world {
 /* Identity placement: at the origin, visible. */
 FXS_API void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_t id);
 
-/* 1 if a placement leaves Gaussians unchanged (crops are ignored), else 0. */
-FXS_API int fxs_placement_is_plain(const fxs_placement *placement);
-
-/* fxs_placement_turn_up sets the rotation to the shortest one that turns the direction `up`, which is not 0, to 0, -1,
-   0. fxs_placement_turn rotates further, by degrees about the world's axis x, y or z (0, 1 or 2). */
-FXS_API void fxs_placement_turn_up(fxs_placement *placement, const double up[3]);
-FXS_API void fxs_placement_turn(fxs_placement *placement, int axis, double degrees);
-
 /* fxs_world_add_file adds a path, unless the world has it already, and sets *file to its index. fxs_world_add adds an
    object, a copy of *placement. Both return 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
@@ -71,19 +63,6 @@ FXS_API void fxs_world_free(fxs_world *world);
    Returns 0, or FXS_ERR_OBJECT and a message with the number that is out of range. */
 FXS_API int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement,
                              fxs_crop *crops, fxs_message *message);
-
-/* The matrix of a placement: three rows of scale * rotation, each followed by a component of the translation.
-   fxs_object_place must accept the placement. */
-FXS_API void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
-
-/* Transforms a file's start data (up direction, start view) like an object of that file. A start view is dropped if its
-   camera would be out of range. */
-FXS_API void fxs_placement_start(const fxs_placement *placement, fxs_start *start);
-
-/* Crops the box low..high of a file by the placement's crops, and finds the bounding box of the rest in the world.
-   Returns 1, or 0 if nothing is left. */
-FXS_API int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3],
-                              double world_low[3], double world_high[3]);
 
 /* Applies a placement to all objects and the up direction of a world, as if the objects were one. */
 FXS_API void fxs_world_place(fxs_world *world, const fxs_placement *whole);

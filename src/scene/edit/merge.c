@@ -2,6 +2,7 @@
    scaled and tinted. Far from 0, positions are relative to a common origin near the largest part. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/allocator.h>
+#include <fixsplat/internal/placements.h>
 
 #include <math.h>
 #include <stddef.h>

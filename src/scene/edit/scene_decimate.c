@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "src/gaussian/attributes.h"
+#include "src/pack/weight.h"
 #include "src/pack/order.h"
 #include "src/scene/formats_internal.h"
 #include "src/gaussian/transform_internal.h"

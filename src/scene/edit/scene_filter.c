@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "src/gaussian/attributes.h"
+#include "src/pack/weight.h"
 #include "src/base/options.h"
 #include "src/core/sized.h"
 #include "floaters_internal.h"

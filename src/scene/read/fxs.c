@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/start.h>
 
 #include "src/base/crc32.h"
 #include "src/gaussian/origin_internal.h"

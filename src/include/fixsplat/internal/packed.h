@@ -323,6 +323,11 @@ FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile p
    if the size exceeds a size_t. */
 FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
 
+/* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
+   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (internal/packed.h). Returns the
+   number of entries written, fewer than scene->count only if the scene is damaged. */
+FXS_API uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
+
 #ifdef __cplusplus
 }
 #endif

@@ -30,7 +30,7 @@ extern "C" {
 #define FXS_CUT_OFF_Q24 (70 << 24)
 
 /* A camera prepared for the stages, in the world or in the space of an object. */
-typedef struct fxs_view {
+typedef struct fxs_stage_view {
     int32_t width, height, tiles_x, tiles_y;
     int64_t position_q32[3], near_q32;
     int64_t eye_q32[3];            /* the point that SH colours are seen from; within +-2^29 units */
@@ -55,7 +55,7 @@ typedef struct fxs_view {
     enum fxs_cutoff cutoff;
     int orthographic;              /* 1: everything is projected as if z were 2^plane_exponent */
     int32_t plane_exponent;
-} fxs_view;
+} fxs_stage_view;
 
 /* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X,
    Y), all modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
@@ -151,7 +151,7 @@ struct fxs_object_view;            /* src/core/object.h */
    entries, ends and counts are null, and `keys` has every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
-    const fxs_view *view;          /* in world space */
+    const fxs_stage_view *view;          /* in world space */
     const fxs_options *options;
     const fxs_splat *splats;       /* by slot */
     const fxs_bounds *bounds;
@@ -245,26 +245,26 @@ typedef struct fxs_kernels {
     /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat (without its colour),
        bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
        FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
-    int32_t (*project)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+    int32_t (*project)(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
     /* Fills in the colours of `count` splats of one chunk; indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
-    int (*shade)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+    int (*shade)(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
                  uint32_t count, fxs_splat *splats);
 
     /* Finds the tiles of `count` splats. */
-    void (*bin)(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
+    void (*bin)(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                 uint32_t count, fxs_box *boxes);
 
     /* Finds the tile columns of a splat on tile rows `row` to row + rows - 1, all within its bounding box. May write up
        to 15 spans beyond these rows. */
-    void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
+    void (*spans)(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
                   int32_t row, int32_t rows, fxs_span *spans);
 
     /* Lists the macro tiles of slots `first` to first + count - 1, from the boxes of these slots: for each pair, the
        macro tile in `macros` and slot << 4 | mask of its tiles in `listed`. At most 9 pairs a slot; may write up to 15
        more. Returns the number of pairs, in any order. */
-    uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
+    uint32_t (*note)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
     /* Sorts `count` keys; `spare` has the same capacity. Fast if keys of equal depth arrive almost in the order of
@@ -276,13 +276,13 @@ typedef struct fxs_kernels {
     uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
     /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
-    void (*blend)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+    void (*blend)(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, fxs_tile *tile);
 
     /* blend with auxiliary outputs: also fills *trace, the source of depths and ids. It blends a part of a list, from
        entry `first` to before `end` (at most 32767), and continues from the present state of *tile and *trace.
        depths_q15: a depth code for each entry of the part, if a mean depth is wanted; else it may be null. */
-    void (*trace)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+    void (*trace)(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   fxs_tile *tile, fxs_trace *trace);
 
@@ -292,26 +292,39 @@ typedef struct fxs_kernels {
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
 
+/* Working memory of a frame of the given size. With `total` the frame is rendered in one pass, for every camera,
+   placement and set of targets: the memory holds a splat for every Gaussian of every object. With less, but at least
+   `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or 200 KB a thread
+   with several; plus 24 bytes a chunk, the objects and the tiles.)
+     Bands   An extra pass projects every Gaussian and counts the splats on each tile row. Then the frame is rendered in
+             bands, each with as many tile rows as fit: 88 bytes for each Gaussian that touches the band.
+     Slices  A tile row that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones. The
+             time grows with the square of the number of slices. Slices support colour and coverage only; a back end
+             needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
+   *memory may be null. Returns total; 0 if an argument is out of range or the memory exceeds a size_t. */
+FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                               int32_t height, fxs_frame_memory *memory);
+
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
 /* The table of these functions. */
 FXS_API extern const fxs_kernels fxs_kernels_c;
 
-FXS_API int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+FXS_API int32_t fxs_project_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-FXS_API int fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+FXS_API int fxs_shade_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
                         uint32_t count, fxs_splat *splats);
-FXS_API void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+FXS_API void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
                        fxs_box *boxes);
-FXS_API void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row,
+FXS_API void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row,
                          int32_t rows, fxs_span *spans);
-FXS_API uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
+FXS_API uint32_t fxs_note_c(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                             uint32_t *macros, uint32_t *listed);
 FXS_API void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count);
 FXS_API uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
-FXS_API void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+FXS_API void fxs_blend_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                          uint32_t count, fxs_tile *tile);
-FXS_API void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+FXS_API void fxs_trace_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                          const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace);
 FXS_API void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                            int32_t rows, unsigned char *pixels, ptrdiff_t stride);

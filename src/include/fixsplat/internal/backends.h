@@ -1,0 +1,18 @@
+/* The library's back ends. */
+#ifndef FXS_INTERNAL_BACKENDS_H
+#define FXS_INTERNAL_BACKENDS_H
+
+#include <fixsplat/backend.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_compute,
+                         fxs_backend_osmesa, fxs_backend_cuda;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
