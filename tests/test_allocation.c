@@ -9,7 +9,7 @@
 #include "fastest.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #endif
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

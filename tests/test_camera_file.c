@@ -7,7 +7,7 @@
 #include <fixsplat/internal/packed.h>
 #include <fixsplat/internal/placements.h>
 #include <fixsplat/internal/start.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 
 #include <math.h>
 #include <stdarg.h>

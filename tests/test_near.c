@@ -6,7 +6,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "tools/command/metrics.h"
 #include "tools/command/procedural.h"
 #include "scene_writer.h"

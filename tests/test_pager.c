@@ -14,6 +14,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
 
 #include "folder.h"

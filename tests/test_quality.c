@@ -17,7 +17,7 @@
 #include <fixsplat/system.h>
 #include <fixsplat/world.h>
 #include <fixsplat/internal/placements.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/gaussian/transform_internal.h"
 #include "src/core/frame.h"
 #include "tools/command/metrics.h"

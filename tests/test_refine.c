@@ -8,7 +8,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/kernels.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/core/chunk.h"
 #include "scene_bytes.h"
 #include "fastest.h"

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include <fixsplat/renderer.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "processor_internal.h"
 #include "src/base/try_internal.h"
 #include "src/camera/first_view.h"

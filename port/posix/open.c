@@ -11,6 +11,7 @@
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
 #include <fixsplat/internal/start.h>
 

@@ -10,6 +10,7 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
 
 #include "src/base/crc32.h"

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 
 #define POLE 0.02   /* smallest angle between the direction of view and the up vector, in radians */
 

@@ -4,7 +4,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/start.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include <math.h>
 #include <string.h>
 

@@ -9,7 +9,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/camera/camera_internal.h"

@@ -30,17 +30,17 @@ tools           public
 # The lowest room that may include each public header.
 public='
 src/core      fixsplat packed parts stage pixel fixed
-src/base      allocator message scene system
+src/base      allocator message scene start system output
 src/gaussian  pack
-src/camera    camera
+src/camera    camera view_more
 src/image     image
-src/scene     world
-src/fit       fit
+src/scene     world placements
+src/fit       fit fit_more
 kernels       kernels
-kernels/gl    gl
+kernels/gl    gl gl_contexts
 kernels/cuda  cuda
-port/posix    pager
-port/backend  backend renderer
+port/posix    pager pager_more
+port/backend  backend backends renderer
 port/board    board
 port/python   declarations
 '
@@ -137,9 +137,10 @@ faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*incl
 twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 
-# core and kernels must not allocate or print; src must not open files or start threads.
+# core and kernels must not allocate or print, except that the GL back ends allocate themselves; src must not open files
+# or start threads.
 calls='(^|[^A-Za-z0-9_>.])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
-calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack)' | cut -d: -f1,2 |
+calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack|gles/gles\.c|compute/compute\.c)' | cut -d: -f1,2 |
     tr '\n' ' ')
 [ -z "$calling" ] || faults="$faults allocates or prints: $calling"
 calls='(^|[^A-Za-z0-9_>.])(fopen|open|creat|rename|unlink|stat|lstat|realpath|mmap|pthread_create|fork|system)[ \t]*\('

@@ -1,5 +1,5 @@
 /* fixsplat bench: times the stages of rendering, and compares the times with an earlier run. */
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 
 #include <inttypes.h>
 #include <stdlib.h>

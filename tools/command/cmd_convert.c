@@ -13,7 +13,7 @@
 #include <fixsplat/internal/parts.h>
 #include <fixsplat/internal/placements.h>
 #include <fixsplat/internal/start.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"

@@ -13,6 +13,7 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
 #include "src/base/os_calls.h"
 #include "file_guard.h"

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include <fixsplat/system.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/fit/float_scene.h"
 #include "views.h"
 

@@ -8,9 +8,10 @@
 #include <string.h>
 
 #include <fixsplat/renderer.h>
+#include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
 #include <fixsplat/internal/placements.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/camera/lens_file.h"
 
 enum { VIEWS_MOST = 100000 };

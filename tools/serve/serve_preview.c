@@ -11,7 +11,7 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/output.h>
 #include <fixsplat/internal/start.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 #include "port/http/server.h"
 #include "src/base/os_calls.h"
 #include "src/camera/view_print.h"

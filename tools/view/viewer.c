@@ -12,8 +12,9 @@
 #include "src/base/os_calls.h"
 #include "tools/command/views.h"
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
-#include <fixsplat/internal/views.h>
+#include <fixsplat/internal/view_more.h>
 
 enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
        FILM_NS = 1000000000 / FILM_RATE };

@@ -1,6 +1,6 @@
 /* More functions on cameras in doubles, for the library's ports and the command. */
-#ifndef FXS_INTERNAL_VIEWS_H
-#define FXS_INTERNAL_VIEWS_H
+#ifndef FXS_INTERNAL_VIEW_MORE_H
+#define FXS_INTERNAL_VIEW_MORE_H
 
 #include <fixsplat/camera.h>
 
