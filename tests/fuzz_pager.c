@@ -48,8 +48,8 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     fxs_object_init(&object, scene);
     fxs_request_init(&request, &object, 1);
     request.options = *options;
-    request.options.want = pager ? fxs_pager_want : NULL;
-    request.options.want_argument = pager;
+    request.options.want.call = pager ? fxs_pager_want : NULL;
+    request.options.want.argument = pager;
     request.cameras[0] = *camera;
     request.targets[0].colour = (fxs_image){pixels, 4 * (ptrdiff_t)camera->width};
     *picture = 4 * (size_t)camera->width * (size_t)camera->height;

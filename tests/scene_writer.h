@@ -22,7 +22,7 @@ static inline int open_spz(const char *path, int version, uint64_t count, int sh
 
 static inline int close_writer(fxs_scene_writer *writer, fxs_message *message)
 {
-    return fxs_scene_writer_close(writer, NULL, NULL, NULL, message);
+    return fxs_scene_writer_close(writer, NULL, NULL, message);
 }
 
 #endif

@@ -110,7 +110,7 @@ static void check_limits(const fxs_context *context)
         check_same(context, rows);
         check_same(context, rows - 1);
     }
-    if (!context->config.run)
+    if (!context->config.workers.run)
         check_pairs(least, rows);
 }
 
@@ -158,7 +158,7 @@ static void check_case(uint64_t seed, int32_t most, int height)
     draw_random(height);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_pool *pool = fxs_pool_create(threads);
-        fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = threads};
+        fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads};
         fxs_context context;
         fxs_context_init(&context, &config);
         check_limits(&context);

@@ -482,9 +482,9 @@ static void the_file_does_not_depend_on_threads(void)
 {
     fxs_pool *pool = fxs_pool_create(3);
     const fxs_fit_options one = options;
-    options.run = fxs_pool_run;
-    options.pool = pool;
-    options.threads = 3;
+    options.workers.run = fxs_pool_run;
+    options.workers.pool = pool;
+    options.workers.count = 3;
     fxs_fit *fit;
     if (CHECK(resume(&fit, "half") == 0)) {
         go_on(fit, STEPS);
@@ -861,7 +861,7 @@ static void options_are_checked(void)
     } faults[] = {{offsetof(fxs_fit_options, recipe), 3, "recipe"}, {offsetof(fxs_fit_options, steps), 0, "steps"},
                   {offsetof(fxs_fit_options, sh_degree), -1, "SH degree"},
                   {offsetof(fxs_fit_options, cutoff), 2, "cut-off"}, {offsetof(fxs_fit_options, profile), 3, "profile"},
-                  {offsetof(fxs_fit_options, threads), 65, "threads"}};
+                  {offsetof(fxs_fit_options, workers.count), 65, "threads"}};
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         fxs_fit_options wrong = options;
         fxs_fit *fit;

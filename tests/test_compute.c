@@ -748,9 +748,9 @@ static void refusals(void)
     part_bytes = 1000;                     /* less than a chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
-    request.options.stop = yes;
+    request.options.stop.call = yes;
     CHECK(render_by(c, &request, 0) == FXS_ERR_STOPPED);
-    request.options.stop = 0;
+    request.options.stop.call = 0;
     request.options.sh_degree = 4;
     CHECK(render_by(c, &request, 0) == FXS_ERR_ARGUMENT);
     request.options.sh_degree = 3;

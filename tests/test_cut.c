@@ -198,7 +198,7 @@ static void check_same(const fxs_request *first, int picture)
     fxs_request request = *first;
     fxs_context context;
     fxs_pool *pool = fxs_pool_create(3);
-    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = 3};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = 3};
     fxs_frame_memory sizes;
     fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, first, &sizes);
@@ -395,8 +395,8 @@ static void test_in_part(void)
     double first = 0, last = 0;
     int frames = 0;
     request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 4, pictures[0]);
-    request.options.want = note_wanted;
-    request.options.want_argument = &p;
+    request.options.want.call = note_wanted;
+    request.options.want.argument = &p;
     fxs_stats stats;
     do {
         p.wanted = p.known = 0;

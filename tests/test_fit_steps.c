@@ -347,9 +347,9 @@ static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
     set_options(wanted, &options);
     options.cpu = cpu;
-    options.run = pool ? fxs_pool_run : NULL;
-    options.pool = pool;
-    options.threads = threads;
+    options.workers.run = pool ? fxs_pool_run : NULL;
+    options.workers.pool = pool;
+    options.workers.count = threads;
     const result r = fit(&options);
     const char *version = fxs_fit_stages_choose(cpu)->name;
     if (!CHECK(r.hash == wanted->hash))

@@ -85,7 +85,7 @@ static int pack_opened(enum fxs_profile profile, int filtered)
     filter.high[0] = 0.9;
     filter.sh_degree = 1;
     if (filtered)
-        result = fxs_scene_file_filter(file, &filter, &info, &left, NULL, NULL, &message);
+        result = fxs_scene_file_filter(file, &filter, &info, &left, NULL, &message);
     if (result == 0)
         result = fxs_pack(file, &info, &packed, &report, &options, &message);
     fxs_scene_file_close(file);

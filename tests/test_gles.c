@@ -193,7 +193,7 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
                   ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_context c;
-    fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
+    fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.count = 3, .draw = draw, .draw_argument = gles,
                          .draw_unlisted = draw && draw != fxs_gles_draw};
     fxs_context_init(&c, &config);
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
@@ -1090,7 +1090,7 @@ static outputs make_outputs(void)
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gl_target *t)
 {
     fxs_context c;
-    const fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = 3};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.count = 3};
     fxs_object objects[2] = {one_object(&s->scene), one_object(&s->scene)};
     objects[0].id = 70000;
     objects[1].id = 9;

@@ -525,7 +525,7 @@ static void test_threads_and_versions(void)
         make_scenario(&s);
         for (uint32_t threads = 1; threads <= 8; threads++) {
             fxs_context context;
-            const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
+            const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(threads), .workers.count = threads};
             fxs_context_init(&context, &config);
             for (int k = 0; k < count; k++) {
                 context.config.kernels = &versions[k];
@@ -535,7 +535,7 @@ static void test_threads_and_versions(void)
             }
             if (threads == 3)
                 check_bands(&s, &context);
-            fxs_pool_destroy(config.pool);
+            fxs_pool_destroy(config.workers.pool);
         }
         free_scenario(&s);
     }
@@ -574,14 +574,14 @@ static void test_stereo(void)
         CHECK(!draw(&plain, s.objects, s.count, &cameras[1], &s.options, 0, &s.actual, 0));
         CHECK(same_pictures(&s.actual, &eyes[1]));
         for (int k = 0; k < count; k++) {
-            const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create((uint32_t)k + 1),
-                                       .threads = (uint32_t)k + 1};
+            const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create((uint32_t)k + 1),
+                                       .workers.count = (uint32_t)k + 1};
             fxs_context context;
             fxs_context_init(&context, &config);
             context.config.kernels = &versions[k];
             CHECK(!draw_stereo(&context, &s, cameras, eyes));
             CHECK(same_pictures(&s.expected, &eyes[0]) && same_pictures(&s.actual, &eyes[1]));
-            fxs_pool_destroy(config.pool);
+            fxs_pool_destroy(config.workers.pool);
         }
         for (int eye = 0; eye < 2; eye++)
             picture_free(&eyes[eye]);

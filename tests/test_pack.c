@@ -75,12 +75,15 @@ static size_t bytes_said;
 static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: fxs_pack's own number */
 
 /* threads 0: no pool. */
-static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
+static int pack_with(const char *name, uint32_t threads, const fxs_progress *progress)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pool *pool = threads ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {sizeof(fxs_pack_options), profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, allocator, 0};
+    fxs_pack_options options = {.size = sizeof options, .profile = profile, .allocator = allocator,
+                                .workers = {pool ? fxs_pool_run : 0, pool, threads}};
+    if (progress)
+        options.progress = *progress;
     message.text[0] = 0;
     int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
     if (!result) {
@@ -93,9 +96,9 @@ static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progre
     return result;
 }
 
-static int pack_file(fxs_progress_fn *progress, void *argument)
+static int pack_file(const fxs_progress *progress)
 {
-    return pack_with(path, 0, progress, argument);
+    return pack_with(path, 0, progress);
 }
 
 static fxs_scene pack(size_t count, int sh_degree)
@@ -103,7 +106,7 @@ static fxs_scene pack(size_t count, int sh_degree)
     fxs_scene scene;
     memset(&scene, 0, sizeof scene);
     CHECK(write_file(count, sh_degree, 0));
-    if (!CHECK(pack_file(0, 0) == 0))
+    if (!CHECK(pack_file(0) == 0))
         printf("  %s\n", message.text);
     else
         CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
@@ -620,17 +623,17 @@ static void test_nothing_left(void)
     make_gaussians(5);
     for (int i = 0; i < 5; i++)
         gaussians[i].position[0] = NAN;
-    CHECK(write_file(5, 0, 0) && pack_file(0, 0) == FXS_ERR_FILE && message.text[0] && !packed.data &&
+    CHECK(write_file(5, 0, 0) && pack_file(0) == FXS_ERR_FILE && message.text[0] && !packed.data &&
           !packed.allocation);
     CHECK(report.dropped.not_finite == 5);
 }
 
 static void test_empty_file(void)
 {
-    CHECK(!write_file(0, 0, 0) || (pack_file(0, 0) == FXS_ERR_FILE && message.text[0]));
+    CHECK(!write_file(0, 0, 0) || (pack_file(0) == FXS_ERR_FILE && message.text[0]));
     FILE *stream = fopen(path, "wb");
     CHECK(stream && fclose(stream) == 0);
-    CHECK(pack_file(0, 0) == FXS_ERR_FILE && message.text[0]);
+    CHECK(pack_file(0) == FXS_ERR_FILE && message.text[0]);
 }
 
 /* ---- The rest --------------------------------------------------------------------------------------------------- */
@@ -639,7 +642,7 @@ static void test_flags(void)
 {
     fxs_scene scene;
     make_gaussians(3);
-    CHECK(write_file(3, 2, 1) && pack_file(0, 0) == 0 && fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
+    CHECK(write_file(3, 2, 1) && pack_file(0) == 0 && fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
     CHECK(scene.antialiased == 1 && scene.sh_degree == 2 && (uintptr_t)packed.data % 64 == 0);
     CHECK(packed.bytes == fxs_scene_bytes(3, 2, FXS_PROFILE_DEFAULT, 0));
     fxs_packed_scene_free(&packed);
@@ -735,7 +738,7 @@ static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
     fxs_message m;
     profile = which;
     make_gaussians(count);
-    if (!CHECK(write_file(count, sh_degree, 1)) || !CHECK(pack_file(0, 0) == 0))
+    if (!CHECK(write_file(count, sh_degree, 1)) || !CHECK(pack_file(0) == 0))
         return;
     CHECK(!fxs_file_seal(packed.data, packed.bytes) && !fxs_scene_open(&s, packed.data, packed.bytes));
     if (!CHECK(!fxs_scene_file_open_memory("x.fxs", packed.data, packed.bytes, NULL, &file, &info, &m)))
@@ -802,7 +805,7 @@ static void test_few_bits_are_kept(void)
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char name[1000];
         snprintf(name, sizeof name, "%s/%s", folder ? folder : "../shared/scenes", names[i]);
-        if (access(name, R_OK) || pack_with(name, 0, 0, 0))
+        if (access(name, R_OK) || pack_with(name, 0, 0))
             SKIP(access(name, R_OK) ? "no real scenes here" : message.text);
         CHECK(report.largest.dc * 0.28209479177387814 < 2e-4 && report.largest.opacity < 1e-6);
         fxs_packed_scene_free(&packed);
@@ -812,7 +815,7 @@ static void test_few_bits_are_kept(void)
     if (open_spz(path, 4, 2000, 3, 0, &writer, &message))
         SKIP(message.text);
     CHECK(fxs_scene_writer_put(writer, gaussians, 2000, &message) == 0);
-    CHECK(close_writer(writer, &message) == 0 && pack_file(0, 0) == 0);
+    CHECK(close_writer(writer, &message) == 0 && pack_file(0) == 0);
     CHECK(report.largest.sh < 1e-7 && report.largest.dc * 0.28209479177387814 < 2e-4);
     fxs_packed_scene_free(&packed);
 }
@@ -1025,7 +1028,7 @@ static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int d
 {
     static unsigned char records[2][(MAX_COUNT + FXS_CHUNK) * FXS_RECORD_BYTES];
     static fxs_palette p;
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = fxs_run_here};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here};
     int8_t mean[2][48];
     memset(&p, 0, sizeof p);
     p.profile = which;
@@ -1169,7 +1172,7 @@ static void test_every_allocation_fails(void)
     int result = -1;
     for (failing = 0; result && failing < 100; failing++) {
         allocations = 0;
-        result = pack_with(path, 2, 0, 0);
+        result = pack_with(path, 2, 0);
         CHECK(live == (result == 0) && (result == 0 || strstr(message.text, "out of memory")));
     }
     CHECK(result == 0 && failing > 8);
@@ -1191,7 +1194,7 @@ static void check_threads(const char *name)
     fxs_packed_scene first = {0, 0, 0, 0};
     fxs_pack_report first_report = {0};
     for (int i = 0; i < THREAD_COUNTS; i++) {
-        if (!CHECK(pack_with(name, thread_counts[i], 0, 0) == 0)) {
+        if (!CHECK(pack_with(name, thread_counts[i], 0) == 0)) {
             printf("  %s\n", message.text);
             continue;
         }
@@ -1266,7 +1269,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
 {
     static fxs_order_entry entries[MAX_COUNT];
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_pack_options options = {sizeof(fxs_pack_options), FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0, 0};
+    const fxs_pack_options options = {.size = sizeof options, .workers = {fxs_pool_run, pool, threads}};
     seed = count;
     for (uint32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++)
@@ -1318,7 +1321,7 @@ static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
     static fxs_order_entry entries[COUNT];
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run_in_turn, .workers.count = 1};
     for (int all = 0; all < 3; all++) {
         uint32_t seen[2] = {0, 0};
         seed = 6;
@@ -1343,7 +1346,7 @@ static void test_strays_are_apart(void)
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
     static fxs_order_entry entries[COUNT];
     static uint8_t is_stray[COUNT];
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run_in_turn, .workers.count = 1};
     int wide = 0;
     seed = 5;
     for (uint32_t i = 0; i < COUNT; i++) {
@@ -1368,7 +1371,7 @@ static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
     static fxs_order_entry entries[COUNT];
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run_in_turn, .workers.count = 1};
     uint32_t strays = 0, before = 0;
     seed = 6;
     for (uint32_t i = 0; i < COUNT; i++)
@@ -1392,7 +1395,7 @@ static void test_clusters_are_apart(void)
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
     static fxs_order_entry entries[COUNT];
     static uint8_t cluster[COUNT];
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run_in_turn, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run_in_turn, .workers.count = 1};
     uint32_t n = 0;
     seed = 7;
     for (uint32_t c = 0; c < CLUSTERS; c++)
@@ -1512,12 +1515,12 @@ static int count_call(void *argument, double done)
 static void check_progress(uint32_t threads)
 {
     struct calls all = {0, -1, 1, 0};
-    CHECK(pack_with(path, threads, count_call, &all) == 0);
+    CHECK(pack_with(path, threads, &(fxs_progress){count_call, &all}) == 0);
     CHECK(all.ordered && all.count >= 3 && all.last > 0.5);
     fxs_packed_scene_free(&packed);
     for (int stop = 1; stop <= all.count; stop++) {
         struct calls calls = {0, stop, 1, 0};
-        CHECK(pack_with(path, threads, count_call, &calls) == FXS_ERR_STOPPED && calls.count == stop);
+        CHECK(pack_with(path, threads, &(fxs_progress){count_call, &calls}) == FXS_ERR_STOPPED && calls.count == stop);
         CHECK(!packed.data && !packed.allocation && !strcmp(message.text, "import stopped"));
     }
 }
@@ -1527,11 +1530,11 @@ static void check_held(uint32_t chunks)
 {
     fxs_packed_scene all;
     fxs_pack_report said;
-    CHECK(pack_with(path, 2, 0, 0) == 0);
+    CHECK(pack_with(path, 2, 0) == 0);
     all = packed;
     said = report;
     held = chunks;
-    CHECK(pack_with(path, 2, 0, 0) == 0);
+    CHECK(pack_with(path, 2, 0) == 0);
     CHECK(packed.bytes == all.bytes && !memcmp(packed.data, all.data, all.bytes));
     CHECK(report.largest.sh == said.largest.sh && fabs(report.rms.sh - said.rms.sh) < 1e-9 * said.rms.sh);
     CHECK(report.largest.dc == said.largest.dc && fabs(report.rms.dc - said.rms.dc) < 1e-9 * said.rms.dc);
@@ -1603,7 +1606,7 @@ static void test_reader_fails(void)
         fprintf(stream, "%d 2 3 -4 -4 -4 1 0 0 0 2 0 0 %s\n", i, i == 6000 ? "dog" : "0");
     CHECK(fclose(stream) == 0);
     for (int i = 0; i < THREAD_COUNTS; i++) {
-        CHECK(pack_with(path, thread_counts[i], 0, 0) == FXS_ERR_FILE && !packed.data && !packed.allocation);
+        CHECK(pack_with(path, thread_counts[i], 0) == FXS_ERR_FILE && !packed.data && !packed.allocation);
         CHECK(strstr(message.text, path) && strstr(message.text, "6001 of 9000"));
     }
 }

@@ -115,8 +115,8 @@ static fxs_stats frame_of(const fxs_scene *scene, fxs_pager *pager, fxs_camera c
     const fxs_object object = one_object(scene);
     fxs_request request = request_of(&object, 1, camera, budget, pixels);
     fxs_stats stats;
-    request.options.want = pager ? fxs_pager_want : 0;
-    request.options.want_argument = pager;
+    request.options.want.call = pager ? fxs_pager_want : 0;
+    request.options.want.argument = pager;
     CHECK(fxs_request_bytes(&context, &request, 0) <= memory_bytes);
     CHECK(!fxs_render(&context, &request, memory, memory_bytes, &stats));
     return stats;

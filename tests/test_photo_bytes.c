@@ -71,8 +71,8 @@ static void same_bytes(void)
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 17, .seed = 3};
     put_folder();
     for (uint32_t threads = 1; threads <= 3; threads++) {
-        options.run = threads == 1 ? NULL : fxs_pool_run;
-        options.pool = threads == 1 ? NULL : fxs_pool_create(threads);
+        options.workers.run = threads == 1 ? NULL : fxs_pool_run;
+        options.workers.pool = threads == 1 ? NULL : fxs_pool_create(threads);
         if (!CHECK(!read_photos("", &options))) {
             printf("  %s\n", message.text);
             return;
@@ -81,7 +81,7 @@ static void same_bytes(void)
         const uint32_t hash = hash_of_photos();
         if (!CHECK(hash == EXPECTED))
             printf("  0x%08x\n", (unsigned)hash);
-        fxs_pool_destroy(options.pool);
+        fxs_pool_destroy(options.workers.pool);
     }
     fxs_photos_free(&photos);
 }

@@ -261,24 +261,23 @@ static void bad_photos(void)
     put_file("c/images/sub/3.ppm", "P6\n48 40\n255\nshort", 18);
     put_file("c/images/sub/4.ppm", "nothing", 7);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
-    options.run = fxs_pool_run;
-    options.pool = fxs_pool_create(3);
+    options.workers.run = fxs_pool_run;
+    options.workers.pool = fxs_pool_create(3);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
     char said[256] = "";
     options.skip_bad = 1;
     options.left_out = left_out;
-    options.argument = said;
+    options.left_out_argument = said;
     CHECK(!read_photos("c", &options) && photos.skipped == 3 && photos.fit_count == 4 && photos.held_out_count == 2);
     CHECK(!strcmp(said, "/3.ppm: cut short; /5.ppm: No such file or directory; "
                         "/4.ppm: not a .png, .jpg, .webp, .heic or .ppm (P6); "));
     options.left_out = NULL;
-    fxs_pool_destroy(options.pool);
-    options.run = NULL;
+    fxs_pool_destroy(options.workers.pool);
+    options.workers.run = NULL;
     double done = 0;
-    options.progress = stop;
-    options.argument = &done;
+    options.progress = (fxs_progress){stop, &done};
     check_refused("c", &options, FXS_ERR_STOPPED, "stopped");
-    options.progress = NULL;
+    options.progress.call = NULL;
     options.hold_out = 1;
     check_refused("c", &options, FXS_ERR_FILE, "every photograph of 9 would be held out");
     options.hold_out = 0;
@@ -679,7 +678,7 @@ static void blender(void)
         fxs_fit_block_free(&block);
     char said[256] = "";
     options.left_out = left_out;
-    options.argument = said;
+    options.left_out_argument = said;
     put_file("b/train/note.txt", "nothing", 7);
     CHECK(!read_photos("b", &options) && !*said);
     put_ppm("b/train/z.JPG", 9, 9, NULL);
@@ -764,7 +763,7 @@ static void names_of_windows(void)
     CHECK(!rename(in_folder("w/a/2.ppm"), in_folder("w/a/2.PPM")));
     CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() == hash);
     char said[256] = "";
-    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out, .argument = said};
+    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out, .progress.argument = said};
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
@@ -964,7 +963,7 @@ static void nerfstudio_parts(void)
     options.hold_out = 0;
     char said[256] = "";
     options.left_out = left_out;   /* unused ones have cameras, so no message names them */
-    options.argument = said;
+    options.left_out_argument = said;
     CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
 }
@@ -1104,11 +1103,11 @@ static uint32_t hash_of_set(const char *path, const fxs_photos_options *options)
 
 static void snowmiku(void)
 {
-    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 600, .hold_out = 8, .run = fxs_pool_run};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 600, .hold_out = 8, .workers.run = fxs_pool_run};
     const char *path = real_set("snowmiku");
     if (!path)
         SKIP("no photographs here");
-    options.pool = fxs_pool_create(2);
+    options.workers.pool = fxs_pool_create(2);
     const uint32_t hash = hash_of_set(path, &options);
     if (!CHECK(hash == SNOWMIKU_HASH))
         printf("  0x%08x\n", (unsigned)hash);
@@ -1116,23 +1115,23 @@ static void snowmiku(void)
           !photos.points_are_random);
     CHECK(photos.fit_count && photos.fit[0].view.width == 600 && photos.fit[0].view.height == 450);
     CHECK(photos.held_out_count && !strcmp(photos.held_out[0].view.name, "20240212_003919.jpg"));
-    fxs_pool_destroy(options.pool);
+    fxs_pool_destroy(options.workers.pool);
 }
 
 static void lego(void)
 {
-    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 400, .hold_out = 8, .background = {255, 255, 255}, .run = fxs_pool_run};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 400, .hold_out = 8, .background = {255, 255, 255}, .workers.run = fxs_pool_run};
     const char *path = real_set("lego");
     if (!path)
         SKIP("no photographs here");
-    options.pool = fxs_pool_create(2);
+    options.workers.pool = fxs_pool_create(2);
     const uint32_t hash = hash_of_set(path, &options);
     if (!CHECK(hash == LEGO_HASH))
         printf("  0x%08x\n", (unsigned)hash);
     CHECK(photos.fit_count == 100 && photos.held_out_count == 25 && photos.point_count == 100000 &&
           photos.points_are_random);
     CHECK(photos.fit_count && photos.fit[0].view.width == 400 && photos.fit[0].pixels[0] == 255);
-    fxs_pool_destroy(options.pool);
+    fxs_pool_destroy(options.workers.pool);
 }
 #endif
 

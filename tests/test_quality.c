@@ -186,8 +186,8 @@ static int load(subject *s, const char *path)
         return -1;
     int result = 0;
     for (int i = 0; i < PROFILES && !result; i++) {
-        fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)i, .run = fxs_pool_run, .pool = pool,
-                                    .threads = fxs_processors()};
+        fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)i, .workers.run = fxs_pool_run, .workers.pool = pool,
+                                    .workers.count = fxs_processors()};
         const double start = processor_seconds();
         result = fxs_pack(file, &s->info, &s->packed[i], &s->report, &options, &m);
         s->seconds[i] = processor_seconds() - start;
@@ -281,7 +281,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_view *view)
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = fxs_processors()};
     fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
     context.config.kernels = kernels_for(fxs_cpu_detect());   /* same bytes, faster */

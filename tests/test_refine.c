@@ -85,7 +85,7 @@ static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t 
                        size_t view_count)
 {
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = threads};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads};
     fxs_context context;
     const fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = steps, .views = view_count ? views : NULL,
                                         .view_count = view_count, .cpu = cpu};
@@ -231,8 +231,7 @@ static void check_refused(void)
     options.views = NULL;
     CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);
     options.views = views;
-    options.progress = stop;
-    options.argument = &calls;
+    options.progress = (fxs_progress){stop, &calls};
     CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_STOPPED && calls == 5);
     CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
     fxs_packed_scene_free(&packed);

@@ -58,7 +58,7 @@ static void counts(void)
     for (size_t t = 0; t < sizeof targets / sizeof *targets; t++) {
         if (!open_made(COUNT))
             return;
-        CHECK(fxs_scene_file_decimate(file, targets[t], &info, NULL, NULL, &message) == 0);
+        CHECK(fxs_scene_file_decimate(file, targets[t], &info, NULL, &message) == 0);
         CHECK(info.count == targets[t] && info.sh_degree == 3 && read_left() == (long)targets[t]);
         for (uint64_t i = 0; i < targets[t]; i++) {
             fxs_pack_dropped dropped = {0};
@@ -74,7 +74,7 @@ static void all_stay(void)
     for (uint64_t target = COUNT; target <= COUNT + 1; target++) {
         if (!open_made(COUNT))
             return;
-        CHECK(fxs_scene_file_decimate(file, target, &info, NULL, NULL, &message) == 0);
+        CHECK(fxs_scene_file_decimate(file, target, &info, NULL, &message) == 0);
         CHECK(info.count == COUNT && read_left() == COUNT && !memcmp(got, made, sizeof made));
         fxs_scene_file_close(file);
     }
@@ -115,7 +115,7 @@ static void moments(void)
         add_moments(before, &made[i]);
     if (!open_made(COUNT))
         return;
-    CHECK(fxs_scene_file_decimate(file, COUNT / 4, &info, NULL, NULL, &message) == 0);
+    CHECK(fxs_scene_file_decimate(file, COUNT / 4, &info, NULL, &message) == 0);
     const long left = read_left();
     for (long i = 0; i < left; i++)
         add_moments(after, &got[i]);
@@ -134,7 +134,7 @@ static void alike_first(void)
     made[1] = made[0];
     if (!open_made(4))
         return;
-    CHECK(fxs_scene_file_decimate(file, 3, &info, NULL, NULL, &message) == 0 && read_left() == 3);
+    CHECK(fxs_scene_file_decimate(file, 3, &info, NULL, &message) == 0 && read_left() == 3);
     CHECK(!memcmp(&got[1], &made[2], 2 * sizeof *made));
     CHECK(is_near(opacity_of(&got[0]), 2 * opacity_of(&made[0]), 1e-5));
     for (int k = 0; k < 3; k++)
@@ -152,7 +152,7 @@ static void opaque(void)
         made[1].opacity = clear ? 4 : 20;
         if (!open_made(2))
             return;
-        CHECK(fxs_scene_file_decimate(file, 1, &info, NULL, NULL, &message) == 0 && read_left() == 1);
+        CHECK(fxs_scene_file_decimate(file, 1, &info, NULL, &message) == 0 && read_left() == 1);
         CHECK(fabs(opacity_of(&got[0]) - (clear ? 0.99 : 1)) < 1e-5);
         fxs_scene_file_close(file);
     }
@@ -170,8 +170,8 @@ static void faulty(void)
     make();
     if (!open_made(COUNT))
         return;
-    CHECK(fxs_scene_file_decimate(file, 0, &info, NULL, NULL, &message) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_scene_file_decimate(file, 1, &info, stop_at_once, &calls, &message) == FXS_ERR_STOPPED && calls == 1);
+    CHECK(fxs_scene_file_decimate(file, 0, &info, NULL, &message) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_scene_file_decimate(file, 1, &info, &(fxs_progress){stop_at_once, &calls}, &message) == FXS_ERR_STOPPED && calls == 1);
     fxs_scene_file_close(file);
 }
 

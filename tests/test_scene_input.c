@@ -337,7 +337,7 @@ static int note_progress(void *argument, double done)
 #if defined(FXS_WITH_ZLIB) && defined(WITH_SOG)
 
 static const fxs_scene_file_options watched = {.size = sizeof(fxs_scene_file_options), 
-    .allocator = &counting, .progress = note_progress, .progress_argument = &progress
+    .allocator = &counting, .progress.call = note_progress, .progress.argument = &progress
 };
 
 static void progress_is_told(void)

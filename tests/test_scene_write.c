@@ -63,7 +63,7 @@ static const char *named(const char *ending)
     return name;
 }
 
-static int write_all(const char *ending, const fxs_scene_write_options *o, fxs_progress_fn *progress, void *argument)
+static int write_all(const char *ending, const fxs_scene_write_options *o, const fxs_progress *progress)
 {
     fxs_scene_writer *writer;
     FILE *stream;
@@ -72,7 +72,7 @@ static int write_all(const char *ending, const fxs_scene_write_options *o, fxs_p
         return result;
     CHECK(fxs_scene_writer_put(writer, wanted, 7, &message) == 0);
     CHECK(fxs_scene_writer_put(writer, wanted + 7, COUNT - 7, &message) == 0);
-    result = fxs_scene_writer_close(writer, &report, progress, argument, &message);
+    result = fxs_scene_writer_close(writer, &report, progress, &message);
     stream = fopen(name, "rb");
     put_file(stream ? fread(bytes, 1, MAX_FILE, stream) : 0);
     if (stream)
@@ -137,7 +137,7 @@ static void written_and_read(void)
             const tolerance *t = &formats[f];
             make(degree);
             const fxs_scene_write_options o = options_of(degree, degree == 1);
-            const int error = write_all(t->ending, &o, NULL, NULL);
+            const int error = write_all(t->ending, &o, NULL);
             if (error == FXS_ERR_UNSUPPORTED)
                 SKIP(message.text);
             CHECK(error == 0 && read_file(got, COUNT) == 0 && !strcmp(info.format, t->format));
@@ -155,7 +155,7 @@ static void sh_of_sog(void)
     double squares = 0;
     make(3);
     const fxs_scene_write_options o = options_of(3, 0);
-    if (write_all(".sog", &o, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+    if (write_all(".sog", &o, NULL) == FXS_ERR_UNSUPPORTED)
         SKIP(message.text);
     CHECK(read_file(got, COUNT) == 0);
     for (int i = 0; i < COUNT; i++)
@@ -170,7 +170,7 @@ static void what_splat_cannot_hold(void)
 {
     make(2);
     const fxs_scene_write_options o = options_of(2, 1);
-    CHECK(write_all(".splat", &o, NULL, NULL) == 0 && report.lost_sh == 2 && report.lost_antialiased);
+    CHECK(write_all(".splat", &o, NULL) == 0 && report.lost_sh == 2 && report.lost_antialiased);
     CHECK(read_file(got, COUNT) == 0 && info.count == COUNT && info.sh_degree == 0);
 }
 
@@ -193,7 +193,7 @@ static void bytes_of_glb(void)
 {
     make(3);
     const fxs_scene_write_options o = options_of(3, 0);
-    CHECK(write_all(".glb", &o, NULL, NULL) == 0 && !memcmp(bytes, "glTF\2\0\0\0", 8) && u32_at(8) == file_size);
+    CHECK(write_all(".glb", &o, NULL) == 0 && !memcmp(bytes, "glTF\2\0\0\0", 8) && u32_at(8) == file_size);
     const size_t json = u32_at(12), row = 28 + json;
     CHECK(json % 4 == 0 && !memcmp(bytes + 16, "JSON{", 5) && !memcmp(bytes + 24 + json, "BIN\0", 4));
     CHECK(u32_at(20 + json) == COUNT * 236 && row + COUNT * 236 == file_size);
@@ -217,7 +217,7 @@ static void bytes_of_compressed_ply(void)
 {
     make(0);
     const fxs_scene_write_options o = options_of(0, 1);
-    CHECK(write_all(".compressed.ply", &o, NULL, NULL) == 0);
+    CHECK(write_all(".compressed.ply", &o, NULL) == 0);
     const char *end = strstr((char *)bytes, "end_header\n");
     if (!CHECK(end != NULL))
         return;
@@ -240,7 +240,7 @@ static void lines_of_csv(void)
 {
     make(1);
     const fxs_scene_write_options o = options_of(1, 0);
-    CHECK(write_all(".csv", &o, NULL, NULL) == 0);
+    CHECK(write_all(".csv", &o, NULL) == 0);
     bytes[file_size < MAX_FILE ? file_size : MAX_FILE - 1] = 0;
     const char *line = (char *)bytes;
     CHECK(!strncmp(line, "x,y,z,f_dc_0,f_dc_1,f_dc_2,f_rest_0,", 35) &&
@@ -277,11 +277,11 @@ static void another_locale(void)
     for (int i = 0; spoken && i < 4; i++) {
         double half;
         setlocale(LC_NUMERIC, "C");
-        CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
+        CHECK(write_all(endings[i], &o, NULL) == 0);
         const size_t written_size = file_size;
         memcpy(usual, bytes, written_size);
         setlocale(LC_NUMERIC, "de_DE.UTF-8");
-        CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
+        CHECK(write_all(endings[i], &o, NULL) == 0);
         CHECK(file_size == written_size && !memcmp(usual, bytes, written_size));
         CHECK(fxs_read_number("-2.5e-1", &half) && half == -0.25);
         CHECK(!fxs_read_number("0,5", &half) && !fxs_read_number("0x1", &half) && !fxs_read_number("", &half));
@@ -308,7 +308,7 @@ static void extremes(void)
         if (fxs_scene_writer_open(named(endings[e]), &o, &writer, &message) == FXS_ERR_UNSUPPORTED)
             continue;
         CHECK(fxs_scene_writer_put(writer, wild, 2, &message) == 0);
-        CHECK(fxs_scene_writer_close(writer, &report, NULL, NULL, &message) == 0);
+        CHECK(fxs_scene_writer_close(writer, &report, NULL, &message) == 0);
         FILE *stream = fopen(name, "rb");
         put_file(stream ? fread(bytes, 1, MAX_FILE, stream) : 0);
         if (stream)
@@ -338,16 +338,16 @@ static void faulty(void)
         fxs_scene_writer *writer;
         char nowhere[64];
         fxs_scene_write_options o = options_of(3, 0);
-        if (write_all(endings[e], &o, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+        if (write_all(endings[e], &o, NULL) == FXS_ERR_UNSUPPORTED)
             continue;
         CHECK(fxs_scene_writer_open(named(endings[e]), &o, &writer, &message) == 0);
         CHECK(fxs_scene_writer_put(writer, wanted, 1, &message) == 0);
-        CHECK(fxs_scene_writer_close(writer, &report, NULL, NULL, &message) == FXS_ERR_ARGUMENT);
+        CHECK(fxs_scene_writer_close(writer, &report, NULL, &message) == FXS_ERR_ARGUMENT);
         CHECK(strstr(message.text, "fewer than announced") && access(name, F_OK));
         o.count = 1;
         CHECK(fxs_scene_writer_open(name, &o, &writer, &message) == 0);
         CHECK(fxs_scene_writer_put(writer, wanted, 2, &message) == FXS_ERR_ARGUMENT);
-        CHECK(fxs_scene_writer_close(writer, &report, NULL, NULL, &message) != 0 && access(name, F_OK));
+        CHECK(fxs_scene_writer_close(writer, &report, NULL, &message) != 0 && access(name, F_OK));
         snprintf(nowhere, sizeof nowhere, "no/such/folder/a%s", endings[e]);
         CHECK(fxs_scene_writer_open(nowhere, &o, &writer, &message) == FXS_ERR_FILE && !writer);
         o.sh_degree = 4;
@@ -357,7 +357,7 @@ static void faulty(void)
     fxs_scene_writer *writer;
     CHECK(fxs_scene_writer_open("a.gltf", &o, &writer, &message) == FXS_ERR_ARGUMENT && !writer);
     CHECK(!fxs_scene_format_of(".ply", 1) && !fxs_scene_format_of("x.plyx", 1) && fxs_scene_format_of("x.ply", 1));
-    CHECK(fxs_scene_writer_close(NULL, &report, NULL, NULL, &message) == 0);
+    CHECK(fxs_scene_writer_close(NULL, &report, NULL, &message) == 0);
 }
 
 static void too_many(void)
@@ -377,7 +377,7 @@ static void stopped(void)
     for (size_t e = 0; e < 3; e++) {
         int calls = 0;
         const fxs_scene_write_options o = options_of(3, 0);
-        const int error = write_all(endings[e], &o, stop, &calls);
+        const int error = write_all(endings[e], &o, &(fxs_progress){stop, &calls});
         CHECK(error == FXS_ERR_UNSUPPORTED || (error == FXS_ERR_STOPPED && calls == 2 && access(name, F_OK)));
     }
 }
@@ -452,7 +452,7 @@ static void flat_in_sog(void)
         for (int i = 0; i < COUNT; i += of)
             wanted[i].scale[2] = i % 2 ? -20 : -14;
         const fxs_scene_write_options o = options_of(0, 0);
-        if (write_all(".sog", &o, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+        if (write_all(".sog", &o, NULL) == FXS_ERR_UNSUPPORTED)
             SKIP(message.text);
         CHECK(read_file(got, COUNT) == 0);
         for (int i = 0; i < COUNT; i += of)
@@ -482,14 +482,14 @@ static void palettes(void)
     for (int i = 0; i < VECTORS; i++)
         for (int d = 0; d < 45; d++)
             vectors[i][d] = (int16_t)(centres[i % CENTRES][d] + random_between(-20, 20));
-    CHECK(fxs_sh_palette_learn(palette, ENTRIES, labels, (const fxs_sh_palette_vector *)vectors, VECTORS, NULL, NULL) ==
+    CHECK(fxs_sh_palette_learn(palette, ENTRIES, labels, (const fxs_sh_palette_vector *)vectors, VECTORS, NULL) ==
           0);
     for (int i = 0; i < VECTORS && CHECK(labels[i] < ENTRIES); i++)
         for (int d = 0; d < 45; d++)
             squares += (vectors[i][d] - palette[labels[i]][d]) * (vectors[i][d] - palette[labels[i]][d]);
     CHECK(sqrt(squares / (VECTORS * 45)) < 12);
-    CHECK(fxs_sh_palette_learn(palette, ENTRIES, labels, (const fxs_sh_palette_vector *)vectors, VECTORS, stop_at_once,
-                               NULL) == -1);
+    CHECK(fxs_sh_palette_learn(palette, ENTRIES, labels, (const fxs_sh_palette_vector *)vectors, VECTORS,
+                               &(fxs_progress){stop_at_once, NULL}) == -1);
 }
 
 int main(void)

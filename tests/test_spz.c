@@ -413,7 +413,7 @@ static int write_file(int version, int degree)
     CHECK(fxs_scene_writer_put(writer, wanted, 3, &message) == 0);
     CHECK(fxs_scene_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
     fxs_scene_write_report report;
-    result = fxs_scene_writer_close(writer, &report, NULL, NULL, &message);
+    result = fxs_scene_writer_close(writer, &report, NULL, &message);
     clamped = report.clamped;
     take_written();
     return result;
@@ -628,7 +628,7 @@ static void progress(void)
             SKIP(message.text);
         for (int i = 0; i < MANY; i++)
             fxs_scene_writer_put(writer, &wanted[i % COUNT], 1, &message);
-        int result = fxs_scene_writer_close(writer, NULL, note_progress, &h, &message);
+        int result = fxs_scene_writer_close(writer, NULL, &(fxs_progress){note_progress, &h}, &message);
         CHECK(k % 2 ? result == FXS_ERR_STOPPED && h.done >= 0.5 && h.done < 0.9 : result == 0 && h.done == 1);
         if (k % 2)
             CHECK(strncmp(message.text, written, strlen(written)) == 0);

@@ -563,7 +563,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     enum { MOST = 70000 };
     static fxs_key keys[MOST], spare[MOST], unsorted[MOST], expected[MOST];
     static uint32_t histograms[64][FXS_SORT_BUCKETS];
-    const fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .threads = parts};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.count = parts};
     for (uint32_t i = 0; i < count; i++)
         keys[i] = unsorted[i] = expected[i] = FXS_KEY(bits() & mask, i);
     qsort(expected, count, sizeof *expected, compare_keys);
@@ -855,7 +855,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
 {
     int pools = 0;
     uint64_t ticks = 0;
-    fxs_config config = {.size = sizeof(fxs_config), .run = run_backwards, .pool = &pools, .threads = (uint32_t)(2 + below(7)), .clock = tick,
+    fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.pool = &pools, .workers.count = (uint32_t)(2 + below(7)), .clock = tick,
                          .clock_argument = &ticks};
     fxs_context context;
     fxs_stats stats;
@@ -866,7 +866,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(memcmp(pixels, expected, bytes) == 0);
     CHECK(untouched(memory + size, GUARD_BYTES));
     CHECK(stats.gaussians == scene->count && stats.visible == all.count && stats.runs >= 1);
-    CHECK(!context.config.run || (pools > 0 && stats.frame_nanoseconds > 0));
+    CHECK(!context.config.workers.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
     /* Counters include the whole of each tile. */
@@ -1366,10 +1366,10 @@ static void test_render_refuses_arguments(void)
 static void test_init(void)
 {
     fxs_context context;
-    fxs_config config = {.size = sizeof(fxs_config), .threads = 65};
+    fxs_config config = {.size = sizeof(fxs_config), .workers.count = 65};
     CHECK(fxs_context_init(0, 0) == FXS_ERR_ARGUMENT && fxs_context_init(&context, &config) == FXS_ERR_ARGUMENT);
-    config.threads = 64;
-    CHECK(fxs_context_init(&context, &config) == 0 && context.config.threads == 64);
+    config.workers.count = 64;
+    CHECK(fxs_context_init(&context, &config) == 0 && context.config.workers.count == 64);
 }
 
 static void test_words(void)

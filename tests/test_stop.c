@@ -117,15 +117,15 @@ static int stop_everywhere(bench *b, draw_fn *draw)
     asked a = {0, 0};
     CHECK(!draw(b));
     memcpy(b->expected, b->pixels, sizeof b->expected);
-    b->options.stop = stop_at;
-    b->options.stop_argument = &a;
+    b->options.stop.call = stop_at;
+    b->options.stop.argument = &a;
     CHECK(!draw(b) && !memcmp(b->pixels, b->expected, sizeof b->expected));
     const int places = a.times;
     for (int at = 1; at <= places && !check_faults; at += 1 + places / 50) {
         a = (asked){0, at};
         CHECK(draw(b) == FXS_ERR_STOPPED);
     }
-    b->options.stop = 0;
+    b->options.stop.call = 0;
     CHECK(!draw(b) && !memcmp(b->pixels, b->expected, sizeof b->expected));
     return places;
 }
@@ -148,8 +148,8 @@ static void test_stopped_by_a_byte(void)
     static bench b;
     unsigned char byte = 0;
     bench_init(&b, 1, 16);
-    b.options.stop = fxs_stop_by_byte;
-    b.options.stop_argument = &byte;
+    b.options.stop.call = fxs_stop_by_byte;
+    b.options.stop.argument = &byte;
     CHECK(!draw_colour(&b));
     byte = 2;
     CHECK(draw_colour(&b) == FXS_ERR_STOPPED);
@@ -186,7 +186,7 @@ static void test_stopped_by_several_threads(void)
     static bench b;
     int stopped = 0;
     uint32_t every;
-    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(THREADS), .threads = THREADS};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(THREADS), .workers.count = THREADS};
     bench_init(&b, 5, 16);
     fxs_context_init(&b.context, &config);
     free(b.memory);
@@ -194,8 +194,8 @@ static void test_stopped_by_several_threads(void)
     b.memory = check_aligned(b.bytes);
     CHECK(!draw_colour(&b));
     memcpy(b.expected, b.pixels, sizeof b.expected);
-    b.options.stop = stop_by_chance;
-    b.options.stop_argument = &every;
+    b.options.stop.call = stop_by_chance;
+    b.options.stop.argument = &every;
     for (every = 1; every <= 200 && !check_faults; every++) {
         memset(b.pixels, 0, sizeof b.pixels);
         const int error = draw_colour(&b);
@@ -204,7 +204,7 @@ static void test_stopped_by_several_threads(void)
     }
     CHECK(stopped > 20 && stopped < 200);
     bench_free(&b);
-    fxs_pool_destroy(config.pool);
+    fxs_pool_destroy(config.workers.pool);
 }
 
 int main(int argc, char **argv)

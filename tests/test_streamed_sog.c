@@ -31,7 +31,7 @@ static void make(void)
     }
 }
 
-static int write_scene(const char *name, int count, int announced, fxs_progress_fn *progress, void *argument)
+static int write_scene(const char *name, int count, int announced, const fxs_progress *progress)
 {
     const fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = (uint64_t)announced, .sh_degree = 1, .antialiased = 1};
     fxs_scene_writer *writer;
@@ -39,7 +39,7 @@ static int write_scene(const char *name, int count, int announced, fxs_progress_
     if (result)
         return result;
     result = fxs_scene_writer_put(writer, wanted, (size_t)count, &message);
-    const int closed = fxs_scene_writer_close(writer, NULL, progress, argument, &message);
+    const int closed = fxs_scene_writer_close(writer, NULL, progress, &message);
     return result ? result : closed;
 }
 
@@ -71,7 +71,7 @@ static int files_in(const char *name)
 static void finest_level(void)
 {
     long off = 0;
-    if (write_scene(in_folder("lod-meta.json"), COUNT, COUNT, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+    if (write_scene(in_folder("lod-meta.json"), COUNT, COUNT, NULL) == FXS_ERR_UNSUPPORTED)
         SKIP(message.text);
     CHECK(read_level(in_folder("lod-meta.json"), 0) == COUNT && info.sh_degree == 1 && info.antialiased);
     CHECK(info.levels == LEVELS && !strcmp(info.format, "sog"));
@@ -181,7 +181,7 @@ static void the_same_again(void)
 {
     char command[256];
     CHECK(mkdir(in_folder("again"), 0700) == 0);
-    CHECK(write_scene(in_folder("again/lod-meta.json"), COUNT, COUNT, NULL, NULL) == 0);
+    CHECK(write_scene(in_folder("again/lod-meta.json"), COUNT, COUNT, NULL) == 0);
     snprintf(command, sizeof command, "cd %s && for f in again/*.json again/*/*; do cmp $f ${f#again/} || exit 1; done",
              folder);
     CHECK(system(command) == 0);
@@ -192,7 +192,7 @@ static void small_scenes(void)
     static const int counts[] = {0, 1, 256, 257, 1000}, levels[] = {1, 1, 1, 2, 3};
     CHECK(mkdir(in_folder("small"), 0700) == 0);
     for (int i = 0; i < 5; i++) {
-        CHECK(write_scene(in_folder("small/lod-meta.json"), counts[i], counts[i], NULL, NULL) == 0);
+        CHECK(write_scene(in_folder("small/lod-meta.json"), counts[i], counts[i], NULL) == 0);
         CHECK(read_level(in_folder("small/lod-meta.json"), 0) == counts[i] && info.levels == levels[i]);
     }
 }
@@ -207,17 +207,17 @@ static void faults(void)
 {
     int calls = 0;
     CHECK(mkdir(in_folder("faulty"), 0700) == 0);
-    CHECK(write_scene(in_folder("faulty/lod-meta.json"), 5, 6, NULL, NULL) == FXS_ERR_ARGUMENT);
-    CHECK(write_scene(in_folder("faulty/lod-meta.json"), 6, 5, NULL, NULL) == FXS_ERR_ARGUMENT);
+    CHECK(write_scene(in_folder("faulty/lod-meta.json"), 5, 6, NULL) == FXS_ERR_ARGUMENT);
+    CHECK(write_scene(in_folder("faulty/lod-meta.json"), 6, 5, NULL) == FXS_ERR_ARGUMENT);
     CHECK(files_in(in_folder("faulty")) == 0);
-    CHECK(write_scene(in_folder("faulty/lod-meta.json"), COUNT, COUNT, stop, &calls) == FXS_ERR_STOPPED && calls == 30);
+    CHECK(write_scene(in_folder("faulty/lod-meta.json"), COUNT, COUNT, &(fxs_progress){stop, &calls}) == FXS_ERR_STOPPED && calls == 30);
     CHECK(files_in(in_folder("faulty")) == 0);
     FILE *in_the_way = fopen(in_folder("faulty/1_0"), "wb");
     CHECK(in_the_way && !fclose(in_the_way));
-    CHECK(write_scene(in_folder("faulty/lod-meta.json"), COUNT, COUNT, NULL, NULL) == FXS_ERR_FILE);
+    CHECK(write_scene(in_folder("faulty/lod-meta.json"), COUNT, COUNT, NULL) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "faulty/1_0: File exists"));
     CHECK(files_in(in_folder("faulty")) <= 1);
-    CHECK(write_scene(in_folder("nowhere/lod-meta.json"), 5, 5, NULL, NULL) == FXS_ERR_FILE);
+    CHECK(write_scene(in_folder("nowhere/lod-meta.json"), 5, 5, NULL) == FXS_ERR_FILE);
     CHECK(!fxs_scene_format_of("x.lod-meta.json", 1) && fxs_scene_format_of("x/lod-meta.json", 1) &&
           fxs_scene_format_of("lod-meta.json", 1));
 }

@@ -84,13 +84,13 @@ static void test_a_context_for_several_threads(void)
 {
     make_frames();
     for (uint32_t threads = 1; threads <= 4 && !check_faults; threads += threads) {
-        const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
+        const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(threads), .workers.count = threads};
         fxs_context_init(&shared, &config);
 #ifdef FXS_WITH_KERNELS
         shared.config.kernels = kernels_for(fxs_cpu_detect());
 #endif
         CHECK(call_at_once(draw_frames) == 0);
-        fxs_pool_destroy(config.pool);
+        fxs_pool_destroy(config.workers.pool);
     }
     for (int i = 0; i < FRAMES; i++)
         free(frames[i].packed.data);

@@ -480,7 +480,7 @@ static int stop_at_once(void *argument, double done)
 static void stopped(void)
 {
     put_many();
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .progress = stop_at_once}, 1) == FXS_ERR_STOPPED);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .progress.call = stop_at_once}, 1) == FXS_ERR_STOPPED);
     CHECK(strstr(message.text, "tileset.json: stopped") != NULL);
 }
 

@@ -185,8 +185,8 @@ static void check_threads(enum fxs_profile profile)
                                                                                           version */
     for (uint32_t threads = 2; threads <= 3; threads++) {
         fxs_pool *pool = fxs_pool_create(threads);
-        const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1, .run = fxs_pool_run, .pool = pool,
-                                          .threads = threads};
+        const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1, .workers.run = fxs_pool_run, .workers.pool = pool,
+                                          .workers.count = threads};
         if (pack(&packed, &scene, COUNT, &options)) {
             CHECK(packed.bytes == alone.bytes && !memcmp(packed.data, alone.data, alone.bytes));
             fxs_packed_scene_free(&packed);
@@ -301,7 +301,7 @@ static void stopped(void)
 {
     for (stop_from = 0; stop_from < 1.1; stop_from += 0.1) {
         double last = 0;
-        const int error = try_pack(&(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1, .progress = stop, .argument = &last});
+        const int error = try_pack(&(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1, .progress.call = stop, .progress.argument = &last});
         CHECK(error == (stop_from > 1 ? 0 : FXS_ERR_STOPPED) && (error || last == 1));
     }
 }

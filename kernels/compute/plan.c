@@ -177,7 +177,7 @@ int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_me
     error = error ? error : place_objects(p);
     if (!error && p->cut_room)
         error = choose_chunks(p, parts + parts_bytes(request->count));
-    if (!error && o->stop && o->stop(o->stop_argument))
+    if (!error && o->stop.call && o->stop.call(o->stop.argument))
         error = FXS_ERR_STOPPED;
     return said(why, error);
 }

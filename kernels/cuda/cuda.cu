@@ -688,7 +688,7 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
-    if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
+    if (cuda->options.stop && cuda->options.stop(cuda->options.stop.argument))
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
     /* Starts kernels early only in a single frame, as waiting blocks take resources from other frames' kernels. */
     cuda->early = cuda->frame_count == 1;

@@ -21,14 +21,14 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
     if (threads > 64)
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%" PRIu32 " threads: expected 1 to 64", threads);
     p->max_memory = options->max_memory < SIZE_MAX ? (size_t)options->max_memory : SIZE_MAX;
-    config.threads = threads;
+    config.workers.count = threads;
     config.clock = fxs_clock;
     if (threads > 1) {
         p->pool = fxs_pool_create(threads);
         if (!p->pool)
             return fxs_fail_as(FXS_ERR_MEMORY, why, "cannot start %" PRIu32 " threads", threads);
-        config.run = fxs_pool_run;
-        config.pool = p->pool;
+        config.workers.run = fxs_pool_run;
+        config.workers.pool = p->pool;
     }
 #ifdef FXS_WITH_KERNELS
     fxs_kernels_choose(&p->kernels, fxs_cpu_detect() & ~options->without_cpu);

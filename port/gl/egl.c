@@ -1,6 +1,7 @@
 /* Opens a context of OpenGL ES 3 through EGL without a window: on the first EGL device that works, then on Mesa's
  * surfaceless platform, then on the default display. libEGL and libGLESv2 are loaded at run time. */
 #include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/internal/message.h>
 
 #include <EGL/egl.h>

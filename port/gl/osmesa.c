@@ -1,6 +1,7 @@
 /* Opens a core context of OpenGL 3.3 in OSMesa, Mesa's software renderer without a window. libOSMesa is loaded at run
  * time. */
 #include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/internal/message.h>
 
 #include <GL/osmesa.h>

@@ -154,9 +154,9 @@ static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, 
     if (threads > 64)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%u threads: expected 1 to 64", (unsigned)threads);
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
-    const fxs_pack_options options = {sizeof options, o->profile, pool ? fxs_pool_run : NULL, pool,
-                                      pool ? threads : 1, o->progress, o->progress_argument, o->file->allocator,
-                                      o->tree};
+    const fxs_pack_options options = {.size = sizeof options, .profile = o->profile, .progress = o->progress,
+                                      .workers = {pool ? fxs_pool_run : NULL, pool, pool ? threads : 1},
+                                      .allocator = o->file->allocator, .tree = o->tree};
     const int error = fxs_pack(file, &s->info, &s->packed, &s->report, &options, message);
     fxs_pool_destroy(pool);
     return error;

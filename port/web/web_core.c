@@ -42,7 +42,7 @@ EXPORT(start) double *fxs_web_start(uint32_t threads)
 {
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
-    const fxs_config config = {.size = sizeof config, .run = fxs_web_run, .threads = threads, .kernels = &fastest};
+    const fxs_config config = {.size = sizeof config, .workers.run = fxs_web_run, .workers.count = threads, .kernels = &fastest};
     fxs_context_init(&context, &config);
     return numbers;
 }
@@ -323,7 +323,7 @@ void fxs_web_request(fxs_request *r, uint32_t background, int sh_degree, int squ
     r->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
     r->options.budget = budget;
     r->options.detail_q8 = detail_q8;
-    r->options.want = fxs_web_want;
+    r->options.want.call = fxs_web_want;
     begin_turn();
 }
 

@@ -76,7 +76,8 @@ static uint32_t threads;
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
     fxs_pack_report report;
-    const fxs_pack_options options = {sizeof(fxs_pack_options), (enum fxs_profile)profile, fxs_web_run, NULL, threads, progress, NULL, NULL, 0};
+    const fxs_pack_options options = {.size = sizeof options, .profile = (enum fxs_profile)profile,
+                                      .workers = {fxs_web_run, NULL, threads}, .progress.call = progress};
     const int error = fxs_pack(file, info, &packed, &report, &options, &message);
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }

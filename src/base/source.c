@@ -1,6 +1,8 @@
+#include <fixsplat/scene.h>
 #include <fixsplat/internal/allocator.h>
 
 #include "source_internal.h"
+#include "report.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -315,7 +317,7 @@ void fxs_text_let_go(const fxs_scene_source *source, fxs_text *text)
 int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_message *message)
 {
     const fxs_scene_file_options *options = &source->options;
-    if (!options->progress || options->progress(options->progress_argument, done) == 0)
+    if (!fxs_report(&options->progress, done))
         return 0;
     return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", source->path);
 }

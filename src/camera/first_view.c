@@ -209,7 +209,7 @@ static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sig
     for (uint32_t i = 0; i < count; i++)
         FXS_TRY(view_of(c, &stands[i], &g.views[i]));
     if (c->threads > 1)
-        c->config->run(c->config->pool, look_job, &g, c->threads);
+        c->config->workers.run(c->config->workers.pool, look_job, &g, c->threads);
     else
         look_job(&g, 0);
     for (uint32_t i = 0; i < c->threads; i++)
@@ -474,9 +474,9 @@ int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, c
     chooser c = {.context = *context, .config = &context->config, .threads = 1, .message = message};
     memcpy(c.boxes[0].low, low, sizeof c.boxes[0].low);
     memcpy(c.boxes[0].high, high, sizeof c.boxes[0].high);
-    c.context.config = (fxs_config){.size = sizeof(fxs_config), .threads = 1, .kernels = context->config.kernels};
-    if (c.config->run && c.config->threads)
-        c.threads = c.config->threads < THREADS_MOST ? c.config->threads : THREADS_MOST;
+    c.context.config = (fxs_config){.size = sizeof(fxs_config), .workers.count = 1, .kernels = context->config.kernels};
+    if (c.config->workers.run && c.config->workers.count)
+        c.threads = c.config->workers.count < THREADS_MOST ? c.config->workers.count : THREADS_MOST;
     FXS_TRY(fxs_sample_take(&c.sample, objects, count, message));
     int error = set_up(&c);
     unsigned char *block = c.frames;

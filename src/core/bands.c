@@ -47,7 +47,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     const uint32_t chunks = f->chunk_count, tiles_y = (uint32_t)f->view.tiles_y;
     const int planned = mode != FXS_FRAME_WHOLE;
     f->mode = mode;
-    f->parts = config->run && config->threads > 1 ? config->threads : 1;
+    f->parts = config->workers.run && config->workers.count > 1 ? config->workers.count : 1;
     const uint64_t blocks = f->parts > 1 ? JOBS * f->parts : 1;
     f->tiles = (uint32_t)f->view.tiles_x * tiles_y;
     f->macros = fxs_macros(f->view.tiles_x) * fxs_macros(f->view.tiles_y);

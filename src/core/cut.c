@@ -210,8 +210,8 @@ static void want(search *s, const fxs_scene *scene, uint32_t chunk)
     const fxs_options *o = s->cut->options;
     const int there = is_there(scene, chunk);
     s->cut->missing += !there;
-    if (o->want && scene->places)
-        o->want(o->want_argument, scene, chunk, there);
+    if (o->want.call && scene->places)
+        o->want.call(o->want.argument, scene, chunk, there);
 }
 
 static visit *parent_of(const search *s, const visit *v)

@@ -62,5 +62,5 @@ int fxs_context_init(fxs_context *context, const fxs_config *config)
     const int error = config ? fxs_sized_read(&context->config, sizeof context->config, config) : 0;
     if (!context->config.kernels)
         context->config.kernels = &fxs_kernels_c;
-    return error ? error : context->config.threads > 64 ? FXS_ERR_ARGUMENT : 0;
+    return error ? error : context->config.workers.count > 64 ? FXS_ERR_ARGUMENT : 0;
 }

@@ -4,6 +4,8 @@
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 
+#include <fixsplat/internal/stage.h>
+
 #include "cut.h"
 
 #define FXS_SORT_BUCKETS 2048
@@ -129,9 +131,9 @@ static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_
 static inline int fxs_frame_stopped(fxs_frame *f)
 {
     const fxs_options *o = f->options;
-    if (o->stop && !FXS_SHARED_READ(f->stopped) && o->stop(o->stop_argument))
+    if (o->stop.call && !FXS_SHARED_READ(f->stopped) && o->stop.call(o->stop.argument))
         FXS_SHARED_WRITE(f->stopped, 1);
-    return o->stop && FXS_SHARED_READ(f->stopped);
+    return o->stop.call && FXS_SHARED_READ(f->stopped);
 }
 
 static inline uint64_t fxs_now(const fxs_frame *f)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
+#include <fixsplat/fit.h>
 #include <fixsplat/internal/message.h>
 #include "exposure.h"
 #include "pose.h"
@@ -105,7 +106,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : !o->max_gaussians || o->max_gaussians > FXS_MAX_COUNT    ? "number of Gaussians"
                         : (unsigned)o->cutoff > FXS_CUTOFF_SQUARE                  ? "cut-off"
                         : (unsigned)o->profile > FXS_PROFILE_SMALL                 ? "profile"
-                        : o->threads > 64                                          ? "number of threads"
+                        : o->workers.count > 64                                    ? "number of threads"
                         : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_AFFINE          ? "exposure"
@@ -220,8 +221,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->poses.count = (uint32_t)photo_count;
         f->cameras.of = calloc(photo_count, sizeof *f->cameras.of);
         f->cameras.count = (uint32_t)photo_count;
-        f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
-                                            options->threads, options->clock);
+        f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->workers.run, options->workers.pool,
+                                            options->workers.count, options->clock);
     }
     if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->cameras.of ||
         !f->stepper) {

@@ -6,9 +6,9 @@
 
 static fxs_pack_options pack_options(const fxs_fit *f)
 {
-    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
-                                .threads = f->options.threads};
-    options.run = options.run ? options.run : fxs_run_here;
+    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = f->options.profile, .workers.run = f->options.workers.run, .workers.pool = f->options.workers.pool,
+                                .workers.count = f->options.workers.count};
+    options.workers.run = options.workers.run ? options.workers.run : fxs_run_here;
     return options;
 }
 
@@ -64,7 +64,7 @@ int fxs_fit_keep(fxs_fit *f, const fxs_fit_origin *origins, size_t count, fxs_me
     const int is_coded = f->profile.chunks != NULL;
     const fxs_pack_options options = pack_options(f);
     FXS_TRY(is_coded ? end(f, message) : f->engine->fetch(f->self, message));
-    if (fxs_fit_model_rebuild(&f->model, origins, count, options.run, options.pool))
+    if (fxs_fit_model_rebuild(&f->model, origins, count, options.workers.run, options.workers.pool))
         return fxs_fail_memory(message, "a fit", count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     FXS_TRY(f->engine->give(f->self, message));
     if (!is_coded)

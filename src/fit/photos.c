@@ -9,6 +9,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/run.h"
+#include "src/base/report.h"
 #include "src/base/options.h"
 #include "photo_list.h"
 #include "photo_pixels.h"
@@ -74,7 +75,7 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
         if (!error && r->options->skip_bad && made->error == FXS_ERR_FILE) {
             all->skipped++;
             if (r->options->left_out)
-                r->options->left_out(r->options->argument, made->message.text);
+                r->options->left_out(r->options->left_out_argument, made->message.text);
         } else if (!error) {
             error = made->error;
             *message = made->message;
@@ -90,7 +91,7 @@ static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **phot
                     size_t done, size_t count, fxs_message *message)
 {
     const fxs_photos_options *o = r->options;
-    fxs_run_fn *const run = o->run ? o->run : fxs_run_here;
+    fxs_run_fn *const run = o->workers.run ? o->workers.run : fxs_run_here;
     r->views = views;
     *photos = calloc(views->count + 1, sizeof **photos);
     if (!*photos)
@@ -98,9 +99,9 @@ static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **phot
     for (r->first = 0; r->first < views->count; r->first += BATCH) {
         const size_t left = views->count - r->first;
         const uint32_t jobs = left < BATCH ? (uint32_t)left : BATCH;
-        run(o->pool, read_job, r, jobs);
+        run(o->workers.pool, read_job, r, jobs);
         FXS_TRY(keep(r, jobs, *photos, kept, all, message));
-        if (o->progress && o->progress(o->argument, (double)(done + r->first + jobs) / (double)count))
+        if (fxs_report(&o->progress, (double)(done + r->first + jobs) / (double)count))
             return fxs_fail_as(FXS_ERR_STOPPED, message, "reading of photographs stopped");
     }
     return 0;
@@ -255,7 +256,7 @@ int fxs_photos_read(const char *path, const fxs_photos_options *given, fxs_photo
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a resolution of %d pixels", options->resolution);
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
     if (options->left_out)
-        fxs_photo_list_others(&list, options->left_out, options->argument);
+        fxs_photo_list_others(&list, options->left_out, options->left_out_argument);
     int error = fxs_photo_masks_check(&list, options, message);
     if (!error && options->held_out_alone && list.held_out.count)
         error = keep_held_out(&list, message);

@@ -81,7 +81,7 @@ static int order(fxs_fit_model *m, int sh_degree, const fxs_pack_options *option
         origins[i] = (fxs_fit_origin){entries[i].index, FXS_FIT_KEPT};
     free(entries);
     if (!error)
-        error = fxs_fit_model_rebuild(m, origins, count, options->run, options->pool);
+        error = fxs_fit_model_rebuild(m, origins, count, options->workers.run, options->workers.pool);
     free(origins);
     return error;
 }
@@ -240,7 +240,7 @@ static int code_sh(coding *c, const fxs_pack_options *options, fxs_message *mess
     if (!all_sampled)
         free(sample);
     if (!error)
-        options->run(options->pool, sh_job, c, JOBS);
+        options->workers.run(options->workers.pool, sh_job, c, JOBS);
     return error;
 }
 
@@ -249,7 +249,7 @@ int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, const fxs_pack_op
     coding c = {p, m, p->palette ? malloc(p->count * sizeof *c.items) : NULL};
     if (p->palette && !c.items)
         return fxs_fail_memory(message, "a fit", p->count * sizeof *c.items);
-    options->run(options->pool, headers_job, &c, JOBS);
+    options->workers.run(options->workers.pool, headers_job, &c, JOBS);
     const int error = p->palette ? code_sh(&c, options, message) : 0;
     free(c.items);
     return error;

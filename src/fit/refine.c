@@ -16,6 +16,7 @@
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
 #include "src/base/exponential.h"
+#include "src/base/report.h"
 #include "src/base/options.h"
 #include "src/base/try_internal.h"
 #include "src/core/chunk.h"
@@ -182,7 +183,7 @@ static void write_cover(refiner *r)
 static int note(const refiner *r, int level, double part)
 {
     const fxs_refine_options *o = r->options;
-    return o->progress && o->progress(o->argument, (level - 1 + part) / r->highest)
+    return fxs_report(&o->progress, (level - 1 + part) / r->highest)
                ? fxs_fail_as(FXS_ERR_STOPPED, r->message, "refining stopped") : 0;
 }
 
@@ -322,7 +323,8 @@ static int refine_all(refiner *r, void *data)
         error = fxs_tree_edit(&r->editor, &r->scene, data, r->message);
     if (!error) {
         const fxs_config *c = &o->context->config;
-        r->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(o->cpu), c->run, c->pool, c->threads, NULL);
+        r->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(o->cpu), c->workers.run, c->workers.pool,
+                                            c->workers.count, NULL);
         error = r->stepper ? 0 : fail_memory(r, 0);
     }
     for (int level = 1; level <= r->highest && !error; level++) {

@@ -498,7 +498,7 @@ static void cut_job(void *argument, uint32_t i)
 static int cut_stretches(order *o, const fxs_pack_options *options)
 {
     const uint32_t before = o->stretch_count;
-    options->run(options->pool, cut_job, o, before);
+    options->workers.run(options->workers.pool, cut_job, o, before);
     o->stretch_count = 0;
     for (uint32_t i = 0; i < before; i++)
         for (int side = 0; side < 2; side++)
@@ -600,7 +600,7 @@ int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_p
         o->large = kept / 64 > 16 * FXS_CHUNK ? kept / 64 : 16 * FXS_CHUNK;
         while (o->stretch_count <= JOBS / 2 && cut_stretches(o, options))
             ;
-        options->run(options->pool, order_job, o, o->stretch_count);
+        options->workers.run(options->workers.pool, order_job, o, o->stretch_count);
     }
     fxs_release(options->allocator, o);
     fxs_release(options->allocator, sample);

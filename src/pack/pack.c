@@ -11,6 +11,7 @@
 
 #include <fixsplat/internal/packed.h>
 #include "src/base/exponential.h"
+#include "src/base/report.h"
 #include "src/base/options.h"
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
@@ -147,7 +148,7 @@ static void begin(packer *p, double share)
 static int report_progress(void *argument, double done)
 {
     const packer *p = argument;
-    return p->options.progress ? p->options.progress(p->options.argument, fmin(1, p->done + p->share * done)) : 0;
+    return fxs_report(&p->options.progress, fmin(1, p->done + p->share * done));
 }
 
 static int fail_stopped(const packer *p)
@@ -171,7 +172,7 @@ static int pass(packer *p, part_fn *work, double share)
     begin(p, share);
     FXS_TRY(fxs_scene_file_rewind(p->file, p->message));
     do {
-        p->options.run(p->options.pool, read_or_work, p, 1 + PARTS);
+        p->options.workers.run(p->options.workers.pool, read_or_work, p, 1 + PARTS);
         p->ready = !p->ready;
         b = &p->batches[p->ready];
         if (b->count >= 0 && report_progress(p, (double)b->first / (double)p->info->count))
@@ -559,8 +560,7 @@ static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
     fxs_pack_options options = p->options;
-    options.progress = report_progress;
-    options.argument = p;
+    options.progress = (fxs_progress){report_progress, p};
     begin(p, 0.0625);
     FXS_TRY(fxs_palette_learn(p->palette, h->palette_entries, p->sample, h->count, &options, p->message));
     h->palette_step_q19 = fxs_palette_step_q19(p->palette);
@@ -662,7 +662,7 @@ static int finish(packer *p)
 {
     const double chunks = p->end_chunk - p->first_chunk;
     for (p->finished = p->first_chunk; p->finished < p->end_chunk; p->finished += FINISHED) {
-        p->options.run(p->options.pool, finish_part, p, PARTS);
+        p->options.workers.run(p->options.workers.pool, finish_part, p, PARTS);
         if (p->palette && report_progress(p, fmin(1, (p->finished + FINISHED - p->first_chunk) / chunks)))
             return fail_stopped(p);
     }
@@ -851,8 +851,7 @@ static int build_part_of_tree(packer *p, unsigned char *bytes, const fxs_part_la
                               bytes + l->node_chunks, bytes + l->node_rows, bytes + l->sums, bytes + l->tops};
     fxs_pack_options options = p->options;
     begin(p, tree_share(p));
-    options.progress = report_progress;
-    options.argument = p;
+    options.progress = (fxs_progress){report_progress, p};
     return fxs_tree_build_run(p->tree, &run, &options, p->message);
 }
 
@@ -881,8 +880,7 @@ static int build_tree(packer *p, const fxs_scene *scene, void *data)
 {
     fxs_pack_options options = p->options;
     begin(p, tree_share(p));
-    options.progress = report_progress;
-    options.argument = p;
+    options.progress = (fxs_progress){report_progress, p};
     return fxs_tree_build(scene, data, p->coded ? p->coded->palette : p->palette, &options, p->message);
 }
 
@@ -965,9 +963,9 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     p.stages = fxs_pack_stages_choose(~0u);
     p.encoder.profile = p.options.profile;
     p.encoder.sh_degree = info->sh_degree;
-    if (!p.options.run)
-        p.options.run = fxs_run_here;
-    p.options.threads += p.options.threads == 0;
+    if (!p.options.workers.run)
+        p.options.workers.run = fxs_run_here;
+    p.options.workers.count += p.options.workers.count == 0;
     p.options.tree &= FXS_BUILDS_TREES;
     const int result = pack(&p, scene);
     if (!result && fxs_has_origin(info->origin))

@@ -2,9 +2,11 @@
  * entries, then the entries of each group, so that a search compares with few vectors. After all stages, joint rounds
  * move the entries of all stages towards the sums that Gaussians actually choose. Last, entries are quantised to 8 bits
  * with one step. Vectors are int16 in units of 2^-unit_exponent. */
+#include <fixsplat/pack.h>
 #include <fixsplat/internal/allocator.h>
 
 #include "palette.h"
+#include "src/base/report.h"
 
 #include <float.h>
 #include <math.h>
@@ -86,12 +88,12 @@ typedef struct learner {
 static int stopped(learner *l)
 {
     const double all = 2.0 * (l->palette->stages + 4) * LLOYD_ROUNDS + JOINT_ROUNDS;
-    return l->options->progress && l->options->progress(l->options->argument, l->rounds++ / all);
+    return fxs_report(&l->options->progress, l->rounds++ / all);
 }
 
 static void run(learner *l, void (*job)(void *, uint32_t))
 {
-    l->options->run(l->options->pool, job, l, JOBS);
+    l->options->workers.run(l->options->workers.pool, job, l, JOBS);
 }
 
 static uint32_t first_of(const learner *l, uint32_t job)

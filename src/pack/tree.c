@@ -6,9 +6,11 @@
    A part of a scene has a run of the chunks, and builds the nodes with all leaves in this run: their shape needs the
    boxes of all chunks, their contents only the run. Building the nodes above needs, from each part, the sums of its
    nodes and the merged Gaussians, as floats, of its topmost nodes. */
+#include <fixsplat/pack.h>
 #include <fixsplat/internal/allocator.h>
 
 #include "tree.h"
+#include "src/base/report.h"
 
 #include <float.h>
 #include <math.h>
@@ -386,7 +388,7 @@ static void build_subtree(void *argument, uint32_t job)
 static int note_built(const tree *t, uint32_t leaves)
 {
     const double all = t->run.end - t->run.first + 1.0;
-    return t->options.progress ? t->options.progress(t->options.argument, leaves / all) : 0;
+    return fxs_report(&t->options.progress, leaves / all);
 }
 
 static int build_subtrees(tree *t)
@@ -395,7 +397,7 @@ static int build_subtrees(tree *t)
         const uint32_t left = t->subtree_count - t->built, jobs = left < t->worker_count ? left : t->worker_count;
         if (note_built(t, leaves))
             return 1;
-        t->options.run(t->options.pool, build_subtree, t, jobs);
+        t->options.workers.run(t->options.workers.pool, build_subtree, t, jobs);
         for (uint32_t i = 0; i < jobs; i++)
             leaves += t->nodes[t->subtrees[t->built + i]].leaves;
     }
@@ -488,7 +490,7 @@ static int make_workers(tree *t)
     uint32_t slots = 2;
     for (uint32_t leaves = t->limit; leaves > 1; leaves /= 2)
         slots++;
-    t->worker_count = t->source ? 1 : t->options.threads;
+    t->worker_count = t->source ? 1 : t->options.workers.count;
     t->workers = fxs_allocate_zeroed(allocator, t->worker_count, sizeof *t->workers);
     for (uint32_t i = 0; i < t->worker_count && t->workers; i++) {
         t->workers[i].slots = fxs_allocate(allocator, slots, sizeof *t->workers[i].slots);

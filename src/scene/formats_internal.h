@@ -12,7 +12,7 @@ typedef struct fxs_writer {
     int (*open)(void *data, const char *path, const fxs_scene_write_options *options, fxs_message *message);
     int (*put)(void *data, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
     /* Completes the file, adds the losses of this format to the report, and frees memory, also after an error. */
-    int (*close)(void *data, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+    int (*close)(void *data, fxs_scene_write_report *report, const fxs_progress *progress,
                  fxs_message *message);
 } fxs_writer;
 

@@ -11,6 +11,7 @@
 #include <fixsplat/internal/parts.h>
 
 #include "fxs_file_internal.h"
+#include "src/base/report.h"
 #include "src/base/files_internal.h"
 #include "src/base/output_internal.h"
 #include "src/base/run.h"
@@ -134,7 +135,7 @@ static int fail_damaged(const merger *m, const part *p, const char *what)
 
 static int progress(const merger *m, double done)
 {
-    return m->how->progress && m->how->progress(m->how->progress_argument, done)
+    return fxs_report(&m->how->progress, done)
                ? fxs_fail_as(FXS_ERR_STOPPED, m->message, "merging stopped") : 0;
 }
 
@@ -370,7 +371,7 @@ static int take_part_of_tree(merger *m, uint32_t number)
 static int build_above(merger *m)
 {
     const size_t bytes = m->header.chunk_bytes;
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = fxs_run_here, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here, .workers.count = 1};
     const fxs_tree_source source = {read_leaf, read_top, m};
     m->above = fxs_tree_count_above(m->tree);
     m->above_chunks = fxs_allocate(NULL, m->above + 1, sizeof(fxs_chunk));
@@ -394,7 +395,7 @@ static int build_above(merger *m)
 
 static int plan_tree(merger *m)
 {
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = fxs_run_here, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here, .workers.count = 1};
     float (*boxes)[6] = fxs_allocate(NULL, m->header.chunk_count, sizeof *boxes);
     if (!boxes)
         return fxs_fail_memory(m->message, NULL, m->header.chunk_count * sizeof *boxes);

@@ -15,8 +15,7 @@ typedef struct fxs_part_merge {
     int tree;                    /* 1: parts without levels of detail are an error */
     int (*change)(void *argument, void *header, fxs_message *message);
     void *argument;
-    fxs_progress_fn *progress;
-    void *progress_argument;
+    fxs_progress progress;
 } fxs_part_merge;
 
 /* Merges all part files of a scene into the file `out`. The bytes equal those of the scene packed as a whole.

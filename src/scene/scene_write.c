@@ -74,8 +74,7 @@ int fxs_scene_writer_put(fxs_scene_writer *w, const fxs_gaussian *gaussians, siz
     return 0;
 }
 
-int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, fxs_progress_fn *progress,
-                           void *argument, fxs_message *message)
+int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, const fxs_progress *progress, fxs_message *message)
 {
     fxs_scene_write_report unwanted;
     report = report ? report : &unwanted;
@@ -83,7 +82,7 @@ int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, 
     if (!w)
         return 0;
     *report = w->report;
-    const int result = w->writer->close(w->data, report, progress, argument, message);
+    const int result = w->writer->close(w->data, report, progress, message);
     free(w);
     return result;
 }

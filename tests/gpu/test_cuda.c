@@ -1040,13 +1040,13 @@ static void test_stopped(void)
     for (int i = 0; i < 4; i++)
         frames[i] = (fxs_cuda_frame){camera, &w.objects[i], 1, {.colour = {
             device + (size_t)i * (size_t)camera.width * (size_t)camera.height * 4, camera.width * 4}}};
-    options.stop = stop_third;
-    options.stop_argument = &times;
+    options.stop.call = stop_third;
+    options.stop.argument = &times;
     CHECK(fxs_cuda_render(cuda, frames, 4, &options, 0, &why) == FXS_ERR_STOPPED && times == 3);
     CHECK(!strcmp(why.text, fxs_strerror(FXS_ERR_STOPPED)) &&
           fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);                  /* no frame to finish */
     CHECK(!fxs_cuda_render(cuda, frames, 4, &options, 0, &why) && !fxs_cuda_finish(cuda, 0, &why) && times >= 7);
-    options.stop = 0;
+    options.stop.call = 0;
     CHECK(frame_equal(w.objects, 4, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
     peek_device_free(device);
     world_free(&w);

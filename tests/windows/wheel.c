@@ -73,7 +73,7 @@ static void draw(const fxs_object *object, const fxs_camera *camera, fxs_targets
 int main(int argc, char **argv)
 {
     fxs_message message = {.text = "not found"};
-    fxs_open_options options = {.size = sizeof(fxs_open_options), .file.progress = go_on, .progress = go_on};
+    fxs_open_options options = {.size = sizeof(fxs_open_options), .file.progress = go_on, .progress.call = go_on};
     fxs_opened *opened;
     fxs_view *views;
     fxs_placement placement;

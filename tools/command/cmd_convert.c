@@ -367,7 +367,7 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
     fxs_kernels fastest;
-    const fxs_config config = {.size = sizeof config, .run = fxs_pool_run, .pool = pool, .threads = threads,
+    const fxs_config config = {.size = sizeof config, .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads,
                                .kernels = &fastest};
     char label[] = "refining";
     fxs_context context;
@@ -378,7 +378,7 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
         return fail(EXIT_FAILED, "out of memory: %u threads", (unsigned)threads);
     fxs_kernels_choose(&fastest, ~0u);
     fxs_context_init(&context, &config);
-    how.progress = progress_of(load, label, &how.argument);
+    how.progress = progress_of(load, label);
     const int error = fxs_refine((void *)(uintptr_t)packed->data, packed->bytes, &how, &message);
     fxs_pool_destroy(pool);
     return error ? fail(EXIT_FAILED, "--refine: %s", message.text) : 0;
@@ -438,12 +438,12 @@ static int pack_part(const convert_options *o, const load_options *load, fxs_sce
 {
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = load->profile, .run = pool ? fxs_pool_run : 0, .pool = pool,
-                                .threads = pool ? threads : 1, .tree = load->tree};
+    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = load->profile, .workers.run = pool ? fxs_pool_run : 0, .workers.pool = pool,
+                                .workers.count = pool ? threads : 1, .tree = load->tree};
     char label[] = "packing";
     fxs_pack_report report;
     fxs_message message;
-    options.progress = progress_of(load, label, &options.argument);
+    options.progress = progress_of(load, label);
     const int error = fxs_pack_part(file, info, o->block, o->blocks, part, &report, &options, &message);
     progress_end();
     fxs_pool_destroy(pool);
@@ -505,7 +505,7 @@ static int merge_parts(convert_options *o)
         status = files_check();
     if (status)
         return status;
-    how.progress = progress_of(&o->load, label, &how.progress_argument);
+    how.progress = progress_of(&o->load, label);
     const int error = fxs_part_files_merge(o->world.scenes, (uint32_t)o->world.scene_count, o->out, &how, &message);
     progress_end();
     return error ? fail_for(&message) : 0;
@@ -545,14 +545,13 @@ static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, uint
 {
     fxs_gaussian batch[BATCH];
     char label[] = "converting";
-    void *argument;
-    fxs_progress_fn *progress = progress_of(load, label, &argument);
+    const fxs_progress progress = progress_of(load, label);
     uint64_t done = 0;
     int result = 0;
     for (long n; !result && (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
         result = n < 0 ? -1 : fxs_scene_writer_put(w, batch, (size_t)n, message);
         done += n < 0 ? 0 : (uint64_t)n;
-        if (progress(argument, (double)done / (double)count) && !result)
+        if (progress.call(progress.argument, (double)done / (double)count) && !result)
             result = fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", out);
     }
     progress_end();
@@ -594,14 +593,13 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
                                        .spz_fine = spz_fine};
     memcpy(options.origin, info->origin, sizeof options.origin);
     char label[] = "compressing";
-    void *argument;
-    fxs_progress_fn *progress = progress_of(load, label, &argument);
+    const fxs_progress progress = progress_of(load, label);
     int result = ends_with(out, ".glb") ? find_bounds(file, &options, &message) : 0;
     if (!result)
         result = fxs_scene_writer_open(out, &options, &w, &message);
     if (!result)
         result = copy(w, out, file, info->count, load, &message);
-    if (fxs_scene_writer_close(w, &report, progress, argument, &closing) && !result) {
+    if (fxs_scene_writer_close(w, &report, &progress, &closing) && !result) {
         message = closing;
         result = -1;
     }

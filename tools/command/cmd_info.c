@@ -575,7 +575,7 @@ static int find(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
-    const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .threads = fxs_processors()};   /* used for sizes only */
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.count = fxs_processors()};   /* used for sizes only */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_context_init(&context, &config);

@@ -54,7 +54,7 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     }
     progress_end();
     fxs_message closing;
-    if (fxs_scene_writer_close(writer, 0, 0, 0, &closing) && !result)
+    if (fxs_scene_writer_close(writer, 0, 0, &closing) && !result)
         return fail_for(&closing);
     return result ? fail_for(&message) : 0;
 }

@@ -162,7 +162,7 @@ static int fail_frame(const renderer *r, const fxs_view *view, int error, const 
 
 static int is_stopped(const fxs_options *options)
 {
-    return options->stop && options->stop(options->stop_argument);
+    return options->stop.call && options->stop.call(options->stop.argument);
 }
 
 /* Loads all missing chunks of the last frame. *came is the number of loaded chunks. */
@@ -217,11 +217,11 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
     if (!renderer_may_page(r))
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "--backend %s copies whole scenes: no --pool", r->backend->name);
     uint32_t least = UINT32_MAX, came;
-    asking.options.want = want;
-    asking.options.want_argument = &g;
+    asking.options.want.call = want;
+    asking.options.want.argument = &g;
     if (!r->shows_part) {
-        asking.options.stop = stop;
-        asking.options.stop_argument = &g;
+        asking.options.stop.call = stop;
+        asking.options.stop.argument = &g;
     }
     for (int tries = 0; tries < TRIES; tries++) {
         fxs_pager_state state;

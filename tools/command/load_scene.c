@@ -60,10 +60,9 @@ static int fail_scene(const char *path, const fxs_message *message)
     return fail(EXIT_FAILED, strncmp(message->text, name, strlen(name)) ? "%s: %s" : "%.0s%s", name, message->text);
 }
 
-fxs_progress_fn *progress_of(const load_options *o, char *label, void **argument)
+fxs_progress progress_of(const load_options *o, char *label)
 {
-    *argument = o->progress ? o->progress_argument : label;
-    return o->progress ? o->progress : progress_bar;
+    return o->progress.call ? o->progress : (fxs_progress){progress_bar, label};
 }
 
 static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info,
@@ -71,9 +70,8 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
 {
     fxs_scene_filter_report r;
     char label[] = "counting";
-    void *argument;
-    fxs_progress_fn *progress = progress_of(o, label, &argument);
-    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress, argument, message);
+    const fxs_progress progress = progress_of(o, label);
+    int result = fxs_scene_file_filter(file, o->filter, info, &r, &progress, message);
     progress_end();
     if (result || o->again)
         return result;
@@ -88,8 +86,8 @@ static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_
 {
     char label[] = "merging";
     const uint64_t share = (uint64_t)ceil(o->decimate_share * (double)info->count);
-    const int error = fxs_scene_file_decimate(file, o->decimate_count ? o->decimate_count : share, info, progress_bar,
-                                              label, message);
+    const int error = fxs_scene_file_decimate(file, o->decimate_count ? o->decimate_count : share, info,
+                                              &(fxs_progress){progress_bar, label}, message);
     progress_end();
     return error;
 }
@@ -233,7 +231,7 @@ static fxs_scene_file_options file_options(const char *path, const load_options 
 {
     fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), 
         .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
-        .progress = o->progress, .progress_argument = o->progress_argument
+        .progress = o->progress
     };
     options.level = level_of(path, o, &options);
     return options;
@@ -286,7 +284,7 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     fxs_open_options options = {.size = sizeof options, .file = &reading_options, .profile = o->profile,
                                 .threads = o->threads, .tree = o->tree};
     const fxs_pager_options paging = {sizeof(fxs_pager_options), o->pool, o->arrived, o->arrived_argument};
-    options.progress = progress_of(o, label, &options.progress_argument);
+    options.progress = progress_of(o, label);
     if (o->pages && (o->pool || fxs_pager_is_url(path)))
         options.pager = &paging;
     if (options.pager)

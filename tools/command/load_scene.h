@@ -34,12 +34,11 @@ typedef struct load_options {
     uint64_t max_gaussians;
     size_t import_memory;
     int again;
-    fxs_progress_fn *progress;              /* progress callback; null: shows a bar on stderr */
-    void *progress_argument;
+    fxs_progress progress;                  /* without `call`: shows a bar on stderr */
 } load_options;
 
 /* Returns the progress callback of the options, or else a progress bar after `label`. */
-fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
+fxs_progress progress_of(const load_options *options, char *label);
 
 /* Copies the options for file i of `count`, with the level of detail for the file. */
 int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);

@@ -258,12 +258,11 @@ int fit_photos(fit_command *c)
     if (status || c->cameras_only)
         return status;
     fxs_pool *pool = fxs_pool_create(c->frame.threads);
-    c->options.run = c->reading.run = pool ? fxs_pool_run : 0;
-    c->options.pool = c->reading.pool = pool;
-    c->options.threads = pool ? c->frame.threads : 1;
-    c->reading.progress = show_reading;
+    c->options.workers = (fxs_workers){pool ? fxs_pool_run : 0, pool, pool ? c->frame.threads : 1};
+    c->reading.workers = c->options.workers;
+    c->reading.progress = (fxs_progress){show_reading, c};
     c->reading.left_out = say_left_out;
-    c->reading.argument = c;
+    c->reading.left_out_argument = c;
     const int made = c->measure ? measure_scene(c) : c->blocks ? fit_block(c) : fit_whole(c);
     fxs_pool_destroy(pool);
     return made;

@@ -69,7 +69,7 @@ static int keep_drawable(fxs_scene_file *file, const fxs_fit_block *block, fxs_s
     filter.drawable = 1;
     if (block && block->number)
         keep_block(&filter, block);
-    return info->count ? fxs_scene_file_filter(file, &filter, info, &report, 0, 0, message) : 0;
+    return info->count ? fxs_scene_file_filter(file, &filter, info, &report, 0, message) : 0;
 }
 
 static int write_floats(const fxs_gaussian_source *gaussians, const fxs_fit_block *block, const char *out,
@@ -88,7 +88,7 @@ static int write_floats(const fxs_gaussian_source *gaussians, const fxs_fit_bloc
         result = fxs_scene_writer_open(out, &options, &writer, message);
     if (!result) {
         result = copy(writer, file, message);
-        if (fxs_scene_writer_close(writer, 0, 0, 0, result ? &closing : message))
+        if (fxs_scene_writer_close(writer, 0, 0, result ? &closing : message))
             result = -1;
     }
     fxs_scene_file_close(file);

@@ -274,8 +274,7 @@ static int take_file(served_scene *s, taken *t)
     first_look look;
     loaded_scene scene;
     int status = options_of_file(&o, &s->all->options->load, 0, 1);
-    o.progress = tell_progress;
-    o.progress_argument = s;
+    o.progress = (fxs_progress){tell_progress, s};
     if (!status)
         status = look_first(s->path, &o, &look);
     if (!status && look.is_sent && (t->descriptor = fxs_descriptor_open(s->path)) < 0)

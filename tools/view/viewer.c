@@ -125,8 +125,7 @@ static void load(void *argument)
     viewer *v = argument;
     loading *l = &v->loading;
     load_options how = l->options.load;
-    how.progress = fxs_worker_tell;
-    how.progress_argument = v->loader;
+    how.progress = (fxs_progress){fxs_worker_tell, v->loader};
     how.arrived = note_arrived;
     how.arrived_argument = v;
     frame_options all = l->options;

@@ -204,8 +204,7 @@ void ask_frame(viewer *v)
 {
     request *r = ask(v, render, take_frame, v->moving ? v->divisor : 1);
     if (r) {
-        r->render.stop = fxs_worker_stopped;
-        r->render.stop_argument = v->drawer;
+        r->render.stop = (fxs_stop){fxs_worker_stopped, v->drawer};
         r->shows_part = 1;
         r->moves = v->moving;
     }
@@ -437,8 +436,7 @@ static void write_cropped(viewer *v, request *r)
     }
     load.filter = &filter;
     load.again = 1;
-    load.progress = fxs_worker_tell;
-    load.progress_argument = v->drawer;
+    load.progress = (fxs_progress){fxs_worker_tell, v->drawer};
     r->unwritten = name_cropped(v, r);
     if (!r->unwritten)
         r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);

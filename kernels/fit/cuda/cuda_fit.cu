@@ -835,8 +835,8 @@ int fxs_cuda_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *
         return error;
     memset(e, 0, sizeof *e);
     e->model = model;
-    e->run = options->run;
-    e->pool = options->pool;
+    e->run = options->workers.run;
+    e->pool = options->workers.pool;
     for (uint32_t i = 0; i < options->device_count && !error; i++) {
         e->device_count++;
         error = open(&e->devices[i], options->devices[i], options->max_memory, why);

@@ -90,9 +90,7 @@ typedef struct fxs_fit_options {
     enum fxs_cutoff cutoff;
     enum fxs_profile profile;      /* for fxs_fit_pack; the last tenth of the steps fits the codes of this profile */
     unsigned cpu;                  /* allowed instruction sets, bits of enum fxs_cpu; initially all */
-    fxs_run_fn *run;               /* null: one thread */
-    void *pool;                    /* first argument of run */
-    uint32_t threads;              /* threads that `run` uses, 1 to 64; 0: 1 */
+    fxs_workers workers;
     fxs_clock_fn *clock;           /* null: no times are reported */
     float extent;                  /* size of the scene, which scales learning rates; 0: computed from the
                                       photographs */
@@ -191,7 +189,7 @@ FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, 
 FXS_API int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
 
 /* Resumes a saved fit with the same photographs: further steps give the same result as without the interruption.
-   `options` supplies the means of computation (cpu, run, pool, threads, clock, devices and device_count, max_memory),
+   `options` supplies the means of computation (cpu, workers, clock, devices and device_count, max_memory),
    and the number of steps if its `steps` is not 0; the other options come from the file. The saved batch must be a
    multiple of device_count. Errors: FXS_ERR_FILE if the file is not a saved fit, is damaged, or belongs to another
    block or to photographs with other pixels, masks, cameras or order (names do not matter); FXS_ERR_VERSION if it has
@@ -265,11 +263,10 @@ typedef struct fxs_photos_options {
     fxs_left_out_fn *left_out;     /* called for each photograph left out, in the order of names, and before that for
                                       each folder that has photographs without a camera; on the thread of `progress`;
                                       may be null */
+    void *left_out_argument;       /* first argument of left_out */
     uint64_t seed;                 /* for random points */
-    fxs_run_fn *run;               /* null: one thread */
-    void *pool;                    /* first argument of run */
-    fxs_progress_fn *progress;     /* may be null; called on the thread that called fxs_photos_read */
-    void *argument;                /* first argument of progress and left_out */
+    fxs_workers workers;           /* `count` is ignored */
+    fxs_progress progress;         /* called on the thread that called fxs_photos_read */
 } fxs_photos_options;
 FXS_INIT(fxs_photos_options)
 
@@ -321,7 +318,7 @@ FXS_API void fxs_photos_free(fxs_photos *photos);
 
 typedef struct fxs_refine_options {
     uint32_t size;
-    const fxs_context *context;        /* renders; its run, pool and threads also make the steps. Not null */
+    const fxs_context *context;        /* renders; its workers also make the steps. Not null */
     uint32_t steps;                    /* per level, at most FXS_REFINE_STEPS_MOST. 0: leaves the Gaussians unchanged
                                           and only measures the gain of drawing each node's children */
     /* Cameras that show the scene as viewers will see it; null: none. Only perspective views are used, at most
@@ -329,8 +326,7 @@ typedef struct fxs_refine_options {
     const fxs_view *views;
     size_t view_count;
     unsigned cpu;                      /* allowed instruction sets for the steps, bits of enum fxs_cpu */
-    fxs_progress_fn *progress;         /* may be null */
-    void *argument;                    /* first argument of progress */
+    fxs_progress progress;
 } fxs_refine_options;
 FXS_INIT(fxs_refine_options)
 

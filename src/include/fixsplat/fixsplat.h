@@ -220,17 +220,26 @@ enum fxs_cutoff {
    end calls it once, before each frame. */
 typedef int fxs_stop_fn(void *argument);
 
+typedef struct fxs_stop {
+    fxs_stop_fn *call;             /* null: the frame is always finished */
+    void *argument;                /* first argument of `call` */
+} fxs_stop;
+
 /* Called for each chunk that a frame wants to draw, if only a part of the scene's rows is in memory (fxs_scene.places).
    `there`: 1 if the chunk's rows are in memory. The callback must not change `places`. */
 typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
+
+typedef struct fxs_want {
+    fxs_want_fn *call;             /* null: nothing is called */
+    void *argument;                /* first argument of `call` */
+} fxs_want;
 
 typedef struct fxs_options {
     uint32_t size;
     enum fxs_cutoff cutoff;
     int sh_degree;                 /* highest degree evaluated, 0 to 3; limited by the scene's degree */
     uint8_t background[3];         /* red, green, blue */
-    fxs_stop_fn *stop;             /* null: a frame is always finished */
-    void *stop_argument;
+    fxs_stop stop;
 
     /* Level of detail, for scenes with a tree (internal/packed.h): a coarse chunk replaces all chunks below it. Budget and
        detail_q8 both 0: the leaves are drawn, as in scenes without a tree. */
@@ -238,9 +247,8 @@ typedef struct fxs_options {
                                       each tree and objects without a tree are always drawn, even beyond the budget */
     uint32_t detail_q8;            /* pixels: a node whose details are smaller than this is drawn instead of its
                                       children; 0: no limit */
-    fxs_want_fn *want;             /* for scenes with `places`: called for each chunk to be drawn, most important first,
-                                      before drawing starts, on the thread that called fxs_render; null: no callback */
-    void *want_argument;
+    fxs_want want;                 /* for scenes with `places`: called for each chunk to be drawn, most important first,
+                                      before drawing starts, on the thread that called fxs_render */
     int show_levels;               /* debug view of the levels of detail: 1 gives each Gaussian the colour of its
                                       chunk's level, with the Gaussian's own brightness; leaves are white. Processor
                                       only; other back ends ignore it */
@@ -313,6 +321,13 @@ FXS_API void fxs_targets_init(fxs_targets *targets, uint32_t size);
 /* Runs job(argument, i) for every i in 0..jobs-1, in any order, on any threads. Returns when all jobs are done. */
 typedef void fxs_run_fn(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
 
+/* Who runs the jobs. The result of the library's functions does not depend on it. */
+typedef struct fxs_workers {
+    fxs_run_fn *run;               /* null: the calling thread, one job after the other */
+    void *pool;                    /* first argument of `run` */
+    uint32_t count;                /* threads that `run` uses, 1 to 64; 0: 1 */
+} fxs_workers;
+
 /* A monotonic clock, in nanoseconds. */
 typedef uint64_t fxs_clock_fn(void *clock);
 
@@ -323,9 +338,7 @@ typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
 
 typedef struct fxs_config {
     uint32_t size;
-    fxs_run_fn *run;               /* null: single-threaded, on the calling thread */
-    void *pool;                    /* first argument of run */
-    uint32_t threads;              /* threads that run uses, 1 to 64; 0: 1. The picture does not depend on it */
+    fxs_workers workers;
     fxs_clock_fn *clock;           /* null: stage times are reported as 0 */
     void *clock_argument;
     fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */

@@ -44,11 +44,8 @@ typedef struct fxs_packed_scene {
 typedef struct fxs_pack_options {
     uint32_t size;
     enum fxs_profile profile;
-    fxs_run_fn *run;          /* null: single-threaded, on the calling thread */
-    void *pool;               /* first argument of run */
-    uint32_t threads;         /* threads that `run` uses, 1 to 64; 0: 1. The packed scene does not depend on it */
-    fxs_progress_fn *progress;   /* may be null; called on the thread that called fxs_pack */
-    void *argument;           /* first argument of progress */
+    fxs_workers workers;
+    fxs_progress progress;    /* called on the thread that called fxs_pack */
     const fxs_allocator *allocator;   /* for all memory except the file reader's; null: malloc. Must outlive the
                                          scene */
     int tree;                 /* 1: adds a tree of levels of detail over the chunks, if the scene has two chunks or

@@ -44,8 +44,7 @@ typedef struct fxs_open_options {
     uint32_t threads;                  /* 1 to 64; 0: one per processor */
     int check_all;                     /* 1: checks every chunk of an .fxs, which reads the whole file; 0: only the
                                           header */
-    fxs_progress_fn *progress;         /* progress of packing; may be null */
-    void *progress_argument;
+    fxs_progress progress;             /* progress of packing */
     /* Called before the file is packed, for example to filter or decimate it; it updates *info. Returns 0, or an error
        and a message, which fxs_open then returns. May be null. */
     int (*prepare)(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message);

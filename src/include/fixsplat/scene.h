@@ -15,6 +15,11 @@ extern "C" {
    at work then returns FXS_ERR_STOPPED. */
 typedef int fxs_progress_fn(void *argument, double done);
 
+typedef struct fxs_progress {
+    fxs_progress_fn *call;           /* null: no progress is reported */
+    void *argument;                  /* first argument of `call` */
+} fxs_progress;
+
 /* ---- Formats ----------------------------------------------------------------------------------------------------- */
 
 /* The list of scene file formats, for help texts, file dialogs and other languages. */
@@ -83,8 +88,7 @@ typedef struct fxs_scene_file_options {
     int level;                       /* level of detail; 0: the finest */
     enum fxs_axes axes;              /* for an .spz only; other formats return FXS_ERR_ARGUMENT */
     const fxs_allocator *allocator;  /* for the reader's own memory; null: malloc. Must outlive the file */
-    fxs_progress_fn *progress;       /* for opening a streamed SOG and the first read of an .spz; may be null */
-    void *progress_argument;
+    fxs_progress progress;           /* for opening a streamed SOG and the first read of an .spz */
     uint64_t max_gaussians;          /* a scene with more is an error; 0: the limit above */
     uint64_t max_memory;             /* most bytes that reading may hold at once, without the packed scene; 0: the limit
                                         above */
@@ -310,7 +314,7 @@ FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
 
 /* Attaches the filter to an open file. From then on, fxs_scene_file_read returns the kept Gaussians, and info->count
    and info->sh_degree describe them. The file is read once to count them, and is at its beginning when the function
-   returns. `progress` is called with `argument`, and may be null.
+   returns. `progress` may be null.
 
    A Gaussian is a floater if fewer than FXS_FLOATER_NEIGHBOURS other centres lie in the cube of 27 cells around it. The
    grid of cells goes through the origin. The width of a cell is the least power of two that is at least 4 times the
@@ -329,7 +333,7 @@ FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
    FXS_ERR_FILE if no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (degree, strength, shape),
    FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
-                                  fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
+                                  fxs_scene_filter_report *report, const fxs_progress *progress,
                                   fxs_message *message);
 
 /* ---- Decimation -------------------------------------------------------------------------------------------------- */
@@ -348,11 +352,10 @@ FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *
    Runnalls' bound (2007, "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of the colours.
    The result is the same on every machine.
 
-   Memory: 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` is called with
-   `argument`, and may be null. Returns 0, or an error and a message; the caller must then close the file. Errors: as
+   Memory: 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` may be null. Returns 0, or an error and a message; the caller must then close the file. Errors: as
    fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info,
-                                    fxs_progress_fn *progress, void *argument, fxs_message *message);
+                                    const fxs_progress *progress, fxs_message *message);
 
 /* ---- Writers ----------------------------------------------------------------------------------------------------- */
 
@@ -418,8 +421,7 @@ FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *g
    null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if
    Gaussians are missing, FXS_ERR_MEMORY. After an error the new file is removed, and an existing file of that name is
    unchanged. */
-FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, fxs_progress_fn *progress,
-                                   void *argument, fxs_message *message);
+FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, const fxs_progress *progress, fxs_message *message);
 
 /* ---- .fxs files -------------------------------------------------------------------------------------------------- */
 

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "src/gaussian/attributes.h"
+#include "src/base/report.h"
 #include "src/pack/weight.h"
 #include "src/pack/order.h"
 #include "src/scene/formats_internal.h"
@@ -160,7 +161,7 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
 
 static int find_order(decimated *d, fxs_message *message)
 {
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run, .threads = 1, .allocator = d->allocator};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run, .workers.count = 1, .allocator = d->allocator};
     memset(d->entries, 0, d->count * sizeof *d->entries);
     for (uint32_t i = 0; i < d->count; i++)
         memcpy(d->entries[i].position, d->gaussians[i].position, sizeof d->entries[i].position);
@@ -308,7 +309,7 @@ static int load(decimated *d, fxs_scene_file *file, uint32_t count, fxs_message 
     return d->count == count ? 0 : fxs_fail(message, "the file changed while it was read");
 }
 
-static int decimate(decimated *d, uint32_t target, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static int decimate(decimated *d, uint32_t target, const fxs_progress *progress, fxs_message *message)
 {
     const uint32_t before = d->count;
     while (d->count > target) {
@@ -318,14 +319,13 @@ static int decimate(decimated *d, uint32_t target, fxs_progress_fn *progress, vo
         const uint32_t pairs = find_pairs(d);
         qsort(d->pairs, pairs, sizeof *d->pairs, compare_pairs);
         merge_pairs(d, pairs, target);
-        if (progress && progress(argument, (double)(before - d->count) / (before - target)))
+        if (fxs_report(progress, (double)(before - d->count) / (before - target)))
             return fxs_fail_as(FXS_ERR_STOPPED, message, "stopped");
     }
     return 0;
 }
 
-int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, fxs_progress_fn *progress,
-                            void *argument, fxs_message *message)
+int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, const fxs_progress *progress, fxs_message *message)
 {
     const fxs_allocator *allocator = fxs_stream_allocator(file);
     if (target < 1)
@@ -343,7 +343,7 @@ int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_fil
     if (!error)
         error = load(d, file, (uint32_t)info->count, message);
     if (!error)
-        error = decimate(d, (uint32_t)target, progress, argument, message);
+        error = decimate(d, (uint32_t)target, progress, message);
     release_work(d);
     d->reader = &decimated_format;
     d->data = d;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "src/gaussian/attributes.h"
+#include "src/base/report.h"
 #include "src/pack/weight.h"
 #include "src/base/options.h"
 #include "src/core/sized.h"
@@ -131,30 +132,28 @@ static const fxs_reader filtered = {
     NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
 };
 
-static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,
-                 void *argument, fxs_message *message)
+static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, const fxs_progress *progress, fxs_message *message)
 {
     enum { BATCH = 256 };
     fxs_gaussian batch[BATCH];
     for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
         if (n < 0)
             return (int)n;
-        if (progress && progress(argument, (double)r->report.read / (double)total))
+        if (fxs_report(progress, (double)r->report.read / (double)total))
             return fxs_fail_as(FXS_ERR_STOPPED, message, "stopped");
     }
     return 0;
 }
 
-static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, fxs_progress_fn *progress,
-                       void *argument, fxs_message *message)
+static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, const fxs_progress *progress, fxs_message *message)
 {
     FXS_TRY(fxs_floaters_find(&r->floaters, r->allocator, message));
     FXS_TRY(fxs_scene_file_rewind(file, message));
-    return count(file, r, total, progress, argument, message);
+    return count(file, r, total, progress, message);
 }
 
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, fxs_scene_file_info *info,
-                          fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
+                          fxs_scene_filter_report *report, const fxs_progress *progress,
                           fxs_message *message)
 {
     fxs_scene_filter all;
@@ -182,9 +181,9 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
     FXS_TRY(fxs_scene_file_rewind(file, message));
     if (filter->floaters)
         FXS_TRY(fxs_floaters_init(&r->floaters, filter->floaters, info->count, allocator, message));
-    FXS_TRY(count(file, r, info->count, progress, argument, message));
+    FXS_TRY(count(file, r, info->count, progress, message));
     if (filter->floaters)
-        FXS_TRY(count_again(file, r, info->count, progress, argument, message));
+        FXS_TRY(count_again(file, r, info->count, progress, message));
     *report = r->report;
     info->count = report->kept;
     info->sh_degree = info->sh_degree < filter->sh_degree ? info->sh_degree : filter->sh_degree;

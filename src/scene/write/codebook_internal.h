@@ -24,7 +24,6 @@ uint32_t fxs_sh_palette_entries(uint32_t count);
 /* Learns a palette by k-means (Lloyd 1982) in integers. Each of up to 256 coarse clusters learns its share of the
    entries. labels[i]: entry of vector i. Returns 0, or -1 if memory ran out or `progress` cancelled. */
 int fxs_sh_palette_learn(fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
-                         const fxs_sh_palette_vector *vectors, uint32_t count, fxs_progress_fn *progress,
-                         void *argument);
+                         const fxs_sh_palette_vector *vectors, uint32_t count, const fxs_progress *progress);
 
 #endif

@@ -1,5 +1,6 @@
 /* Learns codebooks of .sog: Lloyd's quantiser over a histogram for scalars, k-means in two steps for SH. */
 #include "codebook_internal.h"
+#include "src/base/report.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -231,8 +232,7 @@ typedef struct work {
     uint32_t starts[257];
     int32_t half_squares[FXS_SH_PALETTE_MOST];
     uint32_t *members, *nearest;
-    fxs_progress_fn *progress;
-    void *argument;
+    const fxs_progress *progress;
 } work;
 
 static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
@@ -278,7 +278,7 @@ static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, u
                            w->half_squares, w->nearest};
         if (!own)
             continue;
-        if (learn(&c, FINE_ROUNDS) || (w->progress && w->progress(w->argument, (double)(start + own) / count)))
+        if (learn(&c, FINE_ROUNDS) || (fxs_report(w->progress, (double)(start + own) / count)))
             return -1;
         for (uint32_t i = 0; i < own; i++)
             labels[c.members[i]] = first + c.nearest[i];
@@ -288,8 +288,7 @@ static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, u
 }
 
 int fxs_sh_palette_learn(fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
-                         const fxs_sh_palette_vector *vectors, uint32_t count, fxs_progress_fn *progress,
-                         void *argument)
+                         const fxs_sh_palette_vector *vectors, uint32_t count, const fxs_progress *progress)
 {
     work *w = malloc(sizeof *w);
     uint32_t *members = malloc(((size_t)count + 1) * sizeof *members);
@@ -299,7 +298,6 @@ int fxs_sh_palette_learn(fxs_sh_palette_vector *palette, uint32_t entries, uint3
         w->members = members;
         w->nearest = nearest;
         w->progress = progress;
-        w->argument = argument;
         memset(palette, 0, entries * sizeof *palette);
         const uint32_t coarse = find_coarse(w, vectors, count, entries);
         if (coarse) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "scene_write_internal.h"
+#include "src/base/report.h"
 #include "src/gaussian/attributes.h"
 
 enum { CHUNK = 256, BOUNDS = 18, CHUNK_BYTES = 4 * BOUNDS, WORDS_BYTES = 16 };
@@ -117,7 +118,7 @@ static void write_chunk(fxs_output *output, const chunk *c, fxs_message *message
     fxs_output_write(output, bytes, sizeof bytes, message);
 }
 
-static void write_body(fxs_held *h, chunk *chunks, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static void write_body(fxs_held *h, chunk *chunks, const fxs_progress *progress, fxs_message *message)
 {
     uint8_t bytes[45];
     for (uint32_t i = 0; i < h->count; i += CHUNK) {
@@ -127,7 +128,7 @@ static void write_body(fxs_held *h, chunk *chunks, fxs_progress_fn *progress, vo
     for (uint32_t i = 0; i < h->count && !h->output.error; i++) {
         encode_words(&chunks[i / CHUNK], &h->gaussians[h->order[i]], bytes);
         fxs_output_write(&h->output, bytes, WORDS_BYTES, message);
-        if (i % CHUNK == 0 && progress && progress(argument, (double)i / h->count))
+        if (i % CHUNK == 0 && fxs_report(progress, (double)i / h->count))
             h->output.error = ECANCELED;
     }
     for (uint32_t i = 0; i < h->count && !h->output.error; i++) {
@@ -136,7 +137,7 @@ static void write_body(fxs_held *h, chunk *chunks, fxs_progress_fn *progress, vo
     }
 }
 
-static int compressed_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int compressed_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                             fxs_message *message)
 {
     compressed_writer *w = writer;
@@ -146,7 +147,7 @@ static int compressed_close(void *writer, fxs_scene_write_report *report, fxs_pr
         chunk *chunks = malloc(((size_t)h->count / CHUNK + 1) * sizeof *chunks);
         if (chunks) {
             write_header(w);
-            write_body(h, chunks, progress, argument, message);
+            write_body(h, chunks, progress, message);
         } else {
             h->output.error = ENOMEM;
         }

@@ -124,7 +124,7 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
 
 int fxs_held_order(fxs_held *h)
 {
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .run = run, .threads = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run, .workers.count = 1};
     if (h->next != h->count || h->output.error)
         return 0;
     fxs_order_entry *entries = calloc((size_t)h->count + 1, sizeof *entries);

@@ -81,10 +81,10 @@ static int ply_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-static int ply_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int ply_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                      fxs_message *message)
 {
-    (void)report, (void)progress, (void)argument;
+    (void)report, (void)progress;
     return fxs_output_close(&((ply_writer *)writer)->output, message);
 }
 

@@ -2,6 +2,7 @@
    deflated column for each attribute. Layout: rust/spark-lib/src/rad.rs of sparkjsdev/spark. Encodings are the
    finest that Spark keeps. */
 #include "scene_write_internal.h"
+#include "src/base/report.h"
 
 #ifdef FXS_WITH_ZLIB
 
@@ -46,8 +47,7 @@ typedef struct rad_writer {
     float rgb[2], scale[2], sh[3];     /* ranges of Spark's 8-bit codes: rgb, ln(sigma), +-SH of each degree */
     bytes file;
     size_t *ends;
-    fxs_progress_fn *progress;
-    void *argument;
+    const fxs_progress *progress;
 } rad_writer;
 
 static int rad_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
@@ -70,7 +70,7 @@ static int no_memory(rad_writer *w)
 
 static int advance(rad_writer *w, double done)
 {
-    if (w->progress && w->progress(w->argument, done))
+    if (fxs_report(w->progress, done))
         w->held.output.error = ECANCELED;
     return !w->held.output.error;
 }
@@ -380,14 +380,13 @@ static int make_tree(rad_writer *w)
                ? !w->held.output.error : no_memory(w);
 }
 
-static int rad_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int rad_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                      fxs_message *message)
 {
     rad_writer *w = writer;
     bytes head = {NULL, 0, 0};
     (void)report;
     w->progress = progress;
-    w->argument = argument;
     if (fxs_held_order(&w->held) && advance(w, 0.1) && make_tree(w) && find_ranges(w) && make_chunks(w) &&
         make_header(w, &head) &&
         !fxs_output_write(&w->held.output, head.data, head.size, message))

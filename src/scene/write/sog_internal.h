@@ -23,7 +23,7 @@ typedef struct fxs_sog fxs_sog;
 
 /* Makes the files in memory, to be freed by fxs_sog_free. *error: 0, ENOMEM, or ECANCELED. The result may be null
    after an error. */
-fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error);
+fxs_sog *fxs_sog_make(const fxs_sog_source *from, const fxs_progress *progress, int *error);
 uint32_t fxs_sog_files(const fxs_sog *sog, fxs_zip_entry files[FXS_SOG_FILES]);
 void fxs_sog_free(fxs_sog *sog);
 

@@ -1,6 +1,7 @@
 /* Makes the files of .sog version 2: lossless WebP images and their JSON. Layout: PlayCanvas's specification and
    splat-transform. */
 #include "sog_internal.h"
+#include "src/base/report.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
 
@@ -48,8 +49,7 @@ struct fxs_sog {
     char *json;
     size_t json_bytes;
     int error;
-    fxs_progress_fn *progress;
-    void *argument;
+    const fxs_progress *progress;
 };
 
 static int no_memory(fxs_sog *w)
@@ -60,7 +60,7 @@ static int no_memory(fxs_sog *w)
 
 static int advance(fxs_sog *w, double done)
 {
-    if (w->progress && w->progress(w->argument, done))
+    if (fxs_report(w->progress, done))
         w->error = ECANCELED;
     return !w->error;
 }
@@ -133,7 +133,7 @@ static int find_palette(fxs_sog *w)
         }
     const int made = vectors && w->palette && w->labels &&
                      !fxs_sh_palette_learn(w->palette, w->entries, w->labels, (const fxs_sh_palette_vector *)vectors,
-                                           h->count, palette_progress, w);
+                                           h->count, &(fxs_progress){palette_progress, w});
     free(vectors);
     if (!made)
         return w->error ? 0 : no_memory(w);
@@ -293,7 +293,7 @@ static int make_json(fxs_sog *w)
     return 1;
 }
 
-fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error)
+fxs_sog *fxs_sog_make(const fxs_sog_source *from, const fxs_progress *progress, int *error)
 {
     fxs_sog *w = calloc(1, sizeof *w);
     if (!w) {
@@ -302,7 +302,6 @@ fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, voi
     }
     w->from = from;
     w->progress = progress;
-    w->argument = argument;
     if (find_books(w) && find_palette(w)) {
         find_bounds(w);
         if (fill_images(w))

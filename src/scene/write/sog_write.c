@@ -1,5 +1,6 @@
 /* Writes .sog version 2: a zip of images and JSON. */
 #include "sog_internal.h"
+#include "src/base/report.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
 
@@ -9,8 +10,7 @@
 typedef struct sog_writer {
     fxs_held held;
     int antialiased;
-    fxs_progress_fn *progress;
-    void *argument;
+    const fxs_progress *progress;
 } sog_writer;
 
 static int sog_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
@@ -31,26 +31,25 @@ static int sog_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
 static int progress_of_files(void *writer, double done)
 {
     const sog_writer *w = writer;
-    return w->progress && w->progress(w->argument, 0.1 + 0.9 * done);
+    return fxs_report(w->progress, 0.1 + 0.9 * done);
 }
 
 static void write_files(sog_writer *w, const fxs_sog_source *from, fxs_message *message)
 {
     fxs_zip_entry files[FXS_SOG_FILES];
-    fxs_sog *sog = fxs_sog_make(from, progress_of_files, w, &w->held.output.error);
+    fxs_sog *sog = fxs_sog_make(from, &(fxs_progress){progress_of_files, w}, &w->held.output.error);
     if (!w->held.output.error)
         fxs_zip_write(&w->held.output, files, fxs_sog_files(sog, files), message);
     fxs_sog_free(sog);
 }
 
-static int sog_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int sog_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                      fxs_message *message)
 {
     sog_writer *w = writer;
     fxs_held *h = &w->held;
     (void)report;
     w->progress = progress;
-    w->argument = argument;
     if (fxs_held_order(h)) {
         fxs_sog_source from = {malloc((h->count + 1) * sizeof *from.gaussians),
                                malloc((h->count + 1) * sizeof *from.sh), h->count, h->coefficients, w->antialiased};

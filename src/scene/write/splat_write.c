@@ -55,10 +55,10 @@ static int splat_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_
     return 0;
 }
 
-static int splat_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int splat_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                        fxs_message *message)
 {
-    (void)report, (void)progress, (void)argument;
+    (void)report, (void)progress;
     return fxs_output_close(&((splat_writer *)writer)->output, message);
 }
 

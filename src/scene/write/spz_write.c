@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "scene_write_internal.h"
+#include "src/base/report.h"
 #include "src/base/exponential.h"
 #include "src/pack/encode.h"
 #include "src/scene/read/spz_internal.h"
@@ -37,8 +38,7 @@ typedef struct spz_writer {
     placement *placements;
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];
     size_t size, done;
-    fxs_progress_fn *progress;
-    void *argument;
+    const fxs_progress *progress;
 } spz_writer;
 
 static int is_built_in(int version)
@@ -256,7 +256,7 @@ static void make_header(const spz_writer *w, uint8_t header[16])
 static int advance(spz_writer *w, size_t bytes)
 {
     w->done += bytes;
-    if (w->progress && w->progress(w->argument, (double)w->done / (double)w->size))
+    if (fxs_report(w->progress, (double)w->done / (double)w->size))
         w->output.error = ECANCELED;
     return w->output.error;
 }
@@ -369,13 +369,12 @@ static void write_zstd(spz_writer *w, fxs_message *message)
 #define write_zstd(writer, message) ((void)0)
 #endif
 
-static int spz_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int spz_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                      fxs_message *message)
 {
     spz_writer *w = writer;
     place_all(w);
     w->progress = progress;
-    w->argument = argument;
     int whole = w->next == w->count && !w->output.error;
     if (whole && w->version == 3)
         write_gzip(w, message);

@@ -1,6 +1,7 @@
 /* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and folders with
    the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same leaves. */
 #include "sog_internal.h"
+#include "src/base/report.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
 
@@ -37,8 +38,7 @@ typedef struct streamed_writer {
     uint32_t leaves, part_count, parts_made;
     part *parts;
     float (*bounds)[2][3];
-    fxs_progress_fn *progress;
-    void *argument;
+    const fxs_progress *progress;
 } streamed_writer;
 
 static int streamed_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
@@ -70,7 +70,7 @@ static int no_memory(streamed_writer *w)
 static int advance(void *writer, double done)
 {
     streamed_writer *w = writer;
-    if (w->progress && w->progress(w->argument, done))
+    if (fxs_report(w->progress, done))
         w->held.output.error = ECANCELED;
     return !w->held.output.error;
 }
@@ -181,7 +181,7 @@ static int write_files(streamed_writer *w, const part *p, const fxs_zip_entry *f
 static int progress_of_part(void *writer, double done)
 {
     const streamed_writer *w = writer;
-    return w->progress && w->progress(w->argument, 0.3 + 0.7 * (w->parts_made + done) / w->part_count);
+    return fxs_report(w->progress, 0.3 + 0.7 * (w->parts_made + done) / w->part_count);
 }
 
 static int make_part(streamed_writer *w, const part *p, fxs_message *message)
@@ -197,7 +197,7 @@ static int make_part(streamed_writer *w, const part *p, fxs_message *message)
         from.sh[i] = fxs_level_sh(&w->levels, p->level, begin + i);
     }
     if (!error)
-        sog = fxs_sog_make(&from, progress_of_part, w, &error);
+        sog = fxs_sog_make(&from, &(fxs_progress){progress_of_part, w}, &error);
     w->held.output.error = error;
     if (!error)
         result = write_files(w, p, files, fxs_sog_files(sog, files), message);
@@ -358,14 +358,13 @@ static int make_files(streamed_writer *w, fxs_message *message)
     return result;
 }
 
-static int streamed_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+static int streamed_close(void *writer, fxs_scene_write_report *report, const fxs_progress *progress,
                           fxs_message *message)
 {
     streamed_writer *w = writer;
     fxs_message own, closing;
     (void)report;
     w->progress = progress;
-    w->argument = argument;
     const int made = make_files(w, &own), is_said = made && w->held.output.error == EIO;
     fxs_levels_free(&w->levels);
     const int result = fxs_held_close(&w->held, &closing);

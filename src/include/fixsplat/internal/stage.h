@@ -338,8 +338,8 @@ FXS_API void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *o
 static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,
                            uint32_t jobs)
 {
-    if (config->run && jobs > 1)
-        config->run(config->pool, job, argument, jobs);
+    if (config->workers.run && jobs > 1)
+        config->workers.run(config->workers.pool, job, argument, jobs);
     else
         for (uint32_t i = 0; i < jobs; i++)
             job(argument, i);
