@@ -1,5 +1,8 @@
-/* The records that the stages of a frame (src/core/frame.c) pass to each other, for faster versions of the stages and
-   for back ends. Not stable: may change with every version. */
+/* The records that the rendering stages pass to each other, and the table of stage functions. Used by faster versions
+   of the stages and by back ends. A splat is a projected Gaussian, and its slot is its index in a frame. A list has
+   the splats of a tile of 16x16 pixels. Lists are made for macro tiles of 2x2 tiles.
+
+   Not stable: may change with every version. */
 #ifndef FXS_STAGE_H
 #define FXS_STAGE_H
 
@@ -9,11 +12,12 @@
 #include <fixsplat/fixsplat.h>
 #include "pixel.h"
 
-#if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end compiles its own copies */
+#if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end compiles its own C++ copies */
 extern "C" {
 #endif
 
-/* Marks stage functions that other files call; the CUDA back end compiles them for the device as well. */
+/* Prefix of stage functions that other files call. The CUDA back end defines FXS_STAGE to compile them for the device
+   too. */
 #ifndef FXS_STAGE
 #define FXS_STAGE
 #endif
@@ -21,77 +25,75 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* A flag in a list's entries, used only with FXS_CUTOFF_SQUARE. The square lists a splat also in tiles that its ellipse
-   does not touch. The splat must add nothing there, but its u and v, which are right only near the ellipse, could wrap
-   modulo 2^32 to small values. The flag marks such an entry as cut off; its u and v are ignored. */
+/* Flag of a list entry: the splat adds nothing to the tile, and its u and v are ignored. Used only with
+   FXS_CUTOFF_SQUARE, which also lists a splat in tiles that its ellipse misses. There u and v could wrap modulo 2^32
+   to small values. */
 #define FXS_ENTRY_CUT_OFF 0x80000000u
-/* u and v at the tile's corner that the C version of blend substitutes for such an entry. Over the tile, u and v change
-   by at most 40.3 each, so they stay above 4, where nothing is drawn, and below 128, the range of Q24. */
+/* Value of u and v at a tile's corner for entries with FXS_ENTRY_CUT_OFF. Over a tile, u and v change by at most 40.3
+   each. They stay above 4, where nothing is drawn, and below 128, the range of Q24. */
 #define FXS_CUT_OFF_Q24 (70 << 24)
 
-/* A camera prepared for the stages, in the world or in the space of an object. */
+/* A camera prepared for the stages, in world space or in an object's space. */
 typedef struct fxs_view {
     int32_t width, height, tiles_x, tiles_y;
     int64_t position_q32[3], near_q32;
-    int64_t eye_q32[3];            /* the point that SH colours are seen from; within +-2^29 units */
+    int64_t eye_q32[3];            /* the point from which SH colours are seen; within +-2^29 units */
     int32_t rotation_q30[9];
     int64_t fx_q12, fy_q12, cx_q12, cy_q12;
     uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
     int32_t focal_exponent;
-    int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are clamped to these in the Jacobian */
+    int32_t slope_low_q23[2], slope_high_q23[2];   /* limits of x/z and y/z in the Jacobian */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z 18 pixels outside the picture's edges, clamped to
                                                       +-64 */
-    int32_t hidden_low_q23[2], hidden_high_q23[2]; /* x/z and y/z 4 pixels inside the edges of the hidden part */
-    int32_t hidden[2], hidden_end[2];              /* pixels of the hidden part, x and y: first, and end (exclusive) */
-    int32_t veil_exponent;         /* smallest size exponent with which a Gaussian with its centre out of range is
-                                      visible */
-    int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian
-                                      times z / f */
-    int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
-    int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
-    int32_t cut_q11;               /* for fxs_limit_q11 */
-    int32_t offset_q11;            /* of an object: -2 ln(opacity factor), at most FXS_FAINT_Q11 + 1 */
-    uint32_t share_q8;             /* share of a chunk's optical depth that is drawn; 256: all; 1 to 4096 */
-    int32_t grow_q16;              /* growth of a chunk's sigmas, log2; 0 to 1 */
-    int sh_degree, antialiased;    /* of an object's scene */
+    int32_t hidden_low_q23[2], hidden_high_q23[2]; /* x/z and y/z 4 pixels inside fxs_camera's hidden part */
+    int32_t hidden[2], hidden_end[2];              /* hidden part: first pixel and end (exclusive), x and y */
+    int32_t veil_exponent;         /* smallest visible size exponent of a Gaussian with its centre out of range */
+    int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of the row (1, 0, -x/z) */
+    int32_t row_q15[2][3];         /* rows 1 and 2 of f'/f * rotation * 2^-jacobian_exponent */
+    int32_t forward_q15[2][3];     /* f'/f * row 3 of the rotation */
+    int32_t cut_q11;
+    int32_t offset_q11;            /* -2 ln(opacity factor of the object), at most FXS_FAINT_Q11 + 1 */
+    uint32_t share_q8;             /* drawn share of a chunk's optical depth; 256: all; 1 to 4096 */
+    int32_t grow_q16;              /* log2 of the growth of a chunk's sigmas, 0 to 1 */
+    int sh_degree, antialiased;    /* of the object's scene */
     enum fxs_cutoff cutoff;
-    int orthographic;              /* 1: everything is projected as if z were 2^plane_exponent */
+    int orthographic;              /* 1: projects all Gaussians as if z were 2^plane_exponent */
     int32_t plane_exponent;
 } fxs_view;
 
-/* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X,
-   Y), all modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
+/* A projected Gaussian for the blend stage, 32 bytes. u = u0 + X ux + Y uy and v = v0 + Y vy for the pixel (X, Y),
+   modulo 2^32. Both are right where |u|, |v| < 128, which holds in every tile that the ellipse touches. */
 typedef struct fxs_splat {
-    uint32_t u0_q24, v0_q24;       /* plus 2^10, so that a shift by 11 rounds */
+    uint32_t u0_q24, v0_q24;       /* plus 2^10, to round a shift by 11 */
     int32_t ux_q24, uy_q24, vy_q24;
     uint16_t offset_q11;           /* -2 ln(opacity), 0 to 22697 */
     int16_t colour_q13[3];         /* 0 to 4 */
     uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
 } fxs_splat;
 
-/* A projected Gaussian, as the bin stage reads it: x = cx + shear v + breadth sqrt(r^2 - v^2) bounds the ellipse at
-   v. */
+/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse at v. A, B
+   and C are the variance of x, the covariance of x and y, and the variance of y, in pixels^2. */
 typedef struct fxs_bounds {
-    int32_t cx_q14, cy_q14;        /* centre, pixels; 0 is the centre of the first pixel */
+    int32_t cx_q14, cy_q14;        /* centre of the Gaussian, pixels; 0 is the centre of the first pixel */
     uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
-    int32_t shear_q8;              /* B / sqrt(C) */
-    uint32_t half_width_q8;        /* r sqrt(A), plus 1/256 of it and 1/8 pixel */
-    uint32_t square_radius;        /* for FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
+    int32_t shear_q8;              /* B / sqrt(C), pixels */
+    uint32_t half_width_q8;        /* r sqrt(A) + (r sqrt(A)) / 256 + 1/8, pixels */
+    uint32_t square_radius;        /* FXS_CUTOFF_SQUARE: half a side of the square, ceil(3 sigma_max) pixels; else 0 */
 } fxs_bounds;
 
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
-#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil: a Gaussian that is listed in every tile */
+#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil, a Gaussian listed in every tile */
 
-/* Tile columns or rows, first to last; empty if first > last. */
+/* Range of tile columns or tile rows, first to last. Empty if first > last. */
 typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-/* Elements that `spans` and `note` may write beyond the requested ones, as they write whole vectors. */
+/* Number of elements that `spans` and `note` may write beyond the requested ones. Both store whole vectors. */
 #define FXS_SPANS_MORE 15
 #define FXS_NOTES_MORE 15
 
-/* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c. */
+/* A macro tile has 2x2 tiles and a mask of 4 bits. Bit 2 r + c stands for the tile in row r and column c. */
 #define FXS_MACRO 2
 
 static inline uint32_t fxs_macros(int32_t tiles)
@@ -99,78 +101,71 @@ static inline uint32_t fxs_macros(int32_t tiles)
     return (uint32_t)(tiles + FXS_MACRO - 1) / FXS_MACRO;
 }
 
-/* The tiles that a splat is listed in, if these tiles lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3
-   are the mask of the macro tile in row r and column c. The bits from 36 on are the number, in the picture, of the
-   macro tile in row 0 and column 0. */
+/* The tiles that a splat touches, if all lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3 are the mask
+   of the macro tile in row r and column c. The bits from 36 on number the upper left macro tile in the picture. */
 typedef struct fxs_box {
     uint64_t bits;
 } fxs_box;
 #define FXS_BOX_BITS 36
-#define FXS_BOX_LOW_BITS 24        /* rows 0 and 1 */
-#define FXS_BOX_TILES 6            /* tiles a side */
-#define FXS_NARROW 4               /* a splat on one tile row with at most this number of columns is listed in its whole
-                                      bounding box */
-#define FXS_NOWHERE ((fxs_box){0})     /* no tiles */
-#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* the tiles do not fit in a box; they are found when lists are
-                                                      made */
+#define FXS_BOX_LOW_BITS 24
+#define FXS_BOX_TILES 6
+#define FXS_NARROW 4               /* a splat on 1 x 4 tiles or fewer is listed in its bounding box */
+#define FXS_NOWHERE ((fxs_box){0})
+#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* a splat too large for a box; list making finds its tiles */
 
-/* A sort key: depth in the high half, slot in the low half. */
+/* A sort key: depth in the high 32 bits, slot in the low 32 bits. */
 typedef uint64_t fxs_key;
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
 #define FXS_KEY_SLOT(key) ((uint32_t)(key))
 
-/* Low half of a key in a macro tile's list: slot, then the mask in the low 4 bits. */
+/* Low half of a sort key in a macro tile's list: slot << 4 | mask of the macro tile's tiles. */
 #define FXS_MAX_SLOTS (1u << 28)
 #define FXS_LISTED(slot, mask) ((uint32_t)(slot) << 4 | (uint32_t)(mask))
 #define FXS_LISTED_SLOT(key) ((uint32_t)(key) >> 4)
 
-/* The pixels of one tile during blending. */
 typedef struct fxs_tile {
     int16_t transmittance_q15[FXS_TILE_PIXELS];
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* Auxiliary outputs of a tile during blending by `trace`: numbers for each pixel, the source of its depths and id.
-   `which` selects the arrays. An entry is identified by its index in the list that `trace` gets. */
+/* Auxiliary outputs of `trace` for each pixel of a tile: the source of depths and ids. `which` selects the arrays. An
+   entry is numbered by its index in the list passed to `trace`. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
 typedef struct fxs_trace {
     unsigned which;
-    int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depths_q15, at most 32767 */
-    int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last contributing entry for which the transmittance before it was
-                                               1/2 or more */
-    int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight so far, over all parts */
-    int16_t largest[FXS_TILE_PIXELS];       /* ID: first entry with that weight */
-    int16_t end[FXS_TILE_PIXELS];           /* END, input: entries from this one on do not contribute to the pixel */
+    int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depth code, at most 32767 */
+    int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last entry blended at transmittance 1/2 or more */
+    int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight of an entry so far */
+    int16_t largest[FXS_TILE_PIXELS];       /* ID: first entry with the largest weight */
+    int16_t end[FXS_TILE_PIXELS];           /* END, input: entries from `end` on do not contribute */
 } fxs_trace;
 
-#define FXS_HALF_Q15 16384         /* transmittance */
+#define FXS_HALF_Q15 16384
 
-struct fxs_object_view;            /* src/core/object.h */
+struct fxs_object_view;            /* defined in src/core/object.h */
 
-/* Tiles for a back end to draw: first_tile to last_tile in the picture's row-major order, so a run may begin and end
-   within a row. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists (draw_unlisted)
-   entries, ends and counts are null, and `keys` has every splat that touches the tiles. */
+/* Tiles for a back end to draw: first_tile to last_tile, numbered row by row. A run may begin and end within a row.
+   The list of tile t is the counts[t] entries before entries[ends[t]]. Without lists (draw_unlisted), entries, ends
+   and counts are null, and `keys` has every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
     const fxs_view *view;          /* in world space */
     const fxs_options *options;
-    const fxs_splat *splats;       /* by slot */
+    const fxs_splat *splats;       /* indexed by slot */
     const fxs_bounds *bounds;
-    const uint32_t *depths;        /* depth keys by slot: fxs_depth_key */
-    const fxs_key *keys;           /* near to far; null with lists */
+    const uint32_t *depths;        /* depth keys (fxs_depth_key), indexed by slot */
+    const fxs_key *keys;           /* sort keys, near to far; null with lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
-    const fxs_tile *blended;       /* with draw_blended and too little memory: the blended tiles, without lists; else
-                                      null */
-    const fxs_targets *targets;    /* of the whole picture, as in fxs_request */
-    const uint32_t *indices;       /* by slot: the Gaussian's index in the chunks of all objects */
+    const fxs_tile *blended;       /* with draw_blended: tiles that the kernels have blended, or null */
+    const fxs_targets *targets;    /* targets of the whole picture */
+    const uint32_t *indices;       /* indexed by slot: the Gaussian's index in the chunks of all objects */
     const struct fxs_object_view *objects;
     uint32_t object_count;
 } fxs_tile_run;
 
-/* Bytes of a pixel in a format. */
 static inline int fxs_pixel_bytes(enum fxs_format format)
 {
     return format == FXS_FORMAT_RGB565 || format == FXS_FORMAT_RGB565_SWAPPED ? 2
@@ -182,21 +177,20 @@ static inline int fxs_is_premultiplied(enum fxs_format format)
     return format == FXS_FORMAT_RGBA8_COVERAGE || format == FXS_FORMAT_RGBA16_COVERAGE;
 }
 
-/* An 8-bit background, in the format that resolve adds. */
+/* Converts an 8-bit background colour to the format that resolve adds. */
 static inline int fxs_background_q13(int background)
 {
     return (background * 8192 + 127) / 255;
 }
 
-/* A pixel of FXS_FORMAT_RGB565. */
 static inline uint16_t fxs_rgb565(int r, int g, int b)
 {
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
-/* Converts a target's depth to a depth key. Keys sort like depths z: 6 bits of floor(log2 z) + 32, from -32 to 31, then
-   the 26 bits after the leading one. Depths below 2^-32 have the key 0; depths above 2^32, and FXS_NOTHING of a target,
-   the largest key. */
+/* Converts a depth of a target to a depth key; `bits` is the number of fraction bits of the depth. Keys sort like
+   depths z: 6 bits of floor(log2 z) + 32, from -32 to 31, then the 26 bits after the leading one. Depths below 2^-32
+   have the key 0. Depths above 2^32 and FXS_NOTHING have the largest key. */
 static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
 {
     const int zeros = fxs_clz32(depth | 1);
@@ -204,7 +198,7 @@ static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
            : !depth ? 0 : (uint32_t)(63 - zeros - bits) << 26 | ((depth << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Converts a depth key to a target's depth, rounded down. */
+/* Converts a depth key to a depth of a target, rounded down. */
 static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
 {
     const int shift = (int)(key >> 26) - 32 + bits - 26;
@@ -212,27 +206,26 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
-/* The mean depth of a pixel comes from sums with FXS_DEPTH_GUARD fraction bits, in units of the target. A Gaussian at
-   depth 2^octave (1 + code) with weight w adds w + fxs_mul_q15(w, code), times 2^shift. The sums are integers, so their
-   order does not matter. */
+/* Fraction bits of a pixel's sum of weighted depths, in units of the target. A Gaussian at depth 2^octave (1 + code)
+   with weight w adds w + fxs_mul_q15(w, code), times 2^shift. Integer sums do not depend on the order. */
 #define FXS_DEPTH_GUARD 8
 
-/* The code of a depth key: its position within the octave, 0 to 1. */
+/* Returns the code of a depth key, which is the depth's position within its octave, 0 to 1. */
 static inline int fxs_depth_code_q15(uint32_t key)
 {
     return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
 }
 
-/* Converts the sum over the Gaussians in the octave of `key` to units of the target. Depths beyond the target's range
-   count as the end of the range; depths below 2^-FXS_DEPTH_GUARD units count as 0. */
+/* Converts a sum over the Gaussians in the octave of `key` to units of the target. Depths beyond the target's range
+   saturate. Depths below 2^-FXS_DEPTH_GUARD units count as 0. */
 static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
 {
     const int shift = fxs_min((int)(key >> 26) - 32 + bits, 32) + FXS_DEPTH_GUARD;
     return shift < 0 ? 0 : (uint64_t)sum_q15 << shift;
 }
 
-/* The mean depth of a pixel, rounded. `sum` is its sum of weight * depth (fxs_depth_sum); the sum of weights is 1 -
-   transmittance. */
+/* Returns the mean depth of a pixel, rounded to nearest. `sum` is the pixel's sum of weight * depth (fxs_depth_sum).
+   The weights add up to 1 - transmittance. */
 static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
 {
     const uint64_t weight = (uint64_t)(FXS_CLEAR_Q15 - transmittance_q15) << FXS_DEPTH_GUARD;
@@ -240,63 +233,61 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
     return !weight || mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
 }
 
-/* The function of each stage. Each works on one chunk or one tile. */
+/* The function of each rendering stage, for one chunk of 256 Gaussians or one tile per call. */
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
 
-    /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat (without its colour),
-       bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
-       FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
+    /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat without its colour,
+       bounds, index in the scene (ascending) and depth key. Returns the number of appended Gaussians, at most 256.
+       Returns FXS_ERR_SCENE if the chunk's header is out of range, which means that the opened scene was changed. */
     int32_t (*project)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
-    /* Fills in the colours of `count` splats of one chunk; indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
+    /* Fills in the colours of `count` splats of one chunk. indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
     int (*shade)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
                  uint32_t count, fxs_splat *splats);
 
-    /* Finds the tiles of `count` splats. */
     void (*bin)(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                 uint32_t count, fxs_box *boxes);
 
-    /* Finds the tile columns of a splat on tile rows `row` to row + rows - 1, all within its bounding box. May write up
-       to 15 spans beyond these rows. */
+    /* Finds the tile columns of a splat on the tile rows `row` to row + rows - 1, all within its bounding box. May
+       write up to 15 spans more. */
     void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
                   int32_t row, int32_t rows, fxs_span *spans);
 
-    /* Lists the macro tiles of slots `first` to first + count - 1, from the boxes of these slots: for each pair, the
-       macro tile in `macros` and slot << 4 | mask of its tiles in `listed`. At most 9 pairs a slot; may write up to 15
-       more. Returns the number of pairs, in any order. */
+    /* Lists the macro tiles of the slots `first` to first + count - 1. Each pair has the macro tile in `macros` and
+       slot << 4 | mask in `listed`. A slot has at most 9 pairs, in any order. May write up to 15 pairs more. Returns
+       the number of pairs. */
     uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
-    /* Sorts `count` keys; `spare` has the same capacity. Fast if keys of equal depth arrive almost in the order of
-       their slots. */
+    /* Sorts `count` keys. `spare` has the capacity of `keys`. Sorting is fast if keys of equal depth arrive almost in
+       the order of their slots. */
     void (*sort)(fxs_key *keys, fxs_key *spare, uint32_t count);
 
-    /* Extracts the list of one tile from the `count` keys of its macro tile: the slots whose masks contain `tile` (0 to
-       3). `entries` has room for `count`. Returns the length of the list. */
+    /* Extracts the list of one tile, 0 to 3, from the `count` keys of its macro tile: the slots with the bit `tile`
+       in their masks. `entries` has room for `count`. Returns the length of the list. */
     uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
-    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
+    /* Blends a list of splats, near to far, into the tile at pixel (x, y). */
     void (*blend)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, fxs_tile *tile);
 
-    /* blend with auxiliary outputs: also fills *trace, the source of depths and ids. It blends a part of a list, from
-       entry `first` to before `end` (at most 32767), and continues from the present state of *tile and *trace.
-       depths_q15: a depth code for each entry of the part, if a mean depth is wanted; else it may be null. */
+    /* Like blend, but also fills *trace, the source of depths and ids. Blends the entries `first` to before `end` (at
+       most 32767) of a list, and continues from the state of *tile and *trace. depths_q15 has a depth code for each
+       of these entries; null if no mean depth is wanted. */
     void (*trace)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   fxs_tile *tile, fxs_trace *trace);
 
-    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. The
-       other formats are derived from these. */
+    /* Writes `columns` x `rows` pixels of a tile over the options' background. `format` is one of the first four
+       formats; fxs_resolve_colour derives the other formats. */
     void (*resolve)(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
 
-/* ---- The C versions -------------------------------------------------------------------------------------------- */
+/* ---- Plain C versions of the stages ---------------------------------------------------------------------------- */
 
-/* The table of these functions. */
 FXS_API extern const fxs_kernels fxs_kernels_c;
 
 FXS_API int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
@@ -318,12 +309,12 @@ FXS_API void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_s
 FXS_API void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                            int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
-/* kernels->resolve, extended to every format. */
+/* Writes pixels like kernels->resolve, in any format. */
 FXS_API void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
                                 const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                                 ptrdiff_t stride);
 
-/* Runs job(argument, i) for i in 0..jobs-1 with the configuration's threads. */
+/* Runs job(argument, i) for i in 0..jobs-1 on the configuration's threads. */
 static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,
                            uint32_t jobs)
 {
@@ -334,7 +325,7 @@ static inline void fxs_run(const fxs_config *config, void (*job)(void *argument,
             job(argument, i);
 }
 
-/* Part `i` of `count` items in `parts` parts: from fxs_part(count, parts, i) to fxs_part(count, parts, i + 1). */
+/* Returns the first item of part `i`, with `count` items divided into `parts` parts. */
 static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 {
     return (uint32_t)((uint64_t)count * i / parts);
