@@ -1,10 +1,10 @@
 #!/bin/sh
-# Include rules. A room is a folder. Each room may include itself and the rooms listed after it, and those rooms' public
-# headers. So includes form no cycle of rooms.
+# Checks the include rules. A room is a source folder. A file may include its own room, the rooms listed after its room
+# in the table, and their public headers. Includes between rooms form no cycle.
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# room ALLOWED...: what a file of the room may include in addition to its own folder. The first matching room counts.
+# Each line has a room, then the other rooms that its files may include. The first matching line counts.
 rooms='
 src/core
 src/base        src/core
@@ -49,7 +49,7 @@ files() {
     find "$@" -type f \( -name '*.[ch]' -o -name '*.inc' -o -name '*.cu' -o -name '*.cuh' \) 2>/dev/null
 }
 
-# Lines "FILE KIND NAME" for every include; a name without a folder is in the file's own folder.
+# Prints a line "FILE KIND NAME" for every include. A name without a folder is in the file's own folder.
 files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
     sed -E 's/^([^:]*):[^"<]*(["<])([^">]*).*/\1 \2 \3/' |
     ROOMS=$rooms PUBLIC=$public awk '
@@ -61,7 +61,7 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
                 return i
         return 0
     }
-    # Whether room number i may include what lies at a path.
+    # Returns whether room number i may include a path.
     function may(i, path,    words, k, n) {
         if (within(path, room[i]))
             return 1
@@ -107,7 +107,7 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
         isa = $3 ~ /^([a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys\/auxv\.h|wasm_simd128\.h)$/
         plain = $3 ~ /^std(int|def)\.h$/
         if ($2 == "<" && $3 ~ /^fixsplat\//) {
-            # stage.h and its like say what kernels are, and the texts of devices hold the stages.
+            # Tools and ports may include every fixsplat header.
             if (folder ~ /^tools/ || folder ~ /^port/)
                 next
             if (!(name in owner)) says("no public header " $3)
@@ -130,14 +130,14 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
 faults=$(cat "${TMPDIR:-/tmp}/include_rules.$$")
 rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
-# No include path may start with a dot; names without a folder are files of the same folder.
+# Include paths must not start with a dot.
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
 # File names of the product are unique.
 twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 
-# core and kernels must not allocate or print; src must not open files or start threads.
+# core and kernels must not allocate or print. src must not open files or start threads.
 calls='(^|[^A-Za-z0-9_>.])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
 calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack)' | cut -d: -f1,2 |
     tr '\n' ' ')

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Pages (*.md) must refer to existing things: relative links and their anchors, paths from the root, and file and test
-# names in backticks. Fenced code is skipped.
+# Checks that pages (*.md) refer to existing things: relative links and their anchors, paths from the root, and names
+# of files and tests in backticks. Fenced code is skipped.
 cd "$(dirname "$0")/../.." || exit 1
 kept='( -name .git -o -name build -o -name node_modules ) -prune -o'
 pages=$(find . $kept -name '*.md' -print | sed 's|^\./||' | sort)
@@ -12,7 +12,7 @@ examples='golden.sh'
 
 faults=$(awk -v examples=" $examples " '
     function says(why) { printf "%s:%d: %s\n", FILENAME, FNR, why }
-    # Of dots in "a/b/../c".
+    # Resolves "." and ".." in a path.
     function plain(path) {
         while (path ~ /[^\/]+\/\.\.(\/|$)/)
             sub(/[^\/]+\/\.\.(\/|$)/, "", path)
@@ -20,7 +20,7 @@ faults=$(awk -v examples=" $examples " '
         sub(/\/$/, "", path)
         return path
     }
-    # The anchor that a heading has.
+    # Returns the anchor of a heading.
     function anchor_of(text) {
         sub(/^#+ +/, "", text)
         text = tolower(text)
@@ -28,7 +28,7 @@ faults=$(awk -v examples=" $examples " '
         gsub(/ /, "-", text)
         return text
     }
-    # Whether a path is there; a * stands for any characters but /.
+    # Returns whether a path exists. A * stands for any characters except /.
     function there(path,    pattern, p) {
         if (path !~ /\*/)
             return path in exists

@@ -1,6 +1,6 @@
 #!/bin/sh
-# src/include/fixsplat/internal/pixel.h compiles as three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C
-# (nvcc, if installed).
+# Checks that src/include/fixsplat/internal/pixel.h compiles as three languages: C99 (gcc, clang), GLSL ES 3.00
+# (glslangValidator) and CUDA C (nvcc, if installed).
 cd "$(dirname "$0")/../.." || exit 1
 header=src/include/fixsplat/internal/pixel.h
 use=tests/gates/pixel_use.inc
@@ -17,7 +17,7 @@ have() {
     command -v "$1" >/dev/null 2>&1
 }
 
-# put FILE FN [LINE...]: writes LINEs, then the header and its use with FXS_FN as FN.
+# put FILE FN [LINE...]: writes the LINEs, pixel.h with FXS_FN defined as FN, and pixel_use.inc to FILE.
 put() {
     file=$work/$1 fn=$2
     shift 2

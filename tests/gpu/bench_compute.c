@@ -1,9 +1,9 @@
-/* Times the compute back end on this machine's GPU and prints a table. Arguments: FILE.fxs, an overview of the scene as
- * in bench_cuda.c; FILE.fxs:CAMERAS:N,N,..., views of a camera file; WIDTHxHEIGHT, the size for later arguments
- * (default 1920x1080).
- * Medians in milliseconds: each program alone and whole frames by the device's timer, frames into the caller's memory
- * by the clock. `same`: the picture equals the processor's. `MB`: device memory without the read-back buffer, which
- * drivers keep in host memory. */
+/* Times the compute shaders on the machine's GPU and prints a table of medians in milliseconds. Each program and
+ * each frame is timed by the GPU, frames copied to the caller's memory by the clock. Arguments:
+ *   FILE.fxs                an overview of the scene
+ *   FILE.fxs:CAMERAS:N,N    views N of a camera file
+ *   WIDTHxHEIGHT            the size for later arguments (default 1920x1080)
+ * Column `same`: the picture equals the processor's. `MB`: device memory without the read-back buffer. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,8 +59,6 @@ static void GL_APIENTRY copy_untimed(GLenum from, GLenum to, GLintptr at, GLintp
     stop_query();
     copy_buffer(from, to, at, at_to, bytes);
 }
-
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -139,7 +137,7 @@ static fxs_file_view overview(const fxs_packed_header *header)
     return view;
 }
 
-/* Takes a size argument, for later frames. Returns 0 for other arguments. */
+/* Parses a size argument for later frames. Returns 0 for other arguments. */
 static int takes_size(const char *argument)
 {
     int w = 0, h = 0, length = 0;

@@ -1,10 +1,10 @@
-/* Times CUDA frames of 1920x1080 and prints a table of medians in milliseconds: single frames by stage and whole, then
- * a batch into device memory and into pinned host memory. Arguments: FILE.fxs, an overview of the scene;
- * FILE.fxs:CAMERAS:N,N,..., views of a camera file; FILE.fxs@N, N objects on a square; FILE.fxs%N, a budget of N
- * Gaussians.
- * Extra rows of each scene: square cut-off, a smaller picture, median depth and id, mean depth too; an eye of
- * 2064x2208, two independent eyes, two that share. Stages of two eyes overlap, so their frame takes less than the
- * sum. */
+/* Times CUDA frames of 1920x1080 and prints a table of medians in milliseconds: single frames by stage and whole,
+ * then a batch into device memory and into pinned host memory. Arguments:
+ *   FILE.fxs                an overview of the scene
+ *   FILE.fxs:CAMERAS:N,N    views N of a camera file
+ *   FILE.fxs@N              N objects on a square
+ *   FILE.fxs%N              a budget of N Gaussians
+ * Stages of two eyes overlap, so a stereo frame takes less than the sum of its stages. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,17 +16,17 @@
 #include "peek.h"
 
 enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };
-enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes a pixel */
+enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes per pixel */
 
 static fxs_message failure;
 static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
 static fxs_object objects[OBJECTS];
 static uint32_t object_count, budget;
 
-/* The settings of a row. */
+/* The settings of a table row. */
 typedef struct kind {
     enum fxs_cutoff cutoff;
-    int ids, means;                /* targets: median depth and id; mean depth too */
+    int ids, means;                /* ids: median depth and id; means: mean depth too */
     int eyes;                      /* 2: a stereo pair; 0: one frame */
 } kind;
 
@@ -54,7 +54,7 @@ static fxs_options options_of(const kind *k)
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
-    for (int a = 0; a < 3 && k->eyes; a++)     /* eyes 0.0625 apart */
+    for (int a = 0; a < 3 && k->eyes; a++)     /* distance between the eyes: 0.0625 */
         frame.camera.position_q32[a] += (int64_t)camera->rotation_q30[a] * (i ? 1 : -1) >> 3;
     const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
     if (k->ids) {
@@ -159,7 +159,7 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     rows_of_eyes(single, batch, name, view);
 }
 
-/* A view of the scene's box, widened for `aside` objects along x and z. */
+/* Returns a view of the scene's box, widened for `aside` objects along x and z. */
 static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
 {
     const double up[3] = {0, -1, 0};
@@ -175,7 +175,7 @@ static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
     return view;
 }
 
-/* Places `count` objects of the scene on a square. Returns its side. */
+/* Places `count` objects of the scene on a square. Returns the number of objects along a side. */
 static uint32_t place(const fxs_scene *scene, const fxs_packed_header *header, uint32_t count)
 {
     uint32_t side = 1;

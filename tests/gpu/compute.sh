@@ -1,9 +1,8 @@
 #!/bin/sh
-# Builds and tests the compute shaders on a machine with a GPU, then prints times of compute and CUDA, measured in
-# turns, and times of a million Gaussians of the profile small at a phone's and a headset's sizes. About 3 minutes.
+# Builds and tests the compute shaders on a machine with a GPU. Then prints times of compute shaders and CUDA, for a
+# procedural landscape of 1 million Gaussians and the given scenes. Takes 3 minutes.
 #   sh tests/gpu/compute.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# Makes a procedural landscape of 1 million Gaussians (SIZES="1 10": of 10 million too). B: the build folder (default
-# build). PREBUILT=1: no build.
+# SIZES="1 10": millions of Gaussians. B: build folder (default build). PREBUILT=1: skips the build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1}

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Builds and tests the CUDA back end on a machine with a GPU, then prints a table of times. About 3 minutes.
+# Builds and tests the CUDA back end on a machine with a GPU, then prints a table of times, for procedural scenes of 1
+# and 4 million Gaussians and the given scenes. Takes 3 minutes.
 #   sh tests/gpu/cuda.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# Makes procedural scenes of 1 and 4 million Gaussians (SIZES="1 4 10": of 10 million too). B: the build folder (default
-# build). PREBUILT=1: no build.
+# SIZES="1 4 10": millions of Gaussians. B: build folder (default build). PREBUILT=1: skips the build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1 4}
@@ -15,7 +15,6 @@ say() {
     echo "== $* ($(($(date +%s) - start)) s)"
 }
 
-# scene NAME COUNT FILE
 scene() {
     { "$B/fixsplat" make-scene "$1" --count "$2" -o "$work/$3.ply" &&
         "$B/fixsplat" convert "$work/$3.ply" "$work/$3.fxs" >/dev/null || echo "no $3"
@@ -79,7 +78,7 @@ for options in "--stereo 0.063" "--stereo 0.063 --foveate" "--foveate" \
                "--stereo 0.063 --budget 30000" "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
     options="$options --size 960x1024 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
-    for limit in "" "--max-memory 240M"; do    # with the limit the device holds part of the scene
+    for limit in "" "--max-memory 240M"; do    # with the limit, the device holds only part of the scene
         cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda $limit 2>&1)
         echo "$options $limit: $cpu $cuda"
         [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Fits on a machine with GPUs: same bytes as the processor, time of each part, memory, quality.
+# Tests fits on a machine with GPUs: the bytes must equal the processor's. Then prints times, memory and quality.
 #   sh tests/gpu/fit.sh PHOTOS...
-# PHOTOS: folders for fixsplat fit; names with lego get a white background. B: the build folder (default build).
-# PREBUILT=1: no build. STEPS: steps of the long fits (default 30000).
+# PHOTOS: folders for fixsplat fit; names with lego get a white background. B: build folder (default build).
+# PREBUILT=1: skips the build. STEPS: number of steps of the long fits (default 30000).
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 STEPS=${STEPS:-30000}
@@ -15,7 +15,6 @@ say() {
     echo "== $* ($(($(date +%s) - start)) s)"
 }
 
-# fit PHOTOS OUT [OPTION...]
 fit() {
     photos=$1 out=$2
     shift 2

@@ -1,4 +1,4 @@
-/* The implementation of cuda_runtime.h. */
+/* Implements the emulated CUDA of cuda_runtime.h. */
 #include <fenv.h>
 #include <setjmp.h>
 #include <ucontext.h>
@@ -36,7 +36,7 @@ struct coroutine {
     bool has_begun, has_ended;
 };
 
-/* The lanes of a mask that have arrived, their values, and the values of the last complete meeting. */
+/* A meeting of lanes: the lanes that have arrived, their values, and the values of the last complete meeting. */
 struct lanes_meeting {
     uint32_t here;
     uint64_t times, coming[32], all[32];
@@ -50,8 +50,8 @@ struct block_meeting {
 coroutine threads[THREADS_MOST];
 jmp_buf scheduler;
 uint32_t now, alive;
-bool has_moved;                            /* since every thread last had a turn */
-lanes_meeting warps[THREADS_MOST / 32];     /* meetings of all lanes */
+bool has_moved;                            /* whether a thread has moved in the current round */
+lanes_meeting warps[THREADS_MOST / 32];     /* one meeting per warp */
 std::map<uint32_t, lanes_meeting> parts_of_warps[THREADS_MOST / 32];
 block_meeting barriers[BARRIERS];
 const std::function<void()> *body;
@@ -69,7 +69,7 @@ void end_meeting(block_meeting *m)
     m->times++;
 }
 
-/* A coroutine: runs one thread of each block in turn. */
+/* A coroutine that runs one thread of each block in turn. */
 void run_threads()
 {
     for (;;) {
@@ -184,10 +184,11 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 struct event {
-    uint64_t recorded, done, time;         /* records queued, records done, time of the last */
+    uint64_t recorded, done, time;         /* number of queued records, of executed records, and time of the last
+                                              record */
 };
 
-/* Work, or a wait for the n-th record of an event. */
+/* A queued operation of a stream: work, or a wait for the n-th record of an event. */
 struct operation {
     std::function<void()> work;
     event *awaited;
@@ -204,7 +205,7 @@ stream default_stream;
 std::vector<stream *> streams = {&default_stream};
 uint64_t chance = 1, steps;
 
-/* Runs the next operation of a random stream that may go on. Returns false if none may. */
+/* Runs the next operation of a randomly chosen stream. Returns false if every stream is blocked. */
 bool take_step()
 {
     std::vector<stream *> ready;
@@ -328,7 +329,7 @@ cudaError_t cudaPointerGetAttributes(cudaPointerAttributes *attributes, const vo
     return cudaSuccess;
 }
 
-/* Pageable memory is read at once. */
+/* Pageable host memory is read before the call returns. */
 cudaError_t cudaMemcpy2DAsync(void *to, size_t to_pitch, const void *from, size_t from_pitch, size_t width,
                               size_t height, cudaMemcpyKind, cudaStream_t stream)
 {
@@ -481,7 +482,8 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp *properties, int)
     return cudaSuccess;
 }
 
-/* Limits of the GPU: EMULATED_PROCESSORS, its multiprocessors; EMULATED_SHARED, KiB of shared memory a block. */
+/* Returns limits of the emulated GPU. EMULATED_PROCESSORS sets the number of multiprocessors, EMULATED_SHARED the
+   KiB of shared memory per block. */
 cudaError_t cudaDeviceGetAttribute(int *value, int attribute, int)
 {
     *value = attribute == cudaDevAttrMultiProcessorCount ? setting("EMULATED_PROCESSORS", 3)
