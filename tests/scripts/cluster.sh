@@ -1,12 +1,12 @@
 #!/bin/sh
-# Blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and with a Slurm on this machine.
+# Tests blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and with Slurm.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 . "$root/tests/scripts/lib/slurm.sh"
 export FIXSPLAT="$fixsplat"
 
-# The knot again, 200 units away: each block has its own photographs.
+# A second knot, 200 units away. Each block has its own photographs.
 make_photographs 12
 model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
@@ -101,7 +101,6 @@ cluster() {
     sh "$root/tools/scripts/cluster.sh" set -o "$to" --blocks 3 --coarse-steps 100 --coarse-resolution 32 --steps 300 "$@" \
         -- --threads 1 >logs/out 2>logs/err
 }
-# refused NAME WORDS ARGUMENT...
 refused() {
     name=$1 words=$2
     shift 2
@@ -118,7 +117,7 @@ refused "steps" "more than the coarse fit's 3000" set -o x.fxs --blocks 2 --step
 refused "an engine" "expected parallel or slurm" set -o x.fxs --blocks 2 --engine lsf
 refused "an option" "no such option" set -o x.fxs --blocks 2 --recipe fast
 
-# Names with characters special to echo, a shell, GNU parallel and Slurm.
+# A name with characters special to echo, a shell, GNU parallel and Slurm.
 odd='a\tb\c "$(exit)" %a {} '"'"
 mkdir "$odd"
 cp -r set "$odd/set"

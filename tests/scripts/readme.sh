@@ -1,5 +1,5 @@
 #!/bin/sh
-# The C programs of README.md and docs/fit.md compile as README.md says against the installed library, and work.
+# Compiles and runs the C programs of README.md and docs/fit.md with the installed library.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

@@ -1,9 +1,10 @@
 #!/bin/sh
-# The viewer in a window on a virtual screen, driven by keys and the pointer: its screenshots equal `render`'s pictures.
+# Drives the window viewer on a virtual screen by keys and the pointer. Screenshots must equal the pictures of
+# `render`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
-XDG_STATE_HOME=$work/state                         # the list of recent scenes goes there
+XDG_STATE_HOME=$work/state                         # folder of the list of recent scenes
 export XDG_STATE_HOME
 server= viewer=
 trap 'kill $viewer $server 2>/dev/null; rm -rf "$work"' EXIT
@@ -33,7 +34,7 @@ check "a display that is not there: status 1" [ $status = 1 ]
 check "a display that is not there: one line" [ "$(printf '%s\n' "$nobody" | grep -c "^fixsplat: no window: .*$hint")" = 1 ]
 have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; exit; }
 
-# ---- A screen and the viewer on it -----------------------------------------------------------------------------------
+# ---- The virtual screen ----------------------------------------------------------------------------------------------
 
 Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
 server=$!
@@ -55,7 +56,7 @@ until_ 100 lines "$work/display" 1 || { fail "virtual screen" "$(cat "$work/serv
 DISPLAY=:$(cat "$work/display") SDL_VIDEODRIVER=x11 DBUS_SESSION_BUS_ADDRESS=disabled:
 export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
-# open COMMAND...: starts the viewer with the knot and $others, in the background; its window has the focus.
+# open COMMAND...: starts the viewer in the background and gives its window the focus.
 others=
 open() {
     "$@" view "$work/knot.ply" $others --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
@@ -70,7 +71,7 @@ open() {
 
 titled() { xdotool getwindowname "$window" | grep -q "$1"; }
 
-# close COMMAND...: the command ends the viewer; sets $status.
+# close COMMAND...: the command closes the viewer. Sets $status.
 close() {
     "$@"
     until_ 200 ended || kill -KILL $viewer
@@ -79,14 +80,14 @@ close() {
     viewer=
 }
 
-# shot NAME: takes a screenshot, $work/NAME.png. The viewer prints a line when it is written.
+# shot NAME: takes the screenshot $work/NAME.png and waits for the printed line.
 shot() {
     shots=$((shots + 1))
     xdotool key p
     until_ 300 lines "$work/out" $shots && mv "$work/shot.png" "$work/$1.png"
 }
 
-# same NAME ARGUMENT...: the screenshot equals `render`'s picture with these arguments.
+# same NAME ARGUMENT...: the screenshot equals the picture of `render` with these arguments.
 same() {
     name=$1
     shift
@@ -147,7 +148,7 @@ if open "$B/fixsplat"; then
     xdotool mousemove --window "$window" 215 160 click 1
     check "a distance" until_ 50 titled ' [0-9.]* units$'
     xdotool key m z
-    xdotool key p                                  # for depths no command is printed
+    xdotool key p                                  # views of depths print no command
     check "a picture of depths" until_ 50 titled 'written: '
     mv "$work/shot.png" "$work/depths.png"
     check "depths show" differ focused depths
@@ -171,7 +172,7 @@ others=
 
 # ---- The crop box ----------------------------------------------------------------------------------------------------
 
-# Drags the handle of the right side: 5.01,-0.2,0 seen from 0,-1,-12 at a focal length of 300 pixels.
+# Drags the handle of the right side of the crop box.
 drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
 
 crops() {
@@ -209,7 +210,7 @@ if open "$B/fixsplat"; then
     check "a signal: status 0" [ $status = 0 ]
 fi
 
-# ---- Without a scene, or with an unreadable one ----------------------------------------------------------------------
+# ---- Missing and unreadable scenes -----------------------------------------------------------------------------------
 
 "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
 viewer=$!
@@ -220,7 +221,7 @@ xdotool windowfocus --sync "$window"
 close xdotool key p n h Escape
 check "without a scene: escape, status 0" [ $status = 0 ]
 check "without a scene: not a word" equal "$(cat "$work/out" "$work/errors" | grep -v 'no words in the window')" ""
-# reopen COMMAND...: in a window without a scene, the command opens the last scene.
+# reopen COMMAND...: COMMAND opens the last scene in a window without a scene.
 reopen() {
     "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
     viewer=$!
@@ -270,8 +271,8 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
-# Viewer and screen share one processor: a window closed while pictures are drawn must end with status 0, though its
-# wake-up event is served late.
+# The viewer and the X server share one processor. A window closed while drawing must end with status 0, even if its
+# wake-up event is late.
 if have taskset; then
     processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
     taskset -pc "$processor" $server >/dev/null
@@ -295,7 +296,7 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
-    xdotool key g h n x v z z m t      # not b: Mesa keeps some hundred bytes
+    xdotool key g h n x v z z m t      # without b, since Mesa leaks some hundred bytes
     shot checked
     xdotool key c
     sleep 1

@@ -1,5 +1,5 @@
-# Sourced after check.sh by scripts that run the command: sets $fixsplat, $scenes, $helper and a working folder $work,
-# and defines checks of a run.
+# Sourced after check.sh by scripts that run the command. Sets $fixsplat, $scenes, $helper and the working folder
+# $work.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -11,13 +11,13 @@ mkdir logs
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
-# Runs the command: sets $status, writes logs/out and logs/err.
+# Runs the command. Sets $status, and writes logs/out and logs/err.
 run() {
     "$fixsplat" "$@" >logs/out 2>logs/err
     status=$?
 }
 
-# succeeds NAME ARGUMENT...: exit 0, empty stderr.
+# succeeds NAME ARGUMENT...: exit status 0, empty stderr.
 succeeds() {
     name=$1
     shift
@@ -25,8 +25,8 @@ succeeds() {
     if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
 }
 
-# fails NAME STATUS WORDS ARGUMENT...: this exit status, empty stdout, and one line on stderr that matches WORDS (a
-# regular expression).
+# fails NAME STATUS WORDS ARGUMENT...: exit status STATUS, empty stdout, and one line on stderr that matches the
+# regular expression WORDS.
 fails() {
     name=$1 wanted=$2 words=$3
     shift 3
@@ -39,7 +39,7 @@ fails() {
     fi
 }
 
-# psnr_of SCENE ORIGINAL OPTION...: the mean PSNR, or "equal".
+# psnr_of SCENE ORIGINAL OPTION...: prints the mean PSNR, or "equal".
 psnr_of() {
     scene=$1 original=$2
     shift 2
