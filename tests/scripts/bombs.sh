@@ -42,7 +42,7 @@ refuses "info" "inflating.spz: 4000000 $gaussians" info inflating.spz
 check "tiny numbers" timeout 20 "$fixsplat" convert exponents.ply out.fxs
 rm -f out.fxs
 
-# ---- Limits set by options ---------------------------------------------------------------------------------------------
+# ---- Limits set by options -------------------------------------------------------------------------------------------
 
 "$fixsplat" make-scene knot --count 20000 -o knot.ply || exit 1
 "$fixsplat" convert knot.ply knot.spz

@@ -1192,7 +1192,7 @@ if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
 else
     skip "memory for a million Gaussians" "less than 1 GB free"
 fi
-# ---- Lens distortion ---------------------------------------------------------------------------------------------------
+# ---- Lens distortion -------------------------------------------------------------------------------------------------
 
 # colmap FOLDER CAMERA: writes a model of one view.
 colmap() {

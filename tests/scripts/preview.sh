@@ -77,7 +77,7 @@ ends 2>logs/shell
 check "a signal: saved" equal "$status $(grep -c 'stopped after .*; to go on: fixsplat fit .* --resume long.fxs.fit$' logs/errors)" "143 1"
 check "a signal: no scene, and nobody answers" equal "$(ls long.fxs 2>/dev/null) $(code -m 5 "$at/fit.json")" " 000"
 
-# ---- The end of a fit --------------------------------------------------------------------------------------------------
+# ---- The end of a fit ------------------------------------------------------------------------------------------------
 
 "$fixsplat" fit set --steps 620 -o whole.fxs >logs/out 2>logs/shell
 shortest=--pre begins --steps 620 -o seen.fxs --threads 2
@@ -107,7 +107,7 @@ ln -s /dev/null null.fxs
 check "no room for a scene: said once, and it goes on" equal "$? $(grep -c \
     'preview: a temporary file: File too large; the fit goes on$' logs/errors)" "0 1"
 
-# ---- Errors ------------------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 fails "--port without it" 2 "port needs --preview" fit set -o x.fxs --port 80
 fails "--port 65536" 2 "port 65536: expected" fit set -o x.fxs --preview --port 65536
@@ -130,7 +130,7 @@ else
     check Valgrind equal "$status $(grep -c '^==' logs/errors)" "0 0"
 fi
 
-# ---- In a browser ------------------------------------------------------------------------------------------------------
+# ---- In a browser ----------------------------------------------------------------------------------------------------
 
 unset FIXSPLAT_WEB
 cd "$root" || exit 1

@@ -1,9 +1,9 @@
 // node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
 // tools/scripts/bench.sh. FOLDER caches derived scenes. PART is:
 // cuts: budgets compared with equal numbers of Gaussians by other programs.
-// budgets: PSNR, time and bytes of frames with falling budgets. ROUNDS of timing (5), LANDSCAPE Gaussians (10000000).
-// steps: changes between FRAMES (240) on a slow path.
-// boards: Gaussians that a board draws in a tenth of a second.
+// budgets: PSNR, time and bytes of frames with falling budgets.
+// steps: visible changes between FRAMES (240) on a slow path.
+// boards: number of Gaussians that a board draws in a tenth of a second.
 import { execFileSync, spawnSync } from 'node:child_process'
 import {
     closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,
@@ -280,7 +280,7 @@ const steps = () => {
 }
 
 const [STEPS, KNOT] = [8, 100000]
-// instructions a second, from docs/boards.md
+// instructions per second of each board, from docs/boards.md
 const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]
 
 const boards = () => {
@@ -309,7 +309,7 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    let [low, high] = [1, 200]                      // bisection for ten frames a second, in chunks of 256 Gaussians
+    let [low, high] = [1, 200]                      // bisection for ten frames per second, in chunks of 256 Gaussians
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

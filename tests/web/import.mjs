@@ -1,4 +1,4 @@
-// node import.mjs PACKAGE WORD ARGUMENT...: checks the readers and `load` for tests/scripts/web.sh.
+// node import.mjs PACKAGE WORD ARGUMENT...: checks the scene readers of the npm package for tests/scripts/web.sh.
 import assert from 'node:assert/strict'
 import { File } from 'node:buffer'
 import { once } from 'node:events'
@@ -65,7 +65,7 @@ const words = {
       await refused(files.filter((file) => file.name === name), /cannot be opened|needs the file|no .* beside/)
   },
 
-  // A damaged or truncated file gives an error message or a scene.
+  // A damaged or truncated file must give an error message or a scene.
   async hurt(...paths) {
     for (const path of paths) {
       const bytes = new Uint8Array(readFileSync(path))
@@ -96,7 +96,7 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // Argument ROOT: file names in a streamed SOG's indexes that lead out of the folder are not fetched.
+  // Argument ROOT. A streamed SOG must not fetch files outside its folder.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -141,7 +141,7 @@ const words = {
     other.close()
   },
 
-  // Argument SOG: loading the file from a slow server times out, and can be cancelled.
+  // Argument SOG. Loading from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -184,7 +184,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // Arguments PLY FXS: endless answers of a server, and answers that claim 2 GB, are refused by their first bytes.
+  // Arguments PLY FXS. Endless answers, and answers that claim 2 GB, are refused after their first bytes.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),

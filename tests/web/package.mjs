@@ -38,8 +38,7 @@ async function started(scene, module) {
 }
 
 const words = {
-  // Arguments MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture. OBJECTS are placements, in the
-  // order of the scenes.
+  // Arguments MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture.
   async hash(module, camera, options, objects, ...files) {
     const scenes = []
     for (const file of files) scenes.push(await load(file, modules[module]))
@@ -59,7 +58,7 @@ const words = {
     writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
   },
 
-  // Arguments MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command.
+  // Arguments MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm.
   async targets(module, file, camera, text, folder) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -296,7 +295,7 @@ const words = {
     scene.free()
   },
 
-  // Arguments FILE CAMERA OPTIONS X Y: prints the same as `fixsplat render --pick --json`.
+  // Arguments FILE CAMERA OPTIONS X Y: prints the output of `fixsplat render --pick --json`.
   async pick(file, camera, options, x, y) {
     const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))
     console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
@@ -327,7 +326,7 @@ const words = {
     process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
-  // Arguments MODULE FILE CAMERA WIDTH HEIGHT: prints the smallest of the times of twelve frames, in milliseconds.
+  // Arguments MODULE FILE CAMERA WIDTH HEIGHT: prints the shortest of twelve frame times in milliseconds.
   async speed(module, file, camera, width, height) {
     const scene = await load(file, modules[module])
     await started(scene, module)

@@ -232,7 +232,7 @@ async function two() {
 }
 
 const OFTEN = [ground, walls, holes]
-const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, which run only with FXS_PROCESSORS=all
+const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, only with FXS_PROCESSORS=all
 
 export const walking = {
   async 'walking: on the ground and up a ramp; walls stop, holes do not; with all, gamepads and a stick for the thumb'() {
