@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/fuzz.sh SECONDS: fuzzes each target for SECONDS, or only the targets in TARGETS. JOBS targets run at once
-# (default: one per processor). Failing inputs are kept in the build's folder fuzz.
+# tests/fuzz.sh SECONDS: fuzzes each target for SECONDS. TARGETS names some targets. JOBS targets run at once. Failing
+# inputs are kept in the build's folder fuzz.
 . tests/scripts/lib/check.sh
 seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
@@ -19,7 +19,6 @@ rad() {
     printf "$1\\$(printf %o $((${#json} % 256)))\\$(printf %o $((${#json} / 256)))\\0\\0%s" "$json"
 }
 
-# Three nodes of SH degree 1. Two are children of the first.
 seed_of_rad() {
     at=0 list=
     for column in center:f16:18 alpha:r8:3 rgb:r8_delta:9 scales:ln_0r8:9 orientation:oct88r8:9 sh1:s8:27 \
@@ -78,7 +77,6 @@ seeds_of_scene() {
     for record in 1 2; do
         printf '\0\0\200\77\0\0\0\100\0\0\100\300\0\0\200\76\0\0\200\76\0\0\200\76\1\2\3\377\0\100\200\377'
     done >splat
-    # Each level has 3 Gaussians of SH degree 1, in a full bucket of 2 and a partly filled bucket.
     int='\0\0\0'
     for level in 0 1 2; do
         {
@@ -121,7 +119,6 @@ seeds_of_spz() {
     } >spz4
 }
 
-# gltf JSON: makes an input for tests/fuzz_gltf.c, with 200 bytes of buffer.
 gltf() {
     size=$(printf %s "$1" | wc -c)
     printf "\\$(printf %o $((size % 256)))\\$(printf %o $((size / 256)))"
@@ -153,7 +150,6 @@ seeds_of_gltf() {
         )"'"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}]}' >compressed
 }
 
-# colmap KIND CAMERAS IMAGES: makes an input for tests/fuzz_camera.c. Both texts are printf formats.
 colmap() {
     printf "$2" >cameras
     printf "\\$1\\$(printf %o $(wc -c <cameras))\\0$2$3"
@@ -181,7 +177,6 @@ seeds_of_camera() {
         '<transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</transform></camera></cameras></chunk></document>' >metashape
 }
 
-# part TEXT: makes a file for tests/fuzz_sog.c. TEXT is a printf format.
 part() {
     printf "$1" >part
     size=$(wc -c <part)
@@ -260,13 +255,11 @@ seeds_of_sog() {
     } >lcc
 }
 
-# fxs FLAGS NAME...: prints the control bytes of tests/fuzz_frame.h, made from the flags, then the file NAME.
 fxs() {
     printf "\\$1\\144\\17\\0\\0\\3\\144\\17\\0\\0\\$2\\20\\40\\60\\$2\\0\\$1\\$2\\0\\0"
     if [ "$3" ]; then cat "$3"; fi
 }
 
-# Scene files of each profile and SH degree, with and without checksums, and scenes generated from a seed.
 seeds_of_fxs() {
     for degree in 0 1 2 3; do
         "$fixsplat" make-scene knot --count 40 -o scene.ply
@@ -330,8 +323,6 @@ seeds_of_image() {
     } >exif
 }
 
-# photos LAYOUT CAMERAS IMAGES POINTS: makes an input for tests/fuzz_photos.c, with a photograph of 4 x 3 pixels. The
-# texts are printf formats.
 photos() {
     layout=$1
     shift
@@ -375,7 +366,7 @@ seeds_of_photos() {
         )\"file_path\": \"a\", $frame" '' '' >lists
 }
 
-# A fit of a few Gaussians. tests/fuzz_checkpoint.c adapts the file to its own photograph.
+# A fit of a few Gaussians. tests/fuzz_checkpoint.c adapts the fit to its own photograph.
 seeds_of_checkpoint() {
     (
         . "$root/tests/scripts/lib/photos.sh"
@@ -387,14 +378,13 @@ seeds_of_checkpoint() {
 }
 
 sanitizers=address,undefined,float-cast-overflow
-# Fuzzing for one second uses -O0, which compiles four times faster.
+# -O0 compiles four times faster.
 [ "$seconds" -gt 1 ] && optimised=-O1 || optimised=-O0
-# The pattern leaves unwritten strings unterminated.
+# Unwritten strings have no final 0, to be noticed.
 compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -Isrc/include -I. \
     -ftrivial-auto-var-init=pattern -gline-tables-only $optimised -fsanitize=fuzzer-no-link,$sanitizers \
     -fno-sanitize-recover=all"
 
-# The Makefile's compiler flags for kernels.
 instructions_of() {
     case $1 in
     */image_encode.c) echo -fwrapv ;;
@@ -404,7 +394,6 @@ instructions_of() {
     esac
 }
 
-# Compiles the library once for all targets, and links each target as $work/NAME.
 build() {
     case $(clang -dumpmachine) in
     x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c kernels/fit/fit_[sa]*.c kernels/pack/*.c' ;;
@@ -438,7 +427,6 @@ fuzz() {
         echo \$? >$work/NAME.status"
 }
 
-# said NAME: prints the number of inputs, inputs per second and covered edges.
 said() {
     awk '/^#[0-9]+.* cov: / { runs = substr($1, 2); sub(/.* cov: /, ""); edges = $1 }
         /^Done / { runs = $2; rate = sprintf(", %d a second", $2 / $5) }

@@ -49,7 +49,6 @@ build() {
 
 names() { make -n NVCC=none "$1" | sed -n 's/.* tests\/run\.sh *//p' | tr ' ' '\n'; }
 
-# Prints make's target for a test: its program, or the command for a script.
 built_for() {
     case $1 in
     *.sh) echo build/fixsplat ;;
@@ -57,7 +56,6 @@ built_for() {
     esac
 }
 
-# by_words FILE NAME...: prints "WORDS NAME" for each NAME, with the number of words that NAME shares with the path.
 by_words() {
     file=$1
     shift
@@ -79,7 +77,6 @@ candidates() {
     esac
 }
 
-# ordered FILE: prints the candidates that pass without a change, in running order.
 ordered() {
     candidates "$1" | awk -v times="$folder/times" 'BEGIN { while ((getline <times) > 0) time[$2] = $1 }
         $2 in time { print $1, time[$2], $2 }' | sort -k 1,1rn -k 2,2n | awk '!seen[$3]++ { print $3 }'
@@ -87,10 +84,9 @@ ordered() {
 
 sums() { find build/src build/kernels build/port build/tools -name '*.o' -exec cksum {} + | LC_ALL=C sort; }
 
-# Prints the functions and data defined in object files. -g: only global symbols.
 symbols() { nm --defined-only -f posix "$@" | awk 'NF > 2 { print $1 }' | sort -u; }
 
-# Runs a test in the current tree. The time limit is ten seconds plus four times the test's time without a change.
+# The time limit is ten seconds plus four times the test's time without a change.
 run_test() {
     limit=$(awk -v name="$1" '$2 == name { print int($1 * 4 + 10) }' "$folder/times")
     case $1 in
@@ -99,7 +95,7 @@ run_test() {
     esac
 }
 
-# Tests the change in the current tree. Prints the outcome, with the name of the failed test.
+# Prints the outcome of the change in the current tree, with the name of the failed test.
 judge() {
     build all >build.log 2>&1 || { echo "does not compile"; return; }
     objects=$(sums | comm -23 - "$folder/sums" | cut -d ' ' -f 3)
@@ -119,7 +115,6 @@ restore() {
     done
 }
 
-# work JOB: tests changes from the shared list, in its own tree.
 work() {
     cd "$folder/tree.$1" || exit 1
     number=0
@@ -149,7 +144,6 @@ rm -rf "$folder"/tree.* "$folder/taken"
 mkdir -p "$folder/tree" "$folder/taken"
 tar cf - Makefile make src kernels port tools tests | tar xf - -C "$folder/tree" || exit 1
 
-# Finds which tests pass without a change, and their times.
 cd "$folder/tree" || exit 1
 build -j"$JOBS" all $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||
     { cat build.log; exit 1; }

@@ -1,13 +1,12 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once. Those in $ALONE run one at a time at the
-# end. A program or script ends with the line "N passed, N failed, N skipped". A gate prints "ok", "FAIL" or "skip" and
-# its name. Prints the totals and writes junit.xml. B: build folder. LIMIT: seconds per test (600); tests in $LONG have
-# six times as long.
+# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once, and then those in $ALONE one at a time.
+# Prints totals and writes junit.xml. A program or script ends with "N passed, N failed, N skipped". A gate prints
+# "ok", "FAIL" or "skip". LIMIT: seconds per test (600); tests in $LONG have six times as long.
 B=${B:-build}
 results=$B/tests/results
 
-# run_one NAME: runs a test and writes its output, and "passed failed skipped seconds processor-seconds name", to the
-# results folder. The test runs in its own process group, which is killed afterwards, with default signals.
+# run_one NAME: writes a test's output, and "passed failed skipped seconds processor-seconds name", to the results
+# folder. The test's process group is killed afterwards.
 run_one() {
     name=$1 log=$results/$1.log limit=${LIMIT:-600} fault=
     set -- "$B/tests/$name"
@@ -49,7 +48,7 @@ if [ "$1" = --one ]; then
     exit 0
 fi
 
-# Scripts that call make get the variables of the outer make, but not its job server.
+# make's job server is closed for scripts that call make.
 MAKEFLAGS=$(printf '%s\n' "$MAKEFLAGS" | sed -e 's/ *-j[0-9]*//' -e 's/ *--jobserver-[a-z]*=[0-9a-zA-Z:,/_-]*//g')
 export MAKEFLAGS
 unset MAKELEVEL
@@ -73,7 +72,6 @@ if [ "$built_before" != "$(built)" ]; then
 fi
 
 cd "$results" || exit 1
-# section TITLE: prints its input below the title. Empty input prints nothing.
 section() { awk -v title="== $1" 'NR == 1 { print title } { print }'; }
 awk '/^  skipped: / { why = ": " substr($0, 12); next }
     /^skip / { print FILENAME " " substr($0, 6) why; why = "" }' *.log | sed 's/\.log / /' | section skipped

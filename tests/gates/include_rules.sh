@@ -1,10 +1,10 @@
 #!/bin/sh
-# Checks the include rules. A room is a source folder. A file may include its own room, the rooms listed after its room
-# in the table, and their public headers. Includes between rooms form no cycle.
+# Checks the include rules. Each source folder may include its own headers, headers of the folders listed after it in
+# the table, and their public headers. Includes form no cycle.
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# Each line has a room, then the other rooms that its files may include. The first matching line counts.
+# Each line has a folder, then the other folders that its files may include. The first matching line counts.
 rooms='
 src/core
 src/base        src/core
@@ -27,7 +27,6 @@ port            src kernels/gl kernels/gles kernels/compute kernels/cuda kernels
 tools           public
 '
 
-# The lowest room that may include each public header.
 public='
 src/core      fixsplat packed stage pixel fixed
 src/base      allocator message scene system
@@ -61,7 +60,6 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
                 return i
         return 0
     }
-    # Returns whether room number i may include a path.
     function may(i, path,    words, k, n) {
         if (within(path, room[i]))
             return 1
@@ -107,7 +105,6 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
         isa = $3 ~ /^([a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys\/auxv\.h|wasm_simd128\.h)$/
         plain = $3 ~ /^std(int|def)\.h$/
         if ($2 == "<" && $3 ~ /^fixsplat\//) {
-            # Tools and ports may include every fixsplat header.
             if (folder ~ /^tools/ || folder ~ /^port/)
                 next
             if (!(name in owner)) says("no public header " $3)
@@ -130,10 +127,8 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
 faults=$(cat "${TMPDIR:-/tmp}/include_rules.$$")
 rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
-# Include paths must not start with a dot.
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-# File names of the product are unique.
 twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 

@@ -7,12 +7,10 @@ pages=$(find . $kept -name '*.md' -print | sed 's|^\./||' | sort)
 here=${TMPDIR:-/tmp}/links.$$
 find . $kept -print | sed 's|^\./||' >"$here"
 
-# File names that stand for a reader's own file.
 examples='golden.sh'
 
 faults=$(awk -v examples=" $examples " '
     function says(why) { printf "%s:%d: %s\n", FILENAME, FNR, why }
-    # Resolves "." and ".." in a path.
     function plain(path) {
         while (path ~ /[^\/]+\/\.\.(\/|$)/)
             sub(/[^\/]+\/\.\.(\/|$)/, "", path)
@@ -20,7 +18,6 @@ faults=$(awk -v examples=" $examples " '
         sub(/\/$/, "", path)
         return path
     }
-    # Returns the anchor of a heading.
     function anchor_of(text) {
         sub(/^#+ +/, "", text)
         text = tolower(text)
@@ -28,7 +25,7 @@ faults=$(awk -v examples=" $examples " '
         gsub(/ /, "-", text)
         return text
     }
-    # Returns whether a path exists. A * stands for any characters except /.
+    # Returns whether a path exists. A * matches any characters except /.
     function there(path,    pattern, p) {
         if (path !~ /\*/)
             return path in exists

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Checks that rendering uses no floating point: no float type or number in the text of src/core and kernels, no
-# soft-float call in src/core on a processor without floating point, and no vector or float register on AArch64. GPU
-# folders and the fit are exempt.
+# Checks that rendering uses no floating point: no float type or number in the source, no soft-float call on a
+# processor without floating point, and no float register on AArch64. GPU folders and the fit are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
@@ -12,8 +11,6 @@ fail() {
     exit 1
 }
 
-# build NAME COMPILER [FLAG...]: compiles every file of src to NAME_FILE.o. Returns 1 if the compiler or its C library
-# is missing.
 build() {
     name=$1 compiler=$2
     shift 2
@@ -35,8 +32,7 @@ text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kerne
     grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')
 [ -z "$text" ] || fail "in $text"
 
-# Soft-float calls of ARM's run-time ABI: arithmetic __aeabi_fadd, comparison __aeabi_cfcmple, conversion __aeabi_i2f.
-# Soft-float calls of libgcc: __addsf3, __muldf3, __floatsisf, __fixdfsi.
+# Soft-float calls, named as by ARM (__aeabi_fadd) or by libgcc (__addsf3).
 soft_float='__aeabi_(f|d|h|cf|cd|i2|ui2|l2|ul2)[a-z0-9_]*|__[a-z]+[hsdt]f[a-z0-9]*|__(float|fix)[a-z]+'
 hosted='malloc|calloc|realloc|free|[a-z]*printf|puts|abort|exit'
 if build cortexm3 arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -ffreestanding; then

@@ -137,7 +137,6 @@ static fxs_file_view overview(const fxs_packed_header *header)
     return view;
 }
 
-/* Parses a size argument for later frames. Returns 0 for other arguments. */
 static int takes_size(const char *argument)
 {
     int w = 0, h = 0, length = 0;

@@ -23,7 +23,6 @@ static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
 static fxs_object objects[OBJECTS];
 static uint32_t object_count, budget;
 
-/* The settings of a table row. */
 typedef struct kind {
     enum fxs_cutoff cutoff;
     int ids, means;                /* ids: median depth and id; means: mean depth too */
@@ -159,7 +158,6 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     rows_of_eyes(single, batch, name, view);
 }
 
-/* Returns a view of the scene's box, widened for `aside` objects along x and z. */
 static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
 {
     const double up[3] = {0, -1, 0};
@@ -175,7 +173,6 @@ static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
     return view;
 }
 
-/* Places `count` objects of the scene on a square. Returns the number of objects along a side. */
 static uint32_t place(const fxs_scene *scene, const fxs_packed_header *header, uint32_t count)
 {
     uint32_t side = 1;

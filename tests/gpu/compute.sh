@@ -20,7 +20,6 @@ done
 
 hash_of() { "$B/fixsplat" render "$work/scene.fxs" --hash --quiet "$@"; }
 
-# same WHAT OPTION...: compute shaders and processor must give the same picture.
 same() {
     what=$1
     shift

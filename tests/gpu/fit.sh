@@ -24,7 +24,6 @@ fit() {
     failed="$failed $out"
 }
 
-# same A B: the files must have the same bytes.
 same() {
     if cmp "$work/$1" "$work/$2"; then
         sha256sum <"$work/$1" | cut -c1-16

@@ -23,7 +23,6 @@ fi
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# hash_of SCENE SIZE BACKEND OPTION...: prints the picture's hash.
 hash_of() {
     shown=$1 at=$2 backend=$3
     shift 3
@@ -32,8 +31,6 @@ hash_of() {
 
 differing=0
 ways=$("$fixsplat" info --backends | sed -n 's/^\(gles\|gles-fetch\)  *here.*/\1/p')
-# compare SCENE: counts the pictures that differ, over all sizes, and over cut-offs and formats at one size. The first
-# frame of gles uses tile lists.
 compare() {
     pictures=0 same=0
     for case in "$size --bg 336699" "$size --alpha" "$size --cutoff square" 1x1 15x17 1279x719 4096x64; do

@@ -62,7 +62,6 @@ namespace {
 
 const uint32_t STEPS_OF_COORDINATES = 80001;
 
-/* Counts levels and alphas that differ from pixel.h, for all coordinates and row levels. */
 __global__ void compare_levels(unsigned long long *wrong)
 {
     /* Coordinates advance by 1 up to +-33000, then by 144 up to +-128, where they wrap. */

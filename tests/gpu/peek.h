@@ -15,7 +15,6 @@ typedef struct peeked {
     uint64_t *entries;             /* the list of tile t has counts[t] entries and ends at ends[t] */
 } peeked;
 
-/* Returns 0 on success. */
 int peek(fxs_cuda *cuda, peeked *out);
 void peek_free(peeked *p);
 
@@ -40,7 +39,6 @@ void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);
 void peek_pinned_free(void *memory);
-/* Copies between host and device memory. Returns 0 on success. */
 int peek_copy(void *to, const void *from, size_t bytes);
 
 /* Returns the GPU time of the frames in milliseconds; negative on failure. */

@@ -17,11 +17,9 @@ typedef struct peeked_fit {
     float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes of floats */
 } peeked_fit;
 
-/* Returns 0 on success. */
 int peek_fit(void *engine, const fxs_fit_camera *camera, peeked_fit *out);
 void peek_fit_free(peeked_fit *p);
 
-/* Reduces the capacity of the tile lists. Returns 0 on success. */
 int peek_fit_narrow(void *engine, uint32_t capacity);
 
 /* Returns the bytes of device memory taken from the first device's budget. */

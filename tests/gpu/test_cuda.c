@@ -82,7 +82,6 @@ static void random_object(fxs_object *object, fxs_crop crops[CROPS])
         random_crop(&crops[i]);
 }
 
-/* Makes scenes of all profiles with up to `most` Gaussians each, and `count` random objects. */
 static void random_world(world *w, uint32_t count, int32_t most)
 {
     for (int i = 0; i < SCENES; i++) {
@@ -134,7 +133,6 @@ static void varied_view(fxs_camera *camera, int i)
 
 enum { COLOUR = 1, COVERAGE = 2, MEAN = 4, MEDIAN = 8, ID = 16, OCCLUDER = 32, BACKDROP = 64, PLANES = 7 };
 
-/* Targets in one block of memory, with padding between rows. */
 typedef struct pictures {
     fxs_targets targets;
     size_t bytes;
@@ -148,7 +146,6 @@ static void images_of(fxs_targets *t, fxs_image *images[PLANES])
     memcpy(images, all, sizeof all);
 }
 
-/* Sets up the images in `which`. Strides are negative or wider than rows. */
 static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
 {
     const size_t pixel_bytes[PLANES] = {(size_t)fxs_pixel_bytes(format), 1, 4, 4, 8, 4, 4};
@@ -177,8 +174,7 @@ static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum 
     }
 }
 
-/* Fills in a random backdrop, and occluder depths near the depths of random scenes. Some depths are FXS_NOTHING or
-   0. */
+/* Some occluder depths are FXS_NOTHING or 0. */
 static void fill_in(pictures *p, const fxs_camera *camera)
 {
     for (size_t i = 0; i < p->bytes; i++)
@@ -283,7 +279,6 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Compares the list of a tile: sorted entries without depths, or entries with depths in any order. */
 static int list_equal(const expected *e, uint32_t tile, uint64_t *list)
 {
     const uint32_t count = e->lists.counts[tile], *entries = e->lists.entries + e->lists.ends[tile] - count;
@@ -435,7 +430,6 @@ static void test_small(void)
     check_random(FXS_PROFILE_SMALL, cases(100));
 }
 
-/* Random objects. Every second case has random targets. */
 static void check_objects(int count, uint32_t most_objects, int32_t most_gaussians)
 {
     for (int i = 0; i < count; i++) {
@@ -468,7 +462,6 @@ static void test_hundred_objects(void)
     check_objects(quick ? 1 : 12, OBJECTS, quick ? 600 : 3000);
 }
 
-/* Draws each target alone, then random sets of targets with occluders, backdrops and long lists. */
 static void test_targets(void)
 {
     for (int i = 0; i < cases(250); i++) {
@@ -584,7 +577,6 @@ static void forest_free(forest *w)
     }
 }
 
-/* Compares the device's cut, the chosen nodes of each level-of-detail tree, with the processor's. */
 static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, int *by_device)
 {
     uint32_t wanted_count, count;
@@ -619,8 +611,7 @@ static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_
     return equal;
 }
 
-/* Random trees must give the processor's cut and picture, for any camera and limits. Some trees have equal keys.
-   Every tenth tree is too deep for the device. */
+/* Random trees must give the processor's cut and picture. Every tenth tree is too deep for the device. */
 static void test_cut(void)
 {
     int of_device = 0, of_host = 0;
@@ -645,7 +636,7 @@ static void test_cut(void)
     CHECK(of_device > of_host || quick);
 }
 
-/* Trees with more equal keys than shared memory sorts, and a damaged tree with the processor's error. */
+/* Trees with more equal keys than shared memory sorts, and a damaged tree. */
 static void test_equal_keys(void)
 {
     fxs_camera camera;
@@ -675,7 +666,6 @@ static void test_equal_keys(void)
 
 enum { POOL_FRAMES = 3 };
 
-/* Compares a batch with the processor. Returns the renderer's error. */
 static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget, fxs_cuda_stats *stats)
 {
     pictures p[POOL_FRAMES][2];
@@ -700,7 +690,6 @@ static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget
     return error;
 }
 
-/* Renders batches within a memory limit. Returns the renderer's error. */
 static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats *stats)
 {
     fxs_cuda *small;
@@ -712,8 +701,7 @@ static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats
     return error;
 }
 
-/* Scenes larger than the memory limit, starting with an empty pool: with and without a budget, two objects of one
-   scene, and a scene without a tree. */
+/* Scenes larger than the memory limit, starting with an empty pool. */
 static void test_pool(void)
 {
     state = 57;
@@ -744,8 +732,6 @@ static void test_pool(void)
 
 enum { BATCH_FRAMES = 7, BATCH_BYTES = 1 << 25 };
 
-/* Frames with different objects and targets in several slots, to device or pinned memory. Some lists overflow at
-   first. */
 static void check_batch(uint8_t *memory)
 {
     enum { SLOTS = 3 };
@@ -814,8 +800,6 @@ static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, 
     return error;
 }
 
-/* Small pictures with long lists, which several blocks share. With depth targets, the lists are first split into
-   bins. */
 static void check_long_lists(int count)
 {
     uint64_t most = 0;
@@ -873,7 +857,6 @@ static void test_small_blocks(void)
     cuda = whole;
 }
 
-/* A scene is uploaded once, until fxs_cuda_forget is called or its fxs_scene changes. */
 static void test_scenes(void)
 {
     fxs_cuda *other;
@@ -909,7 +892,7 @@ static void test_scenes(void)
     world_free(&w);
 }
 
-/* A frame with too little device memory fails and reports the bytes needed. With these bytes the frame renders. */
+/* A frame with too little device memory fails, reports the bytes needed, and renders with them. */
 static void test_memory(void)
 {
     fxs_cuda *small;
@@ -934,7 +917,6 @@ static void test_memory(void)
     }
     CHECK(needed > 1000 && needed < 8000000 && stats.memory.total && stats.memory.total <= needed);
 
-    /* One frame's memory suffices for repeated frames, and after forgetting the scene. */
     CHECK(!fxs_cuda_create(&small, 0, stats.memory.total, 1, &why));
     for (int i = 0; i < 3; i++) {
         CHECK(!draw(small, &scene, &camera, &stats));
@@ -954,7 +936,6 @@ static int render_error(const fxs_cuda_frame *frames, uint32_t count)
     return error;
 }
 
-/* CUDA refuses the frames that fxs_render refuses, and leaves no frame pending. */
 static void test_errors(void)
 {
     fxs_cuda *none;
@@ -975,10 +956,10 @@ static void test_errors(void)
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0].targets.colour.pixels = device + 1;
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
-    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};   /* a stride shorter than a row */
+    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};
     CHECK(camera.height == 1 || render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0] = good;
-    frames[0].targets.id = good.targets.colour;                             /* overlapping targets */
+    frames[0].targets.id = good.targets.colour;
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0] = good;
     frames[1].camera.width = 0;
@@ -991,7 +972,7 @@ static void test_errors(void)
     CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
     fxs_object_init(&object, &scene);
     object.scale_q32 = 1 << 16;
-    object.translation_q32[0] = (int64_t)1 << 50;                           /* too far away */
+    object.translation_q32[0] = (int64_t)1 << 50;
     CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
     object.scene = 0;
     CHECK(render_error(&good, 1) == FXS_ERR_ARGUMENT);
@@ -1024,7 +1005,6 @@ static int stop_third(void *times)
     return ++*(int *)times == 3;
 }
 
-/* Stops a batch before its third frame. The next batch renders. */
 static void test_stopped(void)
 {
     world w;
@@ -1044,7 +1024,7 @@ static void test_stopped(void)
     options.stop_argument = &times;
     CHECK(fxs_cuda_render(cuda, frames, 4, &options, 0, &why) == FXS_ERR_STOPPED && times == 3);
     CHECK(!strcmp(why.text, fxs_strerror(FXS_ERR_STOPPED)) &&
-          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);                  /* no pending frame */
+          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);
     CHECK(!fxs_cuda_render(cuda, frames, 4, &options, 0, &why) && !fxs_cuda_finish(cuda, 0, &why) && times >= 7);
     options.stop = 0;
     CHECK(frame_equal(w.objects, 4, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
@@ -1052,7 +1032,6 @@ static void test_stopped(void)
     world_free(&w);
 }
 
-/* The backdrop may be the colour target. */
 static void test_in_place(void)
 {
     fxs_scene scene;
@@ -1080,7 +1059,6 @@ static void test_in_place(void)
 
 /* ---- Stereo ------------------------------------------------------------------------------------------------------ */
 
-/* Renders two eyes on the processor. Returns 0 or an error. */
 static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *options, const fxs_targets targets[2],
                          fxs_stats *stats)
 {
@@ -1097,7 +1075,6 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
     return error;
 }
 
-/* Renders two eyes and one through the table of src/include/fixsplat/backend.h. */
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;
@@ -1162,7 +1139,6 @@ static void test_table(void)
     world_free(&w);
 }
 
-/* Foveated pictures of two eyes must have the processor's bytes. */
 static void test_foveated(void)
 {
     const fxs_backend *backends[] = {&fxs_backend_cpu, &fxs_backend_cuda};

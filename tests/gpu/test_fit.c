@@ -19,7 +19,7 @@ typedef struct what {
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: ln of a typical sigma */
     uint32_t gains, poses;         /* number of exposures and of poses; 0: none */
-    int is_affine;                 /* 1: affine exposures */
+    int is_affine;
     int is_antialiased;            /* 1: antialiased, with scales limited by the cameras */
     int has_far;                   /* 1: about half of the Gaussians have angular sizes */
     int is_in_one_place;           /* 1: all depths are equal */
@@ -64,7 +64,6 @@ static int copy_model(fxs_fit_model *to, const fxs_fit_model *from)
     return 0;
 }
 
-/* Fills two copies of exposures, with optimiser moments as in a running fit. */
 static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -78,7 +77,6 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }
 
-/* Fills two copies of poses, with optimiser moments as in a running fit. */
 static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -93,7 +91,6 @@ static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
     memcpy(poses[1], poses[0], sizeof poses[1]);
 }
 
-/* Masks out discs and single pixels. */
 static void fill_mask(uint8_t *out, int32_t width, int32_t height)
 {
     for (int32_t i = 0; i < width * height; i++) {
@@ -148,7 +145,6 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
 
 /* ---- Comparisons ------------------------------------------------------------------------------------------------- */
 
-/* Compares bits. All NaNs are equal. */
 static int same(const float *a, const float *b, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -235,8 +231,8 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Runs `steps` steps of one model on both devices, and compares the buffers of the last step. narrow: initial
-   capacity of the tile lists; 0: default. */
+/* Compares the buffers of the last of `steps` steps with the processor's. narrow: initial capacity of the tile
+   lists; 0: default. */
 static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t steps)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
@@ -326,7 +322,6 @@ static void test_one_depth(void)
     compare(&w, 0, 0, 1);
 }
 
-/* Pictures and models of full size. Some Gaussians are as large as the picture. */
 static void test_large(void)
 {
     for (int i = 0; i < (quick ? 0 : 2); i++) {
@@ -345,8 +340,7 @@ static void test_batches(void)
     }
 }
 
-/* Exposures of one photograph, of five, and of more photographs than a sum has parts. A photograph may be in a batch
-   twice. */
+/* Exposures of one photograph, of five, and of more photographs than a sum has parts. */
 static void test_exposures(void)
 {
     static const uint32_t gains[] = {MOST_GAINS, 5, 1};
@@ -368,7 +362,6 @@ static void test_masks(void)
     }
 }
 
-/* Poses of one photograph and of five, with and without exposures. */
 static void test_poses(void)
 {
     static const size_t counts[] = {200, 3000, 20000};
@@ -381,7 +374,6 @@ static void test_poses(void)
     }
 }
 
-/* Gaussians smaller and larger than a pixel, with both cut-offs, with and without poses. */
 static void test_antialiased(void)
 {
     static const size_t counts[] = {200, 3000, 20000};
@@ -394,7 +386,6 @@ static void test_antialiased(void)
     }
 }
 
-/* A step repeats if its lists overflow. */
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
@@ -404,7 +395,6 @@ static void test_no_room(void)
     compare(&batch, 0, 64, MOST_STEPS);
 }
 
-/* The kernels' own division must equal the rounded quotient. */
 static void test_odds(void)
 {
     CHECK(peek_fit_odds() == 0);
@@ -426,7 +416,6 @@ static uint64_t hash_of(const fxs_fit_model *m)
     return hash;
 }
 
-/* Runs a few steps within a memory limit. Returns 0, or an error with a message. */
 static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];
@@ -459,8 +448,7 @@ static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
     return error;
 }
 
-/* A fit fails with too little memory. With the limit raised to the memory named in each message, the fit succeeds in
-   the end. */
+/* A fit with too little memory fails, and succeeds with the memory that its messages ask for. */
 static void test_too_little_memory(void)
 {
     uint64_t wanted, hash, most = 1000;

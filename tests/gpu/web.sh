@@ -24,7 +24,6 @@ echo "flags: $FXS_WEBGPU_FLAGS"
 
 say "scenes"
 
-# made NAME KIND COUNT OPTION...: makes a scene.
 made() {
     name=$1
     "$B/fixsplat" make-scene "$2" --count "$3" -o "$work/$name.ply" --quiet || failed="$failed $name"

@@ -21,7 +21,7 @@ enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
 /* ---- Imitations of XrPosef, XrFovf, XrView and a swapchain ------------------------------------------------------- */
 
 typedef struct pose {
-    double orientation[4];         /* x, y, z, w */
+    double orientation[4];
     double position[3];            /* x right, y up, z back; metres */
 } pose;
 
@@ -36,7 +36,7 @@ typedef struct view {
 
 typedef struct swapchain {
     GLuint colours[IMAGES], depths[IMAGES], framebuffers[2][IMAGES];
-    unsigned acquired;             /* number of acquired images */
+    unsigned acquired;
 } swapchain;
 
 /* ---- OpenGL ES functions ----------------------------------------------------------------------------------------- */
@@ -170,11 +170,10 @@ typedef struct program {
     fxs_context context;
     fxs_options options;
     fxs_gles *gles;
-    fxs_compute *compute;          /* null: gles */
-    fxs_compute_scene copy;        /* scene on the device */
-    GLuint medians, ids, copies, copying;          /* copies: a copy of a texture for comparison; copying: its
-                                                      framebuffer */
-    GLuint to_depth, to_words;     /* shader programs */
+    fxs_compute *compute;
+    fxs_compute_scene copy;
+    GLuint medians, ids, copies, copying;          /* copies: a copied texture; copying: its framebuffer */
+    GLuint to_depth, to_words;
     void *allocation, *memory;
     size_t bytes;
     uint32_t depths[2][HEIGHT * WIDTH];            /* median depths by the processor, times 2^16 */
@@ -231,7 +230,6 @@ static int draw(program *p, const fxs_request *request, const fxs_gles_target *t
                       : fxs_gles_render(p->gles, &p->context, request, target, p->memory, p->bytes, 0);
 }
 
-/* Draws an eye into the swapchain's acquired image. */
 static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapchain *s)
 {
     const unsigned image = s->acquired % IMAGES;
@@ -274,7 +272,6 @@ static const char to_words[] =
     "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp sampler2D depths;\nout uint word;\n"
     "void main() { word = floatBitsToUint(texelFetch(depths, ivec2(gl_FragCoord.xy), 0).x); }";
 
-/* Checks that the depth image has the processor's median depths. */
 static int compare_depths(const program *p, int eye, const swapchain *s)
 {
     static GLuint words[HEIGHT * WIDTH][4];
@@ -319,7 +316,6 @@ static double difference(const program *p, const fxs_camera cameras[2], int by_d
     return count > 10000 ? sum / count : 1e9;
 }
 
-/* One frame between xrWaitFrame and xrEndFrame. */
 static int run_frame(program *p, int frame, swapchain chains[2])
 {
     view views[2];
@@ -351,7 +347,6 @@ static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
     return fxs_scene_open(&p->scene, packed->data, packed->bytes) != 0;
 }
 
-/* Opens the compute back end, which needs OpenGL ES 3.1. */
 static int open_compute(program *p, void *egl)
 {
     fxs_message message;

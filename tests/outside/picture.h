@@ -14,7 +14,6 @@ static inline void *aligned(size_t bytes)
     return block ? block + (64 - (size_t)block % 64) : 0;
 }
 
-/* Sets a camera 10 units before the origin that looks along z. */
 static inline void picture_camera(fxs_camera *camera)
 {
     fxs_camera_init(camera, WIDTH, HEIGHT);
@@ -34,7 +33,7 @@ static inline int picture_print(const unsigned char *pixels)
     return fxs_version() != FXS_VERSION_NUMBER || lit < 1000;
 }
 
-/* Draws the scene with the core alone and prints the picture's hash. Returns 0, or 1 if the picture is empty. */
+/* Draws the scene with the core alone. Returns 0, or 1 if the picture is empty. */
 static inline int picture(const fxs_scene *scene)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];

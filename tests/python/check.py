@@ -452,7 +452,6 @@ for name, kind, words, call in (
 ok("bad input: nothing is left", not [name for name in os.listdir(".") if name.startswith("x.") or
                                            name.endswith(".tmp")])
 
-# A progress function that raises ends the call. No file is overwritten.
 for ending in ("ply", "splat", "spz", "sog", "glb", "fxs"):
     with open(f"kept.{ending}", "wb") as file:
         file.write(b"before")

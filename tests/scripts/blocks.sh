@@ -4,7 +4,6 @@
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 
-# A second knot, 200 units away, has its own photographs.
 make_photographs 12
 model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Tests board firmware under qemu. Frames in strips of any height must have the host's bytes, in the least memory and
-# with a stack of 4 KB (5 KB with a budget). Any damage in flash gives a message, never a fault. FXS_PROCESSORS=all:
-# every board, and a screen.
+# Tests board firmware under qemu: frames in strips have the host's bytes, in the least memory and with a stack of 4 KB
+# (5 KB with a budget). Damaged flash gives a message, never a fault. FXS_PROCESSORS=all: every board, and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -15,7 +14,6 @@ made=$work/made
 boards=mps3-an547 budget=
 [ "$FXS_PROCESSORS" = all ] && boards="$boards mps2-an385 mps2-an500"
 
-# firmware SCENE [BOARD...]: builds the firmware of these boards with the scene.
 firmware() {
     scene_of_firmware=$1
     shift
@@ -25,7 +23,6 @@ firmware() {
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
-# run BOARD ELF WORD...: prints the output and "exit STATUS".
 run() {
     board=$1 elf=$2 words=arg=firmware
     shift 2
@@ -50,7 +47,6 @@ same_hashes() {
     return 1
 }
 
-# refuses BOARD ELF WORDS PATTERN: exit status 1 and one line that matches PATTERN.
 refuses() {
     run "$1" "$2" $3 >"$work/log"
     equal "$(tail -n 1 "$work/log")" 'exit 1' && equal "$(grep -c . "$work/log")" 2 &&
@@ -65,7 +61,6 @@ one_byte_short() {
         refuses "$1" "$made/firmware/$1.elf" "width=160 height=120 memory=$((least - 1))" 'too little memory'
 }
 
-# make_scene COUNT OPTION...: writes a knot of COUNT Gaussians.
 make_scene() {
     count=$1
     shift
@@ -83,7 +78,6 @@ kernels_are_exact() {
     return 1
 }
 
-# drives_a_display BOARD WIDTH HEIGHT WORD...: the bytes sent over the bus are ILI9341 commands and the host's picture.
 drives_a_display() {
     board=$1 width=$2 height=$3
     shift 3
@@ -95,7 +89,6 @@ drives_a_display() {
     return 1
 }
 
-# The display model refuses a stream that lacks a byte or shows another picture.
 display_is_seen() {
     head -c -2 "$work/ili9341.stream" >"$work/short.stream"
     ! "$B/tests/test_ili9341" "$scene" 131 77 2 "$work/short.stream" &&
@@ -170,17 +163,14 @@ budget=
 
 # ---- Damaged contents of flash ---------------------------------------------------------------------------------------
 
-# Prints the offset of the scene in an ELF file.
 place() {
     arm-none-eabi-readelf -SW "$1" | sed -n 's/.* \.scene *PROGBITS *[0-9a-f]* \([0-9a-f]*\) .*/0x\1/p'
 }
 
-# poke ELF OFFSET BYTE: sets a byte of the scene.
 poke() { printf "\\$(printf %o "$3")" | dd of="$1" bs=1 seek=$(($(place "$1") + $2)) conv=notrunc 2>/dev/null; }
 
 byte() { od -An -tu1 -j "$2" -N 1 "$1" | tr -d ' '; }
 
-# damage_bytes STEP: changes every STEP-th byte of the headers in turn.
 damage_bytes() {
     elf=$work/damaged.elf refused=0
     for at in $(seq 0 "$1" 319); do

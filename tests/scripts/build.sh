@@ -27,7 +27,6 @@ hide() {
 
 make_() { env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory NVCC=none "$@" 2>&1; }
 
-# Builds three objects: the first depends on OSMesa, the second on zstd. Prints the rebuilt ones.
 build() {
     make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/port/backend/backend_gles.o" \
         "$work/build/src/scene/read/spz.o" "$work/build/src/core/frame.o" >"$work/log" || cat "$work/log"
@@ -84,7 +83,6 @@ check "V=1: whole commands" grep -q -- "-c -o $work/build/src/core/frame.o src/c
 
 # ---- Chosen kernels and tests ----------------------------------------------------------------------------------------
 
-# chosen COMPILER: prints make's kernel folder and archiver.
 chosen() {
     make_ -n V=1 B="$work/chosen" CC="$1" $2 "$work/chosen/libfixsplat-core.a" >"$work/log"
     folders=$(sed -n 's|.* kernels/simd/\([a-z0-9]*\)/[a-z_0-9]*\.c$|\1|p' "$work/log" | sort -u | tr '\n' ' ')
@@ -105,7 +103,6 @@ for target in i586-linux-gnu:x86 arm64-apple-macos:arm aarch64_be-linux-gnu: was
     fi
 done
 
-# tests NAME: prints the tests that `make test T=NAME` would run.
 tests() { make_ -n B="$work/chosen" test T="$1" | sed -n 's/.* tests\/run\.sh *//p'; }
 is "T: a test by its name" test_scene "$(tests test_scene)"
 is "T: without test_" test_scene "$(tests scene)"

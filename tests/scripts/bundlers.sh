@@ -1,7 +1,6 @@
 #!/bin/sh
-# Tests the npm package in programs (docs/web.md): packed, installed, bundled, opened in Chromium, and checked by
-# TypeScript. FXS_PROCESSORS=all: every bundler. ONLY=PATTERN: only matching cases. PICTURES=FOLDER keeps pictures of
-# failures.
+# Tests the npm package in programs (docs/web.md): installed, bundled, opened in Chromium, and checked by TypeScript.
+# FXS_PROCESSORS=all: every bundler. ONLY=PATTERN: matching cases. PICTURES=FOLDER: pictures of failures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs bundlers chromium esbuild npm -- puppeteer-core playcanvas
@@ -16,7 +15,6 @@ if [ ! -d "$tools/$missing" ]; then
     exit
 fi
 
-# The tarball has the registry's files and the library's version.
 ready() {
     tar xzf "$tarball" -C "$work" || return 1
     for file in README.md LICENSE CHANGELOG.md fixsplat.d.ts playcanvas.d.ts react.d.ts three.d.ts viewer/viewer.d.ts inline/worker.js; do
@@ -38,7 +36,6 @@ entries() {
             --outdir="$work/entries" --log-level=error
 }
 
-# Bundles the element, its worker and a thread as programs do. Parts loaded on demand stay separate.
 minified() {
     for entry in viewer/element.js viewer/worker_whole.js viewer/worker.js thread.js; do
         set -- --external:./xr.js --external:./ar.js --external:./drop.js --external:./words.js --external:./tour.js --external:./film.js '--external:./language_*.js' \

@@ -15,7 +15,7 @@ with() { PATH="$work/bin:$PATH" "$@"; }
 cat >bin/colmap <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
-case "$QT_QPA_PLATFORM $* " in           # needs neither a display nor a GPU
+case "$QT_QPA_PLATFORM $* " in
 offscreen\ m* | offscreen\ *.use_gpu\ 0\ *) ;;
 *) kill -6 $$ ;;
 esac
@@ -49,7 +49,6 @@ model_analyzer) printf 'Points: %s\nMean reprojection error: %s\n' "${POINTS:-40
 esac
 PLAYED
 
-# Writes the first cameras of a text model in binary.
 cat >model.pl <<'PLAYED'
 my ($from, $to, $count) = @ARGV;
 sub lines { open(my $f, "<", "$from/$_[0]") or die; return grep { /\S/ } <$f>; }
@@ -69,7 +68,7 @@ $bytes .= pack("Q<d<3C3d<Q<", @$_[0 .. 7], 0) foreach map { [split ' '] } @point
 out("points3D.bin", $bytes);
 PLAYED
 
-# Imitates ffmpeg: every seventh of $FRAMES frames is sharp, and the written frames are those of the set.
+# Imitates ffmpeg: every seventh of $FRAMES frames is sharp.
 cat >bin/ffmpeg <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
@@ -82,7 +81,7 @@ case "$*" in
     n=0
     for image in "$PLAY"/set/images/*.png; do
         n=$((n + 1))
-        [ "$n" != "$LAST" ] || exit "$ENDS"            # a full disk: no more frames
+        [ "$n" != "$LAST" ] || exit "$ENDS"
         cp "$image" "$(printf "${last#file:}" $n)"
         [ "$n" != "$CUT" ] || head -c 900 "$image" >"$(printf "${last#file:}" $n)"
     done
@@ -258,7 +257,6 @@ check "it is no option for COLMAP" equal "$(grep -c ' -x' calls)" 0
 
 # ---- Interruptions and second runs -----------------------------------------------------------------------------------
 
-# over PID...: the processes end within five seconds. Zombies count as ended.
 over() {
     for pid; do
         for try in $(seq 50); do
@@ -339,7 +337,7 @@ rm -rf film.fxs.cameras calls
 check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet
 check "60 of few" equal "$(grep -o 'eq(n' calls | wc -l | tr -d ' ')" 60
 
-# full NAME WORDS: the disk is full while frames are written; a later run succeeds.
+# full NAME WORDS: fills the disk while frames are written, and then runs again with space.
 full() {
     rm -rf full.fxs.cameras
     fails "$1" 1 "$2.*: ffmpeg did not write all frames whole, .*: see full.fxs.cameras/log.txt; the same command goes on" \

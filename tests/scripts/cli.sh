@@ -8,7 +8,6 @@
 
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 
-# Prints pixels as lines of numbers: a .raw without its alpha, or a .ppm of size WxH.
 raw_colours() { od -An -v -tu1 "$1" | awk '{ for (i = 1; i <= NF; i++) if (i % 4) print $i }'; }
 ppm_colours() { tail -c "$(($2 * 3))" "$1" | od -An -v -tu1 | awk '{ for (i = 1; i <= NF; i++) print $i }'; }
 
@@ -31,7 +30,6 @@ ply() {
     printf '%s\n' "$@" >>"$file"
 }
 
-# inria_camera NAME X WIDTH HEIGHT FX ROTATION: prints a camera at (X, 0, -6) that looks along z.
 inria_camera() {
     echo "{\"id\": 0, \"img_name\": \"$1\", \"width\": $3, \"height\": $4, \"position\": [$2, 0, -6],"
     echo " \"rotation\": ${6:-$identity}, \"fx\": $5, \"fy\": $5}"
@@ -59,7 +57,6 @@ fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
-# `help --table` prints a line for each option: name, value, and function that parses it.
 "$fixsplat" help --table >table
 cut -f 2 table | sort -u >options
 check "each row belongs to a command" equal "$(cat options)" \
@@ -188,7 +185,6 @@ check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
 check "--alpha: coverage from 0 to 255" equal "$(od -An -v -tu1 coverage.raw |
     awk '{ for (i = 4; i <= NF; i += 4) { low += $i == 0; high += $i > 250; middle += $i > 9 && $i < 246 } }
          END { print (low > 0) + (high > 0) + (middle > 0) }')" 3
-# Each half of the picture has the bytes of its own camera.
 eyes='--eye 0,-2,-9 --look 0,-2,0'
 succeeds "--stereo" render knot.ply $small $eyes --stereo 0.5 -o eyes.ppm
 check "--stereo: twice as wide" equal "$(sed -n 2p eyes.ppm)" "128 48"
@@ -459,7 +455,6 @@ fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene kn
 fails "no scene, existing output" 1 "none.ply" render none.ply -o kept.png
 fails "a bad scene, existing output" 1 "bad.ply" render bad.ply -o kept.png
 fails "compare: no picture, existing difference" 1 "none.png" compare none.png knot.png --diff kept.png
-# A disk that is full after 512 bytes.
 (
     trap '' XFSZ
     ulimit -f 1
@@ -588,7 +583,6 @@ fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
 
 # ---- convert ---------------------------------------------------------------------------------------------------------
 
-# worst_of SCENE: prints the worst of the views that convert compares, with its PSNR.
 worst_of() {
     "$fixsplat" info "$1" --compare knot.ply --views 6 --size 480x320 |
         awk '/ degrees, / { if (!p || $6 < p) { p = $6; v = $2 " degrees, " $4 } } END { printf "%s is %.1f", v, p }'
@@ -842,7 +836,6 @@ check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP
     built=$(grep -c "^FOUND += ${part%:*}\$" "$0/probe.mk")
     [ "$(grep -c "^${part#*:} *here" logs/out)" = "$built" ] || exit; done' "${fixsplat%/*}"
 run doctor
-# Prints the hint of doctor about ffmpeg, with PATH set to one folder.
 mkdir apt_here && printf '#!/bin/sh\n' >apt_here/apt && chmod +x apt_here/apt
 with_it() { PATH=$1 "$fixsplat" doctor | sed -n '/^ffmpeg *not here/{n;s/^ *with it: //p}'; }
 check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films: apt install ffmpeg"
@@ -1194,7 +1187,6 @@ else
 fi
 # ---- Lens distortion -------------------------------------------------------------------------------------------------
 
-# colmap FOLDER CAMERA: writes a model of one view.
 colmap() {
     mkdir -p "$1" && echo "$2" >"$1/cameras.txt" && printf '1 1 0 0 0 0 0 6 7 a.jpg\n\n' >"$1/images.txt"
 }

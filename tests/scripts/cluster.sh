@@ -6,7 +6,6 @@
 . "$root/tests/scripts/lib/slurm.sh"
 export FIXSPLAT="$fixsplat"
 
-# A second knot, 200 units away. Each block has its own photographs.
 make_photographs 12
 model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
@@ -32,7 +31,6 @@ check "merged: all of them" gaussians all.fxs $(($(count part-0.ply) + $(count p
 succeeds "measured" fit set --quiet --measure all.fxs
 check "merged: at most 1.5 dB below the whole" at_least "$(mean_of)" "$(awk "BEGIN { print $whole - 1.5 }")"
 
-# Photographs of the other knot are not decoded, and a plane separates the blocks.
 mkdir one && cp -r set/sparse one && mkdir one/images && cp set/images/* one/images
 for block in 1 2; do
     "$fixsplat" $fit --coarse coarse.fit --block $block/2 -o half-$block.ply >logs/out

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests CMakeLists.txt: the files and flags are make's, and programs that use add_subdirectory or find_package draw the
-# picture of make's library. FXS_PROCESSORS=all: also the whole library, AArch64 and WebAssembly.
+# Tests CMakeLists.txt: it uses make's files and flags, and outside programs draw the picture of make's library.
+# FXS_PROCESSORS=all: also the whole library, AArch64 and WebAssembly.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 case $B in /*) ;; *) B=$PWD/$B ;; esac
@@ -24,7 +24,6 @@ check "the picture of $workflow" grep -q "PICTURE: $(picture "$B/fixsplat")$" $w
 
 # ---- Files and flags -------------------------------------------------------------------------------------------------
 
-# Prints each source file with the flags set by make/sources.mk, from compiler commands.
 flags() {
     sed -e "s|$root/||g" -e "s|$work/[a-z]*/||g" -e 's/",$//' | awk '/\.c$/ {
         line = $NF
@@ -55,7 +54,6 @@ check "make's optional libraries" diff "$work/make.libraries" "$work/cmake.libra
 sum=$("$work/by_make" "$work/cubes.fxs")
 check "make's library draws" [ "$sum" ]
 
-# project NAME LINE: makes a project of tests/outside, where LINE finds fixsplat.
 project() {
     mkdir "$work/$1"
     cp tests/outside/*.[ch] "$work/$1"

@@ -28,7 +28,6 @@ ply row.ply 'one Gaussian' '1 2 3 0 0 0 0 -1 -2 -3 1 0 0 0'
 ply rows.ply 'along x' '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
     '2 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '3 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '4 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'
 
-# placed NAME "X Y Z" OPTION...: the options move the Gaussian of row.ply to X Y Z.
 placed() {
     wanted=$1
     shift
@@ -57,7 +56,6 @@ for bad in 'translate 1,2' 'translate x' 'rotate 1,2,nan' 'rotate 90' 'scale 0' 
     check "--$bad: nothing is written" [ ! -e x.ply ]
 done
 
-# A scene turned by convert looks like a scene turned by --place.
 "$fixsplat" convert knot.ply turned.ply --rotate 0,90,0 --scale 0.5 --translate 1,0,0
 view='--size 160x120 --eye 3,-2,-6 --look 1,0,0'
 "$fixsplat" render knot.ply --place knot.ply:1,0,0,0.70710678118654752,0,0.70710678118654752,0,0.5 $view -o placed.png
@@ -133,7 +131,6 @@ check "--up is kept: turned" equal "$(start_of leant.fxs)" "up            0.5000
 start view    from 3 -2 -5, 40.0 degrees"
 "$fixsplat" convert knot.ply level.ply --up 0.2,-0.5,0.1 --rotate 0,0,30
 "$fixsplat" convert level.ply level.fxs
-# alike NAME OPTIONS OPTIONS: two renders give equal pictures. The first scene file stores some options.
 alike() {
     for n in 1 2; do
         what=$([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3)
@@ -189,7 +186,6 @@ fails "--start-view of a .ply" 2 "--start-view is for .fxs" convert knot.ply x.p
 
 # ---- Filtering -------------------------------------------------------------------------------------------------------
 
-# kept NAME FILE "X..." OPTION...: checks the x of the remaining Gaussians.
 kept() {
     file=$1 wanted=$2
     shift 2
@@ -303,7 +299,6 @@ check "to .spz --spz-fine: PSNR" looks_as fine.spz knot.ply 44
 succeeds "to .csv" convert knot.ply knot.csv
 check "to .csv: a line each, and one of names" equal "$(awk -F, '{ print NF }' knot.csv | sort | uniq -c | awk '{ print $1, $2 }')" \
     "3001 59"
-# Converts .csv to .ply with text tools.
 { printf 'ply\nformat ascii 1.0\nelement vertex 3000\n' && head -n 1 knot.csv | tr ',' '\n' | sed 's/^/property float /' &&
     echo end_header && sed 1d knot.csv | tr ',' ' '; } >text.ply
 "$fixsplat" convert text.ply text-floats.ply
@@ -480,7 +475,6 @@ fi
 
 # ---- A real tile as a tileset of two halves --------------------------------------------------------------------------
 
-# Two halves, one with a transform, replace a coarse whole.
 boatyard=$scenes/boatyard-tile3/boatyard-tile3.glb
 if [ -f "$boatyard" ] && [ "$lcc" ]; then
     mkdir -p boatyard/left

@@ -8,7 +8,6 @@ if [ -x "$program" ]; then
     "$program" --quick >"$log" 2>&1 || fail "$program" "status $?"
     grep -v '^  skipped\|^skip test_files\|passed, ' "$log"
     passed=$(grep -c '^ok ' "$log") failed=$((failed + $(grep -c '^FAIL ' "$log")))
-    # test_levels needs a GPU, and test_files needs files.
     check "all tests ran" equal "$((passed + failed))" "$(($(grep -c '^ *RUN(test_' tests/gpu/test_cuda.c) - 2))"
 else
     skip "emulated" "no ${CXX:-c++} here"

@@ -41,20 +41,17 @@ report() {
     echo "$name: $size KB installed, $(awk "BEGIN { printf \"%.1f\", $(now) - $begun }") seconds"
 }
 
-# small NAME COMMAND LIBRARY: each file is at most 12 MB without CUDA.
 small() {
     check "$1: the command and the library are small" equal "$(find "$2" "$3" -size +12000000c)" ""
     wc -c "$2" "$3" | sed -n '$d; s|^\( *[0-9]*\) .*/|    \1 bytes: |p'
 }
 
-# bare COMMAND...: runs COMMAND with an empty environment.
 bare() { env -i PATH=/usr/bin:/bin HOME="$work" LANG=C.UTF-8 "$@"; }
 
 # ---- Tarballs --------------------------------------------------------------------------------------------------------
 
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$'; }
 
-# dead FOLDER: prints links of Markdown pages to missing files.
 dead() {
     find "$1/share/doc" -name '*.md' | while read -r page; do
         sed '/^ *```/,/^ *```/d' "$page" | grep -o '\]([^) ]*)' | sed 's/^](//; s/[#)].*//' | while read -r to; do
@@ -63,7 +60,6 @@ dead() {
     done
 }
 
-# tarball ARCHITECTURE RUN...: tests a tarball; RUN starts its command.
 tarball() {
     begin
     arch=$1 folder=$work/fixsplat-$version-linux-$1
@@ -82,12 +78,10 @@ tarball() {
     check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
     check "$arch: no dead link in its pages" equal "$(dead "$folder")" ""
     report "tarball, $arch" "$folder"
-    # Builds with CUDA include the C++ library.
     [ -e "$folder/share/doc/fixsplat/licences/libstdc++" ] ||
         small "tarball, $arch" "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version"
 }
 
-# window COMMAND...: shows knot.ply in a window on a virtual screen. Escape closes the window.
 window() {
     rm -f display
     Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>display >server 2>&1 &
@@ -170,7 +164,7 @@ elif [ -z "$wine" ]; then
 else
     trap 'end_wine; rm -rf "$work"' EXIT
     check "zip for Windows: unpacked" "$python" -m zipfile -e "$zip" .
-    w fixsplat.exe --version >log 2>&1                    # creates wine's folder
+    w fixsplat.exe --version >log 2>&1
     check "Windows: render" equal "$(w fixsplat.exe render knot.ply --size 320x180 --hash)" "$hash"
     check "Windows: demo" w fixsplat.exe demo -o windows.png
     check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
@@ -186,7 +180,7 @@ else
         "$folder/share/fixsplat/web/viewer/served.html"
     check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/element.js"
-    end_wine                                                             # restarts wine with a screen
+    end_wine
     if have Xvfb && have xdotool; then
         check "Windows: a window with a scene dropped on its program, which Escape closes" window \
             env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \

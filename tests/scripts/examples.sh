@@ -26,7 +26,6 @@ render() { "$B/fixsplat" render "$work/knot.ply" --cameras "$work/cameras.json" 
 shown() { timeout 60 "$work/engine" "$work/knot.ply" "$work/shown.ppm" "$1" "$2" 2>&1 | sed '/^by /w'"$work/way"'
     //d'; }
 
-# rows PICTURE: prints a line of hexadecimal digits per row, 9 characters per pixel.
 rows() { od -An -v -tx1 -j15 -w1920 "$work/$1.ppm"; }
 right() { rows "$1" | cut -c 2890-; }               # from column 321 on, right of the mesh
 pixel() { rows "$1" | sed -n "$(($3 + 1))p" | cut -c $((9 * $2 + 1))-$((9 * $2 + 9)); }

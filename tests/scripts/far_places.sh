@@ -9,7 +9,6 @@ back=--translate=-500000,-4500000,0
 near_view='--size 200x150 --eye 1,-2,-7 --look 0.5,0.25,0'
 far_view='--size 200x150 --eye 500001,4499998,-7 --look 500000.5,4500000.25,0'
 
-# rows FILE TYPE X Y: writes 1200 Gaussians within 4 units of X, Y, 0, at multiples of 2^-12.
 rows() {
     awk -v type="$2" -v x="$3" -v y="$4" '
         function random() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }

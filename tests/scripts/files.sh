@@ -43,7 +43,6 @@ check "a link to nothing: its target is made" cmp there/new.ply knot.ply
 fails "a link into no folder" 1 "lost.ply: cannot be written: No such file" $write lost.ply
 fails "a link to itself" 1 "loop.ply: cannot be written: Too many" $write loop.ply
 
-# through NAME ARGUMENT...: the output to a FIFO equals the output to a file.
 through() {
     ending=$1
     shift
@@ -141,7 +140,6 @@ check "/dev/stdout as a pipe" cmp stdout.png plain.png
 "$fixsplat" $render -o closed.png --hash >&- 2>logs/err
 check "standard output is closed: said" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
 check "standard output is closed: the picture" cmp closed.png plain.png
-# Prints more hashes than stdio buffers.
 "$fixsplat" render knot.ply --size 8x6 --orbit 600 -o open.rgba --hash >logs/out
 "$fixsplat" render knot.ply --size 8x6 --orbit 600 -o closed.rgba --hash >&- 2>logs/err
 check "standard output is closed: the film has nothing else" cmp closed.rgba open.rgba
@@ -213,7 +211,6 @@ check "beyond the limit of a file's size: nothing is left" equal "$(left; ls end
 
 # ---- Leftovers of killed writers -------------------------------------------------------------------------------------
 
-# Starts a writer of killed.ply in the background, and waits for its temporary file.
 begin() {
     "$fixsplat" make-scene landscape --count 20000000 -o killed.ply &
     until ls -l /proc/$!/fd 2>/dev/null | grep -q 'fixsplat-.*tmp$' || ! kill -0 $! 2>/dev/null; do sleep 0.01; done

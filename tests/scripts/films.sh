@@ -19,7 +19,6 @@ ply() {
     } >"$file"
 }
 
-# camera NAME X FX [ROTATION]: prints a camera at (X, 0, -6) that looks along z.
 camera() {
     echo "{\"id\": 0, \"img_name\": \"$1\", \"width\": 64, \"height\": 48, \"position\": [$2, 0, -6],"
     echo " \"rotation\": ${4:-[[1, 0, 0], [0, 1, 0], [0, 0, 1]]}, \"fx\": $3, \"fy\": $3}"
@@ -276,7 +275,6 @@ check "golden.sh: what a build keeps" equal "$(ls project/out | tr '\n' ' ')" \
 
 # ---- Crops -----------------------------------------------------------------------------------------------------------
 
-# part FILE WIDTH BYTES X Y W H: prints a rectangle of a picture WIDTH pixels wide, BYTES per pixel.
 part() {
     row=$5
     while [ $row -lt $(($5 + $7)) ]; do

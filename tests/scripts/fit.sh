@@ -5,7 +5,6 @@
 . "$root/tests/scripts/lib/json.sh"
 . "$root/tests/scripts/lib/photos.sh"
 
-# `loud` runs a fit with its messages. `said` prints the messages without progress.
 export FIXSPLAT_QUIET=1
 loud() {
     (unset FIXSPLAT_QUIET && exec "$fixsplat" "$@") >logs/out 2>logs/err
@@ -16,7 +15,6 @@ said() { grep -Ev -e "$progress" -e '^fixsplat: (reading photographs:|measuring)
 
 # ---- Photographs -----------------------------------------------------------------------------------------------------
 
-# Enough steps for a densification. Some photographs are held out.
 steps=620
 make_photographs 12
 fit="fit set --steps $steps"
@@ -67,7 +65,6 @@ check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' 
 
 # ---- Messages --------------------------------------------------------------------------------------------------------
 
-# ends NAME LINES ARGUMENT...: compares the lines after the table, with numbers replaced by N.
 ends() {
     name=$1 lines=$2
     shift 2
@@ -219,7 +216,6 @@ done
 
 # ---- The log ---------------------------------------------------------------------------------------------------------
 
-# The log has every seventh of 620 steps, three measured steps, and the last step.
 echo old >fit.log
 loud $fit -o logged.fxs --log fit.log --metrics-every 200
 check "--log: the same file" cmp whole.fxs logged.fxs
@@ -373,7 +369,6 @@ fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another
 run fit set -o resumed.fxs --resume part.fxs.fit
 check "--resume: the steps are the file's" cmp whole.fxs resumed.fxs
 
-# stops SIGNAL NAME: stops a fit at its first save, and resumes with the printed command.
 stops() {
     rm -f "it's.fxs" "it's.fxs.fit"
     ended=$(unset FIXSPLAT_QUIET && $helper signal "$1" "$fixsplat" $fit -o "it's.fxs" --save-every 2 2>logs/err)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Checks that fits give the same bytes everywhere: tests/test_fit_steps.c must print constant hashes with fused
-# multiplication, under sanitizers, and by qemu-user with NEON. Builds with wider float arithmetic refuse to fit.
-# FXS_PROCESSORS=all: more compilers, optimisations and processors.
+# Checks that a fit has the same bytes everywhere: tests/test_fit_steps.c prints constant hashes with each compiler,
+# under sanitizers and by qemu-user. Builds with wider float arithmetic refuse to fit. FXS_PROCESSORS=all: more
+# compilers and processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -48,7 +48,6 @@ if [ "$FXS_PROCESSORS" = all ]; then
 fi
 run_variants
 
-# refuses NAME COMMAND FLAGS EMULATOR: fitting is refused, and no hash is printed.
 refuses() {
     if ! links $2 $3; then
         skip "$1" "no $2 with its C library here"
@@ -63,7 +62,6 @@ refuses() {
 refuses "i686 with x87" i686-linux-gnu-gcc '-O0 -static' qemu-i386
 [ "$FXS_PROCESSORS" != all ] || refuses m68k m68k-linux-gnu-gcc '-O1 -static' qemu-m68k
 
-# The Makefile's flags for a fit on 32-bit x86 and on s390x.
 for compiler in i686-linux-gnu-gcc s390x-linux-gnu-gcc; do
     if have $compiler; then
         env -u MAKEFLAGS make -n V=1 B="$work/made" CC=$compiler NVCC=none "$work/made/src/fit/fit.o" >"$work/log" 2>&1

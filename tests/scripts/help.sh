@@ -83,7 +83,6 @@ fails "--quiet: errors stay" 1 "none.ply" --quiet convert none.ply knot.splat
 succeeds "a file whose name begins with --quiet" convert knot.ply -- --quiet.ply
 check "a file whose name begins with --quiet: is there" test -s ./--quiet.ply
 
-# One of the three Gaussians is dropped, which causes a note.
 { printf 'ply\nformat ascii 1.0\nelement vertex 3\n'
   printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
   printf '%s\n' end_header '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \

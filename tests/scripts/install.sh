@@ -47,7 +47,6 @@ fi
 check "modes" equal "$(find "$prefix" -type f ! -perm 644 | sort | tr '\n' ' ')" \
     "$(find "$prefix/bin" -type f -perm 755 | sort | tr '\n' ' ')"
 
-# each COMPILER LANGUAGE STANDARD: each public header compiles alone.
 mkdir "$work/alone"
 for header in $headers; do
     echo "#include <fixsplat/$header>" >"$work/alone/$(basename "$header" .h).c"
@@ -119,7 +118,6 @@ cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # the checkout ma
 mkdir "$work/static"
 cp "$library"/*.a "$work/static"
 
-# A program linked to a stub library with the symbols of 1.0 runs with the new library.
 if [ "$shared" ]; then
     sed 's/.*/void &(void);\nvoid &(void) {}/' tests/outside/names-1.0 >"$work/stub.c"
     mkdir "$work/1.0" && $CC -w -shared -fPIC -Wl,-soname,libfixsplat.so.1 -o "$work/1.0/libfixsplat.so" "$work/stub.c" \
@@ -136,7 +134,6 @@ if [ "$shared" ]; then
 fi
 
 sum=
-# draws NAME COMMAND...: the program prints the expected hash of the picture.
 draws() {
     name=$1
     shift
@@ -152,7 +149,6 @@ done
 
 flags() { PKG_CONFIG_PATH=$library/pkgconfig pkg-config "$@"; }
 
-# program NAME SOURCE LANGUAGE FLAGS: builds $work/program.
 program() {
     case $3 in c99) set -- "$@" "$CC -x c -std=c99" ;; *) set -- "$@" "${CXX:-c++} -x c++ -std=c++17" ;; esac
     check "$1: built" $5 $strict "$outside/$2.c" -x none -o "$work/program" $4

@@ -13,7 +13,6 @@ export FIXSPLAT_QUIET=1
 "$fixsplat" convert knot.ply flat.fxs
 small='--size 160x100'
 
-# refused NAME STATUS PATTERN ARGUMENT...: the command fails with one line that matches PATTERN.
 refused() {
     name=$1 wanted=$2 pattern=$3
     shift 3

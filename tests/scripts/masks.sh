@@ -13,7 +13,6 @@ make_photographs 12
 "$fixsplat" render knot.ply --cameras set/sparse/0 --view all -o set/images/%02d.ppm
 for i in 00 01 02 03 04 05 06 07 08 09 10 11; do mv set/images/$i.ppm set/images/$i.png; done
 
-# shapes FOLDER KIND: writes the masks 00.png to 11.png, with a disc of pixels of KIND in each.
 shapes() {
     mkdir -p "$1"
     perl -e 'my ($folder, $kind) = @ARGV;
@@ -32,7 +31,6 @@ shapes discs disc
 shapes inverse inverse
 shapes white none
 
-# change FOLDER CODE: copies the photographs, with ignored pixels changed by Perl code.
 change() {
     mkdir -p "$1"/images && cp -r set/sparse "$1"
     for i in 00 01 02 03 04 05 06 07 08 09 10 11; do

@@ -35,7 +35,7 @@ check "builds" builds
 of_parts="$package/paged.js $package/store.js"      # loaded with the first paged scene
 of_webgpu="$package/webgpu.js $package/stages.js"
 of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # not loaded by pages
-of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"      # other pages
+of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
 of_hands="walk.js gamepad.js joystick.js"        # loaded for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"

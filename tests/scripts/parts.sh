@@ -58,7 +58,6 @@ for at in 100 300 9000 $((size / 2)) $((size - 2000)) $((size - 9)); do
     refused "damaged at $at" 1 "wrong.fxs: .*damaged|of another" convert part-[124567].fxs wrong.fxs all.fxs
 done
 
-# forge WHERE: damages part 3, with right checksums.
 forge() {
     python3 - "$1" part-3.fxs wrong.fxs <<'END'
 import struct, sys, zlib

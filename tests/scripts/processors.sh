@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that the random frames of tests/test_random.c and the files of tests/test_fxs_bytes.c are equal on a 32-bit
-# and a big-endian processor. AArch64 runs without float registers. FXS_PROCESSORS=all: 18 processors, clang and musl.
+# Checks that random frames (tests/test_random.c) and scene files (tests/test_fxs_bytes.c) are equal on 32-bit and
+# big-endian processors. FXS_PROCESSORS=all: 18 processors, clang and musl.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -32,14 +32,12 @@ processor() {
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
         variant $1 "$2 $flags -O1 -static src/core/*.c tests/test_random.c -o %" $3
-        # The file test runs on i686, where floats are wider; with FXS_PROCESSORS=all everywhere.
         [ "$FXS_PROCESSORS" != all ] && [ $1 != i686 ] ||
             variant $1-files "$2 $flags -O1 -static $files -lm -o %" $3
         [ -z "$(singles $2)" ] || variant $1-trees "$2 $flags $(singles $2) -O1 -static $files -lm -o %" $3
     fi
 }
 
-# On AArch64, rendering must not use float registers.
 aarch64() {
     variant aarch64-integers "mkdir %.objects && cd %.objects &&
         $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/core/*.c &&

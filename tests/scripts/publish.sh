@@ -103,7 +103,6 @@ if ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ld
     (cd killed && find . | sort) >logs/wanted
     for n in $(seq 6); do
         rm -r killed
-        # The shell prints a message about a killed process.
         { FAULT_KILL=$n LD_PRELOAD=$faults "$fixsplat" publish knot.ply killed --size 64x36 --settings tour.json --quiet
             echo $? >logs/status; } 2>logs/shell
         check "killed at file $n" equal "$(cat logs/status)" 137

@@ -78,13 +78,11 @@ check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
 
 # ---- Finding the library ---------------------------------------------------------------------------------------------
 
-# imports NAME WORDS: without FIXSPLAT_LIBRARY, the path of the loaded library ends with WORDS.
 imports() {
     said=$(unset FIXSPLAT_LIBRARY; cd / && "$python" -c 'import fixsplat; print(fixsplat._library.PATH)' 2>&1)
     case $said in *"$2") ok "$1" ;; *) fail "$1" "$said" ;; esac
 }
 
-# refuses NAME WORDS FILE: the library FILE is refused with one line.
 refuses() {
     said=$(FIXSPLAT_LIBRARY=$3 "$python" -c 'import fixsplat' 2>&1 | tail -n 1)
     if printf '%s\n' "$said" | grep -Eq "^ImportError: fixsplat: .*$2"; then ok "$1"; else fail "$1" "$said"; fi

@@ -36,7 +36,6 @@ serve() {
     [ "$at" ] || { fail "serves $*" "$(cat logs/errors)"; finish; exit 1; }
 }
 
-# ends SIGNAL: stops the server. Sets $status, and the elapsed time in tenths of a second.
 ends() {
     kill -"$1" $server
     wait $server
@@ -276,7 +275,6 @@ else
     skip "several files" "no $tile"
 fi
 
-# A file of 5 GB, sparse except for the last bytes.
 large=5000000000
 if truncate -s $((large - 4)) page/large.bin 2>/dev/null && printf last >>page/large.bin; then
     serve knot.ply
@@ -401,7 +399,6 @@ if have script; then
     mkdir bin
     printf '#!/bin/sh\necho "$*" >"$OPENED"\n' >bin/xdg-open
     chmod +x bin/xdg-open
-    # opened NAME [OPTION...]: runs the server in a terminal, with a desktop.
     opened() {
         name=$1
         shift

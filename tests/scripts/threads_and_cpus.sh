@@ -9,7 +9,6 @@ trap 'rm -rf "$work"' EXIT
 set -- render "$work/scene.ply" --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 333x187 --hash
 expected=$("$B/fixsplat" "$@" --cpu c --threads 1)
 
-# same NAME COMMAND...: the command prints the expected hash.
 same() {
     name=$1
     shift
@@ -29,7 +28,6 @@ for cpu in c sse41 avx2 avx512 neon sse41,avx2 avx2,avx512; do
     fi
 done
 
-# Several objects with depths and ids, a panorama, and a foveated picture.
 objects() { set -- "$work/scene.ply" --place 0:0,0,0 --place 0:3,1,-2,1,2,3,4,1.5 --place 0:0,0,1 \
     --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 201x103 "$@"
     "$B/fixsplat" render "$@" --hash --depth "$work/depth.pfm" --ids "$work/ids.raw" --pick 100,50 &&

@@ -56,7 +56,6 @@ threads_work() {
     return 1
 }
 
-# same_packed FILE PROFILE [MODULE...]: each WebAssembly module packs like `fixsplat convert`.
 same_packed() {
     packed=$1 profile=$2
     shift 2
@@ -73,7 +72,6 @@ make_scene() {
         done
 }
 
-# same_pair LEFT RIGHT OPTIONS OPTION...: two eyes equal `fixsplat render OPTION...` side by side.
 same_pair() {
     left=$1 right=$2 options=$3
     shift 3
@@ -111,7 +109,6 @@ pick_is_the_same() {
     printf '%s' "$want" | grep -Eq "\"gaussian\": ?$number\\b" || { echo "$got, not $want"; return 1; }
 }
 
-# canvas_is_the_same PAGE THREADS: a canvas in Chromium has the expected pixels, and the page uses THREADS threads.
 canvas_is_the_same() {
     rm -f "$work/served"
     node tests/web/serve.mjs "$package" "$knot" >"$work/served" &
@@ -129,7 +126,6 @@ canvas_is_the_same() {
     return 1
 }
 
-# Reads every format, in one file and in several.
 reader() { node --no-warnings --expose-gc tests/web/import.mjs "$package" "$@"; }
 readers() {
     mkdir "$work/formats" "$work/bombs"

@@ -10,7 +10,6 @@ relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# in_turns SCENE CAMERA SIZE OPTION...: appends milliseconds per frame of each module and of the command to `times`.
 in_turns() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
     shift 3

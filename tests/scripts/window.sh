@@ -56,7 +56,6 @@ until_ 100 lines "$work/display" 1 || { fail "virtual screen" "$(cat "$work/serv
 DISPLAY=:$(cat "$work/display") SDL_VIDEODRIVER=x11 DBUS_SESSION_BUS_ADDRESS=disabled:
 export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
-# open COMMAND...: starts the viewer in the background and gives its window the focus.
 others=
 open() {
     "$@" view "$work/knot.ply" $others --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
@@ -71,7 +70,6 @@ open() {
 
 titled() { xdotool getwindowname "$window" | grep -q "$1"; }
 
-# close COMMAND...: the command closes the viewer. Sets $status.
 close() {
     "$@"
     until_ 200 ended || kill -KILL $viewer
@@ -87,7 +85,6 @@ shot() {
     until_ 300 lines "$work/out" $shots && mv "$work/shot.png" "$work/$1.png"
 }
 
-# same NAME ARGUMENT...: the screenshot equals the picture of `render` with these arguments.
 same() {
     name=$1
     shift
@@ -95,7 +92,6 @@ same() {
     check "$name" cmp "$work/$name.png" "$work/rendered.png"
 }
 
-# same_again NAME: the printed command makes the same picture.
 same_again() {
     command=$(tail -n 1 "$work/out")
     eval "\"\$B/fixsplat\" ${command#fixsplat }"
@@ -221,7 +217,6 @@ xdotool windowfocus --sync "$window"
 close xdotool key p n h Escape
 check "without a scene: escape, status 0" [ $status = 0 ]
 check "without a scene: not a word" equal "$(cat "$work/out" "$work/errors" | grep -v 'no words in the window')" ""
-# reopen COMMAND...: COMMAND opens the last scene in a window without a scene.
 reopen() {
     "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
     viewer=$!

@@ -27,7 +27,6 @@ program="$work/only this/fixsplat.exe"
 w() { "$wine" "$program" "$@"; }
 fixsplat_linux=$fixsplat
 
-# refused NAME STATUS WORDS ARGUMENT...: like `fails`, for the Windows program.
 cat >logs/windows <<END
 #!/bin/sh
 exec "$wine" "$program" "\$@"
@@ -35,7 +34,7 @@ END
 chmod +x logs/windows
 refused() { kept=$wanted fixsplat=$work/logs/windows; fails "$@"; wanted=$kept fixsplat=$fixsplat_linux; }
 
-w --version >logs/out 2>/dev/null        # creates wine's folder
+w --version >logs/out 2>/dev/null
 check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
 check "ends no line but by a line feed" equal "$(w help formats | tr -d '\r' | cksum)" "$(w help formats | cksum)"
 check "/?: help" equal "$(w /?) $(w render /?)" "$("$fixsplat" --help) $("$fixsplat" render --help)"
@@ -83,7 +82,6 @@ check "render --budget: of a file that is read in part" equal \
 mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
 check "convert lod-meta.json: the same folder" diff -r windows linux
 
-# The public headers compile after windows.h.
 {
     echo '#include <windows.h>'
     (cd "$root/src/include" && find fixsplat -name '*.h') | sed 's|.*|#include <&>|'
@@ -93,7 +91,6 @@ check "convert lod-meta.json: the same folder" diff -r windows linux
 } >layout.c
 check "all structs are as on Linux" $compiler -std=c11 -Wall -Werror -I"$root/src/include" -c layout.c -o layout.o
 
-# The program of README.md runs with the .dll in its folder.
 sed -n '/^```c$/,/^```$/p' "$root/README.md" | sed '/^```/d' >program.c
 mkdir dll && cp "$built"/libfixsplat-*.dll dll &&
     $compiler -std=c99 -I"$root/src/include" program.c -o dll/program.exe "$built/libfixsplat.dll.a" &&
@@ -140,7 +137,6 @@ check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
 cp -r set/images plain
 refused "fit of photographs without cameras" 1 'needs colmap, which is not installed' fit plain -o plain.fxs
 check "they are there for COLMAP" diff -r plain plain.fxs.cameras/images
-# Ctrl-C in wine's console saves the fit.
 if have script; then
     {
         until [ "$(cat stop.log 2>/dev/null | wc -l)" -gt 1 ]; do sleep 0.2; done
@@ -157,7 +153,6 @@ fi
 
 mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply' || exit 1
 server=
-# serves PROGRAM ARGUMENT...: starts the server $server at the address $at.
 serves() {
     rm -f logs/served
     "$@" >logs/served 2>logs/errors &
@@ -291,7 +286,6 @@ else
     fi
     gone
 
-    # A preview must not change the fit.
     serves env -u FIXSPLAT_QUIET "$wine" "$program" fit set --steps 200 --preview --port 0 -o preview.fxs
     get -o fit.json "$at/fit.json"
     check "fit --preview: answers while it fits" grep -q '"scene": "preview.fxs", "state": "' fit.json
@@ -390,7 +384,6 @@ $compiler -O1 -o line.exe "$root/tests/windows/line.c" && mkdir 'a folder' many 
 for name in b.ply A.ply C.PLY 'x[1].ply'; do cp knot.ply "many/$name"; done
 cp linux.fxs many/ && cp knot.ply 'a folder/'
 mkdir -p plain-page/viewer && cp page/fixsplat.js plain-page && cp page/viewer/index.html plain-page/viewer
-# typed ARGUMENTS: passes the arguments unchanged to the program.
 typed() {
     printf '"Z:%s" %s\n' "$(printf %s "$program" | tr / '\\')" "$1" >logs/line
     FIXSPLAT_WEB=plain-page "$wine" line.exe logs/line 2>logs/err
@@ -428,7 +421,6 @@ until_() {
 titled() { window=$(xdotool search --onlyvisible --name "$1") && [ "$window" ]; }
 lines() { [ "$(wc -l <"$1")" -ge "$2" ]; }
 
-# open TITLE ARGUMENT...: starts the window in the background, waits for its title, and gives the window the focus.
 open() {
     title=$1
     shift
@@ -438,7 +430,6 @@ open() {
     xdotool windowfocus --sync "$window"
 }
 
-# shot NAME: the screenshot of key p equals the picture of the printed command on Linux.
 shot() {
     shots=$((shots + 1))
     xdotool key p
@@ -449,7 +440,6 @@ shot() {
     check "the window: $1" cmp "$1.png" shot.png
 }
 
-# close WORDS: Escape ends the window with status 0 and WORDS on stderr.
 close() {
     rm -f logs/status
     xdotool key Escape
@@ -475,7 +465,7 @@ else
     DISPLAY=:$(cat logs/display)
     export DISPLAY
     unset SDL_VIDEODRIVER
-    end_wine                                # restarts wine with the screen
+    end_wine
     fonts=$WINEPREFIX/drive_c/windows/Fonts
     rm -f "$fonts"/segoeui.ttf "$fonts"/tahoma.ttf "$fonts"/arial.ttf "$fonts"/verdana.ttf
     if open 'knot.ply - ' knot.ply --size 320x200 --screenshot shot.png; then
@@ -591,7 +581,6 @@ check "ended at once: nothing is left" equal "$(ls -A | grep -e killed -e 'fixsp
 
 # ---- The test programs -----------------------------------------------------------------------------------------------
 
-# Tests without a folder use /tmp on the Windows drive.
 cd "$root" || exit 1
 count=0
 for test in "$built"/tests/test_*.exe; do

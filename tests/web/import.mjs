@@ -96,7 +96,6 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // Argument ROOT. A streamed SOG must not fetch files outside its folder.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -141,7 +140,6 @@ const words = {
     other.close()
   },
 
-  // Argument SOG. Loading from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }

@@ -16,7 +16,7 @@ const [WIDTH, HEIGHT] = [1280, 720]
 const STEP = 2
 const LEAST_FRAMES = 8
 const MOTION_MS = 12000
-const QUIET_MS = 6000 // a viewer has finished after 6 s without a frame
+const QUIET_MS = 6000
 const SAME = 1 // equal pictures differ by at most 1 of 255 on average
 
 // Views in scene axes, with y down.

@@ -66,7 +66,6 @@ export const VIEWERS = {
     }`,
 }
 
-/** Source of a function that measures frame times in milliseconds while the camera goes around the scene. */
 export const measureText = (name, scene) => `
   const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}
   const [x, y, z] = eye.map((e, i) => e - look[i])

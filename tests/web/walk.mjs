@@ -33,7 +33,7 @@ function yard() {
 
 const start = [2, -1.2, 0.4]
 const YARD = `?scene=/scenes/yard.ply&eye-height=1&background=%230e1116#view=${start},2,-1.2,9,0,-1,0,60`
-const above = ([x, y, z]) => -y - rise(x, z) // height above the ground, ignoring the hole
+const above = ([x, y, z]) => -y - rise(x, z)
 const near = (a, b, most, words) => assert.ok(Math.abs(a - b) <= most, `${words}: ${a}, not ${b}`)
 const eye = () => inside('return v.camera.eye')
 

@@ -10,7 +10,7 @@ import {
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 
-const [width, height] = [320, 160] // size of both eyes together
+const [width, height] = [320, 160]
 const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a view with one scene unit per metre
 
 /** Simulates a headset with diverging eyes and a controlled clock, before the page's script runs. */
@@ -147,7 +147,6 @@ async function leave() {
   await until(`!v.hasAttribute('headset')`)
 }
 
-/** Moves the head and hands, and turns them left and up by degrees. */
 const pose = (position, left = 0, up = 0) =>
   inside(
     `test.device.position.set(...args[0]);
@@ -167,7 +166,6 @@ const frames = (body, ...args) =>
   inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
   frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
-/** Presses, moves and releases fingers or controllers. */
 const drag = (...fingers) =>
   inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
     const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])

@@ -56,7 +56,6 @@ static int write_text(const char *path, const char *text)
     return file && !fclose(file) ? result : -1;
 }
 
-/* Draws like Renderer.draw of the Python package, without a stop byte. */
 static void draw(const fxs_object *object, const fxs_camera *camera, fxs_targets *targets)
 {
     fxs_message message;

@@ -69,7 +69,6 @@ void end_meeting(block_meeting *m)
     m->times++;
 }
 
-/* A coroutine that runs one thread of each block in turn. */
 void run_threads()
 {
     for (;;) {
@@ -329,7 +328,6 @@ cudaError_t cudaPointerGetAttributes(cudaPointerAttributes *attributes, const vo
     return cudaSuccess;
 }
 
-/* Pageable host memory is read before the call returns. */
 cudaError_t cudaMemcpy2DAsync(void *to, size_t to_pitch, const void *from, size_t from_pitch, size_t width,
                               size_t height, cudaMemcpyKind, cudaStream_t stream)
 {
@@ -482,8 +480,6 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp *properties, int)
     return cudaSuccess;
 }
 
-/* Returns limits of the emulated GPU. EMULATED_PROCESSORS sets the number of multiprocessors, EMULATED_SHARED the
-   KiB of shared memory per block. */
 cudaError_t cudaDeviceGetAttribute(int *value, int attribute, int)
 {
     *value = attribute == cudaDevAttrMultiProcessorCount ? setting("EMULATED_PROCESSORS", 3)

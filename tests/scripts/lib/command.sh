@@ -17,7 +17,6 @@ run() {
     status=$?
 }
 
-# succeeds NAME ARGUMENT...: exit status 0, empty stderr.
 succeeds() {
     name=$1
     shift
@@ -39,7 +38,6 @@ fails() {
     fi
 }
 
-# psnr_of SCENE ORIGINAL OPTION...: prints the mean PSNR, or "equal".
 psnr_of() {
     scene=$1 original=$2
     shift 2
@@ -54,7 +52,6 @@ looks_as() {
     [ "$got" = equal ] || at_least "$got" "$floor"
 }
 says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
-# gaussians FILE COUNT DEGREE: checks the scene's count and SH degree.
 gaussians() {
     "$fixsplat" info "$1" --json | grep -q "\"gaussians\": $2, \"packed\": $2, \"sh_degree\": $3," && return
     "$fixsplat" info "$1"

@@ -83,7 +83,7 @@ static int hang(int port, int count, char **command)
         setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
         if (connect(s, (const struct sockaddr *)&to, sizeof to))
             break;   /* the server accepts no more connections */
-        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);   /* fails if the server closed the connection */
+        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);
     }
     const pid_t child = fork();
     int status;

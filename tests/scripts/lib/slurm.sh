@@ -53,7 +53,6 @@ slurm_daemon() {
     slurm_pids="$! $slurm_pids"
 }
 
-# slurm_until SECONDS COMMAND...: repeats the command until it succeeds.
 slurm_until() {
     tries=$(($1 * 5))
     shift

@@ -45,7 +45,6 @@ at_most() {
     [ "$bytes" -le "$limit" ] || { echo "$bytes bytes gzipped, more than $limit"; return 1; }
 }
 
-# asks FILE ARGUMENT...: runs the checks of tests/web/FILE.
 asks() {
     file=$1
     shift
@@ -54,7 +53,6 @@ asks() {
     counts
 }
 
-# counts: prints the output of the checks, and counts its ok and FAIL lines.
 counts() {
     cat "$work/asked"
     passed=$((passed + $(grep -c '^ok ' "$work/asked"))) failed=$((failed + $(grep -c '^FAIL ' "$work/asked")))
