@@ -1,13 +1,11 @@
 #!/bin/sh
-# Mutation testing. Makes small random changes of the code (tests/mutants.awk) in copies of the tree. For each change,
-# builds the copy and runs tests until one fails. A surviving change needs a test, unless its effect is invisible.
+# Mutation testing. Makes small random changes of the code (tests/mutants.awk). For each change, builds a copy of the
+# tree and runs tests until one fails. A surviving change needs a test, unless its effect is invisible.
 #
 #     sh tests/mutants.sh [SEED] [COUNT] [FILES]              FILES: a pattern of grep -E for paths
 #     sh tests/mutants.sh --show SEED N [FILES]               prints the diff of change N of a seed
 #
-# A change is tested by the programs of `make check` that link its code, and by tests of `make test` that share a word
-# with the file's path. JOBS: number of parallel changes (default: the number of processors). FOLDER: keeps the copies
-# there, so that a later run builds less.
+# JOBS: number of parallel changes. FOLDER: keeps the copies of the tree there, for a faster second run.
 show=
 [ "$1" != --show ] || { show=1; shift; }
 seed=${1:-1} count=${2:-30} pattern=${3:-.}
@@ -95,7 +93,7 @@ run_test() {
     esac
 }
 
-# Prints the outcome of the change in the current tree, with the name of the failed test.
+# Prints the outcome of a change, with the name of the failed test.
 judge() {
     build all >build.log 2>&1 || { echo "does not compile"; return; }
     objects=$(sums | comm -23 - "$folder/sums" | cut -d ' ' -f 3)

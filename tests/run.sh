@@ -1,12 +1,12 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once, and then those in $ALONE one at a time.
-# Prints totals and writes junit.xml. A program or script ends with "N passed, N failed, N skipped". A gate prints
-# "ok", "FAIL" or "skip". LIMIT: seconds per test (600); tests in $LONG have six times as long.
+# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once; those in $ALONE run alone. Prints totals
+# and writes junit.xml. A program or script ends with "N passed, N failed, N skipped". A gate prints "ok", "FAIL" or
+# "skip". LIMIT: seconds per test (600); names in $LONG have six times as long.
 B=${B:-build}
 results=$B/tests/results
 
 # run_one NAME: writes a test's output, and "passed failed skipped seconds processor-seconds name", to the results
-# folder. The test's process group is killed afterwards.
+# folder.
 run_one() {
     name=$1 log=$results/$1.log limit=${LIMIT:-600} fault=
     set -- "$B/tests/$name"
@@ -80,7 +80,7 @@ cat *.result >all
 sort -k 4rn all | awk 'NR <= 10 { printf "%4.0f (%.0f) %s\n", $4, $5, $6 }' |
     section "slowest, seconds (of a processor)"
 
-# Each log is a <testsuite>. Each line with ok, FAIL or skip is a <testcase>; the lines above give the reason.
+# Each log is a <testsuite>. Each line with ok, FAIL or skip is a <testcase>, after the lines with its reason.
 awk '{ print $4, $6 }' all | while read -r seconds name; do
     LC_ALL=C tr -d '\000-\010\013-\037' <"$name.log" | LC_ALL=C tr '\177-\377' '?' |
         awk -v suite="$name" -v seconds="$seconds" '

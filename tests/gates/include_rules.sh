@@ -1,10 +1,10 @@
 #!/bin/sh
-# Checks the include rules. Each source folder may include its own headers, headers of the folders listed after it in
-# the table, and their public headers. Includes form no cycle.
+# Checks the include rules. Each source folder may include only its own headers and those of the folders listed after
+# it in the table.
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# Each line has a folder, then the other folders that its files may include. The first matching line counts.
+# Each line has a folder, then the folders that its files may include. The first matching line counts.
 rooms='
 src/core
 src/base        src/core
@@ -48,7 +48,7 @@ files() {
     find "$@" -type f \( -name '*.[ch]' -o -name '*.inc' -o -name '*.cu' -o -name '*.cuh' \) 2>/dev/null
 }
 
-# Prints a line "FILE KIND NAME" for every include. A name without a folder is in the file's own folder.
+# Prints a line "FILE KIND NAME" for every include.
 files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
     sed -E 's/^([^:]*):[^"<]*(["<])([^">]*).*/\1 \2 \3/' |
     ROOMS=$rooms PUBLIC=$public awk '

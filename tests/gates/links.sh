@@ -1,6 +1,5 @@
 #!/bin/sh
-# Checks that pages (*.md) refer to existing things: relative links and their anchors, paths from the root, and names
-# of files and tests in backticks. Fenced code is skipped.
+# Checks that links, anchors, paths and names of files in Markdown pages exist. Fenced code is skipped.
 cd "$(dirname "$0")/../.." || exit 1
 kept='( -name .git -o -name build -o -name node_modules ) -prune -o'
 pages=$(find . $kept -name '*.md' -print | sed 's|^\./||' | sort)

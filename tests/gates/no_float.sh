@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that rendering uses no floating point: no float type or number in the source, no soft-float call on a
-# processor without floating point, and no float register on AArch64. GPU folders and the fit are exempt.
+# Checks that rendering uses no floating point: no float type in the source, no soft-float call, and no float register
+# on AArch64. GPU code and the fit are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Limits stack usage on a Cortex-M3, with FXS_SMALL_STACK: each function of src uses a known amount, at most 1.5 KB.
-# Functions that are not needed for colour pictures in strips are exempt. boards.sh tests the stack of a whole frame.
+# Limits stack usage on a Cortex-M3 with FXS_SMALL_STACK. Each function of src uses at most 1.5 KB; functions that
+# colour pictures do not need are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
 most=1536
-# Exempt: depths and ids, picking, counting pairs, and drawing a tile without a strip. sort_by_top is never called.
+# Exempt: depths and ids, picking, counting pairs. sort_by_top is never called.
 larger='fxs_trace_tile|pick_tile|count_tile|fxs_draw_tile'
 
 if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then

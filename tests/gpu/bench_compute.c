@@ -1,9 +1,9 @@
-/* Times the compute shaders on the machine's GPU and prints a table of medians in milliseconds. Each program and
- * each frame is timed by the GPU, frames copied to the caller's memory by the clock. Arguments:
+/* Times the compute shaders on a GPU. Prints medians in milliseconds for each shader program and for frames.
+ * Arguments:
  *   FILE.fxs                an overview of the scene
  *   FILE.fxs:CAMERAS:N,N    views N of a camera file
  *   WIDTHxHEIGHT            the size for later arguments (default 1920x1080)
- * Column `same`: the picture equals the processor's. `MB`: device memory without the read-back buffer. */
+ * Column `same`: the picture equals the processor's. `MB`: device memory. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

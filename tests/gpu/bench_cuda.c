@@ -1,10 +1,9 @@
-/* Times CUDA frames of 1920x1080 and prints a table of medians in milliseconds: single frames by stage and whole,
- * then a batch into device memory and into pinned host memory. Arguments:
+/* Times CUDA frames of 1920x1080. Prints medians in milliseconds for the stages of single frames and for batches of
+ * frames. Arguments:
  *   FILE.fxs                an overview of the scene
  *   FILE.fxs:CAMERAS:N,N    views N of a camera file
  *   FILE.fxs@N              N objects on a square
- *   FILE.fxs%N              a budget of N Gaussians
- * Stages of two eyes overlap, so a stereo frame takes less than the sum of its stages. */
+ *   FILE.fxs%N              a budget of N Gaussians */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,7 @@
 #!/bin/sh
-# Builds and tests the compute shaders on a machine with a GPU. Then prints times of compute shaders and CUDA, for a
-# procedural landscape of 1 million Gaussians and the given scenes. Takes 3 minutes.
+# Tests and times the compute shaders on a machine with a GPU, next to CUDA.
 #   sh tests/gpu/compute.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# SIZES="1 10": millions of Gaussians. B: build folder (default build). PREBUILT=1: skips the build.
+# SIZES: millions of Gaussians of the procedural scene (1). B: build folder. PREBUILT=1: skips the build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1}

@@ -1,8 +1,7 @@
 #!/bin/sh
-# Builds and tests the CUDA back end on a machine with a GPU, then prints a table of times, for procedural scenes of 1
-# and 4 million Gaussians and the given scenes. Takes 3 minutes.
+# Tests and times the CUDA back end on a machine with a GPU.
 #   sh tests/gpu/cuda.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# SIZES="1 4 10": millions of Gaussians. B: build folder (default build). PREBUILT=1: skips the build.
+# SIZES: millions of Gaussians of the procedural scenes ("1 4"). B: build folder. PREBUILT=1: skips the build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1 4}

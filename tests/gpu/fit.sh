@@ -1,8 +1,7 @@
 #!/bin/sh
-# Tests fits on a machine with GPUs: the bytes must equal the processor's. Then prints times, memory and quality.
+# Tests fits on a machine with GPUs: the bytes must equal the processor's. Prints times, memory and quality.
 #   sh tests/gpu/fit.sh PHOTOS...
-# PHOTOS: folders for fixsplat fit; names with lego get a white background. B: build folder (default build).
-# PREBUILT=1: skips the build. STEPS: number of steps of the long fits (default 30000).
+# PHOTOS: folders of photographs. B: build folder. PREBUILT=1: skips the build. STEPS: steps of the long fits (30000).
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 STEPS=${STEPS:-30000}

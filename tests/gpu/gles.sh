@@ -1,11 +1,9 @@
 #!/bin/sh
-# tests/gpu/gles.sh [FOLDER [SIZE]]: compares pictures of the OpenGL ES back end with the processor's and times both,
-# for each .fxs scene in FOLDER (default: procedural scenes). Needs OpenGL ES 3.0 through EGL, but no display. Prints
-# milliseconds:
+# tests/gpu/gles.sh [FOLDER [SIZE]]: compares pictures of the OpenGL ES back end with the processor's, for each .fxs
+# scene in FOLDER (default: procedural scenes). Prints milliseconds:
 #   frame         a whole frame, including upload and reading back
 #   blend         the blend and resolve stages, by the processor's clock
 #   device        the blend and resolve stages, by the GPU's timer; 0: no timer
-# Exit status 1 if a picture differs from the processor's.
 cd "$(dirname "$0")/../.." || exit 1
 folder=$1 size=${2:-1280x720} B=${B:-build}
 fixsplat=$B/fixsplat

@@ -22,8 +22,7 @@ void peek_free(peeked *p);
    *by_device: 1 if the device computed the cut. Returns 0 on success. */
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
 
-/* Returns 1 if a tile list of `count` entries is sorted in place. Such a list begins with 32-bit entries without
-   depths. */
+/* Returns 1 if a tile list of `count` entries is sorted in place, into 32-bit entries without depths. */
 int peek_is_sorted(uint32_t count);
 
 /* Returns how many levels and alphas computed with floats differ from pixel.h; -1 on a device failure. */

@@ -28,8 +28,7 @@ uint64_t peek_fit_bytes(const void *engine);
 /* Returns for how many alpha from 2^-9 to 0.99 the function odds_of differs from the exact quotient; -1 on failure. */
 long peek_fit_odds(void);
 
-/* Runs a kernel that traps on the first device. Afterwards all CUDA calls of the process fail, as after a lost
-   device. */
+/* Runs a kernel that traps. Afterwards all CUDA calls of the process fail, as after a lost device. */
 void peek_fit_lose(void *engine);
 
 #ifdef __cplusplus

@@ -1,5 +1,4 @@
 /* Compares fit steps on CUDA with the processor: every buffer, bit by bit, for random models and pictures.
- * test_fit_steps --cuda tests whole fits.
  *   test_fit [--quick]
  * --quick: a few small models, for the sanitizers. */
 #include "src/fit/stepper.c"
@@ -231,8 +230,8 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Compares the buffers of the last of `steps` steps with the processor's. narrow: initial capacity of the tile
-   lists; 0: default. */
+/* Compares the buffers of the last step with the processor's. narrow: initial capacity of the tile lists; 0:
+   default. */
 static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t steps)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];

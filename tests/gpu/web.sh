@@ -1,10 +1,8 @@
 #!/bin/sh
-# tests/gpu/web.sh PACKAGE SCENES MODULES: tests the npm package with WebGPU on the machine's graphics card, in
-# headless Chromium. Compares pixels with the command's, then prints milliseconds per frame of fixsplat and of other
-# engines.
-# SCENES: a folder with NAME/NAME.ply for guitar and snowmiku. MODULES: node_modules with playcanvas, three and
-# puppeteer-core. CHROMIUM: the browser. FXS_WEBGPU_FLAGS: its flags. B: build folder. SIZE: picture size of the
-# comparison. SIZES, ROUNDS, FRAMES: settings of the timing.
+# tests/gpu/web.sh PACKAGE SCENES MODULES: tests the npm package with WebGPU on a graphics card, in headless Chromium,
+# and compares frame times with other engines. SCENES has NAME/NAME.ply for guitar and snowmiku. MODULES is a
+# node_modules folder. CHROMIUM: the browser. FXS_WEBGPU_FLAGS: its flags. SIZE: picture size. SIZES, ROUNDS, FRAMES:
+# settings of the timing.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 package=$(realpath "$1") scenes=$(realpath "$2") modules=$(realpath "$3")

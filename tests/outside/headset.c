@@ -1,6 +1,6 @@
 /* headset SCENE gles|compute: the frame loop of an OpenXR program, with a small imitation of the OpenXR runtime. The
- * GPU draws each eye's colour and median depth into textures of the runtime. The runtime reprojects by depth to the
- * latest head pose. Prints "ok" or a fault. */
+ * GPU draws each eye's colour and median depth, and the imitation reprojects by depth to a newer head pose. Prints
+ * "ok" or a fault. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -99,8 +99,7 @@ static void attach(GLuint framebuffer, GLenum attachment, GLuint texture)
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 }
 
-/* Makes the colour and depth textures of a swapchain, as xrCreateSwapchain and xrEnumerateSwapchainImages do. The
-   program attaches its own textures for medians and ids. */
+/* Makes the colour and depth textures of a swapchain, as xrCreateSwapchain does. */
 static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
 {
     static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -117,8 +116,7 @@ static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
     }
 }
 
-/* Imitates xrLocateViews: eyes 63 mm apart in a head that turns and moves, with the fields of view of a real
-   headset. */
+/* Imitates xrLocateViews: eyes 63 mm apart in a moving head, with the fields of view of a real headset. */
 static void locate_views(int frame, view views[2])
 {
     const double turn = 0.05 * frame, sine = sin(turn / 2), cosine = cos(turn / 2);
@@ -133,8 +131,8 @@ static void locate_views(int frame, view views[2])
 
 /* ---- The program ------------------------------------------------------------------------------------------------- */
 
-/* Fills in the rows of the rotation from world to camera, with y down and z forward. OpenXR's orientation is camera
-   to world, with y up and z back. The scene's y points down. */
+/* Fills in the rotation from world to camera, with y down and z forward. OpenXR's orientation is camera to world,
+   with y up and z back. */
 static void turn(const pose *p, double rotation[9], double position[3])
 {
     const double x = p->orientation[0], y = p->orientation[1], z = p->orientation[2], w = p->orientation[3];
@@ -206,8 +204,7 @@ static void draw_over(GLuint framebuffer, GLuint program, GLuint texture)
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Fragment shader that converts median depths to values of the depth buffer. Pixels without a depth get the far
-   plane. */
+/* Fragment shader that converts median depths to the depth buffer. Pixels without a depth get the far plane. */
 static const char to_depth[] =
     "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp usampler2D medians;\n"
     "void main() {\nuint depth = texelFetch(medians, ivec2(gl_FragCoord.xy), 0).x;\n"
@@ -289,8 +286,8 @@ static int compare_depths(const program *p, int eye, const swapchain *s)
     return 0;
 }
 
-/* Reprojects the left picture to the right eye, by depth, or as if at infinity (`by_depth` 0). Returns the mean
-   squared difference from the right picture, over pixels with a depth in the left eye. */
+/* Reprojects the left picture to the right eye, by depth or as if at infinity. Returns the mean squared difference
+   from the right picture. */
 static double difference(const program *p, const fxs_camera cameras[2], int by_depth)
 {
     double sum = 0;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests bench --compare and tools/scripts/bench.sh, on a copy of docs/measured.md and with smaller scenes.
+# Tests bench --compare, and tools/scripts/bench.sh on a copy of docs/measured.md.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests board firmware under qemu: frames in strips have the host's bytes, in the least memory and with a stack of 4 KB
-# (5 KB with a budget). Damaged flash gives a message, never a fault. FXS_PROCESSORS=all: every board, and a screen.
+# Tests board firmware under qemu: frames in strips have the host's bytes, and damaged flash gives a message.
+# FXS_PROCESSORS=all: every board, and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

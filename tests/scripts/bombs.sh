@@ -1,5 +1,5 @@
 #!/bin/sh
-# Checks that small files which claim huge scenes, and special files, give an error soon and within 256 MB.
+# Checks that small files which claim huge scenes give an error soon and within 256 MB.
 . tests/scripts/lib/check.sh
 build=$PWD/${B:-build}
 case $B in /*) build=$B ;; esac
@@ -12,7 +12,7 @@ ${CC:-cc} -O1 -o helper "$root/tests/scripts/lib/helper.c" || exit 1
 "$build/tests/test_bombs" --write . >log || { skip "bombs" "built without zlib, libwebp, libzip or cJSON"; finish; exit; }
 have timeout || { skip "bombs" "no timeout"; finish; exit; }
 
-# refuses NAME WORDS ARGUMENT...: exit status 1 within 20 s and 256 MB, one line with WORDS, and no output file.
+# refuses NAME WORDS ARGUMENT...: exit status 1 within 20 s and 256 MB, and one line with WORDS.
 refuses() {
     name=$1 words=$2
     shift 2

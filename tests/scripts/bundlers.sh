@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests the npm package in programs (docs/web.md): installed, bundled, opened in Chromium, and checked by TypeScript.
+# Tests the npm package in programs: installed, bundled, opened in Chromium, and checked by TypeScript.
 # FXS_PROCESSORS=all: every bundler. ONLY=PATTERN: matching cases. PICTURES=FOLDER: pictures of failures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
@@ -25,8 +25,7 @@ ready() {
         equal "$(node -p 'require(process.argv[1]).version' "$work/package/package.json")" "$("$B/fixsplat" --version | sed 's/[^ ]* //')"
 }
 
-# Every file named in package.json exists. Files for browsers can become a classic script, without imports from Node
-# and top-level await.
+# Files for browsers must not import from Node, nor use top-level await.
 entries() {
     cd "$work/package" && node -e '
         const files = (entry) => typeof entry === "string" ? [entry] : Object.values(entry).flatMap(files)

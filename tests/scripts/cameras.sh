@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP, so that each
-# failure can be tested. FXS_PROCESSORS=all: the real programs place a film of a real scene.
+# Tests fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
+# failures. FXS_PROCESSORS=all: the real programs place a film.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"

@@ -1,6 +1,5 @@
 #!/bin/sh
 # Truncates or overwrites a mapped .fxs file while bench renders it. The command ends with one line and exit status 1.
-# A SIGBUS sent by another process ends the command as usual.
 . tests/scripts/lib/check.sh
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d) || exit 1
@@ -12,7 +11,7 @@ if ! "$fixsplat" convert "$work/knot.ply" "$work/whole.fxs" 2>"$work/err"; then
     exit
 fi
 
-# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE, the bench ends with status 1 and WORDS.
+# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE, bench ends with status 1 and WORDS.
 ends() {
     name=$1 words=$2 change=$3 fxs=$work/scene.fxs
     shift 3

@@ -787,7 +787,7 @@ for profile in default compact small; do
     check "info --compare --profile $profile: a loss, of the floats too" equal "$(grep -c ' equal ' "views of knot.ply")" 0
 done
 rm -f packed.fxs "views of packed.fxs" "views of knot.ply"
-# Two cut-offs of one scene differ by the same PSNR, from floats and from the packed scene.
+# The PSNR between two cut-offs is nearly equal for the source scene and the packed scene.
 "$fixsplat" render knot.ply --cameras three.json --view 0 --cutoff square -o square.png
 for cutoffs in 'mahalanobis square' 'square mahalanobis'; do
     run info knot.ply --compare knot.ply --cameras three.json --views 1 --json --cutoff ${cutoffs% *} \

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and with Slurm.
+# Tests blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and Slurm.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Checks that kernels/compute/generated is up to date with its WGSL sources and pixel.h, and that the WGSL compiles in
-# Chromium.
+# Checks that kernels/compute/generated matches its WGSL sources, and that the WGSL compiles in Chromium.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Installs each result of `make dist` on a bare system and uses it once. Needs FXS_PROCESSORS=all. FXS_DIST: folder of
-# a finished `make dist`.
+# Installs each result of `make dist` on a bare system and uses it once. FXS_DIST: folder of a finished `make dist`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -206,7 +205,7 @@ else
     done
 fi
 
-# Debian has no Python for Windows, so tests/windows/wheel.c makes the calls of the Python package.
+# Debian has no Python for Windows. tests/windows/wheel.c makes the calls of the Python package.
 installed=$(ls -d venv/lib/python3*/site-packages/fixsplat 2>/dev/null)
 wheel=$(ls "$dist"/*-py3-none-win_amd64.whl 2>/dev/null)
 if [ ! -e "$zip" ]; then

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds docs/examples/engine.c against the installed library. The picture around the mesh equals the command's, the
-# mesh occludes and is occluded, and picks equal `render --pick`.
+# Builds docs/examples/engine.c against the installed library. The picture around the mesh must equal the command's,
+# and picks must equal `render --pick`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Checks that scenes far from the origin, as in UTM coordinates, keep their positions when read, edited, packed and
-# written.
+# Checks that scenes far from the origin, as in UTM coordinates, keep their positions in all file formats.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

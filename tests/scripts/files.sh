@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests files written by the command: special outputs, signals, the order of disk writes, and full devices.
+# Tests files written by the command: special outputs, signals and full devices.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

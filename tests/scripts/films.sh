@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests films, streams and expected pictures: pipes and formats of render, orbits, paths, crops, and golden pictures.
+# Tests films, streams and golden pictures: formats of render, orbits, paths and crops.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -368,7 +368,7 @@ fails "compare --diff one of the pictures" 2 "golden.png: is read and cannot be 
 
 # ---- Time ------------------------------------------------------------------------------------------------------------
 
-# Processor time depends less on other work than wall time. `times` prints the time of children last.
+# Processor time depends less on other work than wall time.
 seconds() { (run "$@" && times) | awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }'; }
 if [ -d "$scenes/snowmiku" ] && [ -s file.png ]; then
     views="snowmiku.fxs --cameras $scenes/snowmiku/cameras.json --view 0..23 --threads 2"

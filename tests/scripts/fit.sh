@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit on rendered photographs of a knot. The file does not depend on threads or interruptions.
+# Tests fixsplat fit on rendered photographs of a knot.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Checks the files of `make install`, and outside programs that use only these files: C99, C++17 and CMake, with the
-# core alone and with the whole library, static and shared.
+# Checks the files of `make install`, and outside programs in C99, C++17 and CMake that use only these files.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Compares the instruction counts of the NEON stages with plain C, by a qemu plugin. blend must take at most a sixth.
+# Counts the instructions of the NEON stages and of plain C with a qemu plugin. blend must take at most a sixth.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Runs each command with one failing allocation, or with all later allocations failing too. The command succeeds with
-# the right output, or ends with one line, status 1 and no leftovers. About 40 allocations of each command are tested;
-# FXS_PROCESSORS=all: 80; EVERY=1: all.
+# Runs each command with one failing allocation, or with all later allocations failing too. The command must succeed,
+# or end with one line, status 1 and no leftovers. About 40 allocations of each command are tested; FXS_PROCESSORS=all:
+# 80; EVERY=1: all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -19,8 +19,7 @@ fi
 "$fixsplat" render knot.ply --size 64x48 -o a.png || exit 1
 "$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
 
-# wrong COMMAND: prints what a run without memory did wrong. A fitted scene stays even if it could not be measured. A
-# fit that could not be packed is saved.
+# wrong COMMAND: prints the fault of a run without memory. A finished fit is kept even if packing or measuring fails.
 wrong() {
     case $status in
     0) [ ! -e logs/right ] || cmp "$written" logs/right ;;

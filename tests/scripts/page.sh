@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the viewer's page (docs/web.md) in headless Chromium: pixels, controls, error messages and download sizes.
-# PICTURES=FOLDER keeps pictures of the page. FXS_PROCESSORS=all: every captured scene too.
+# Tests the viewer's page in headless Chromium: pixels, controls, error messages and download sizes. PICTURES=FOLDER
+# keeps pictures. FXS_PROCESSORS=all: every captured scene too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs page chromium -- puppeteer-core

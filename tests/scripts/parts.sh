@@ -1,6 +1,5 @@
 #!/bin/sh
-# Tests fixsplat convert --block. Parts packed separately and merged must have the bytes of one run, for every number
-# of parts and every profile. Wrong parts are refused.
+# Tests fixsplat convert --block. Parts packed separately and merged must have the bytes of one run.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

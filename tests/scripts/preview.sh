@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests fixsplat fit --preview: served files, the fitted scene, shutdown, errors, and the page in Chromium.
-# PICTURES=FOLDER keeps pictures of the page.
+# Tests fixsplat fit --preview: served files, shutdown, errors, and the page in Chromium. PICTURES=FOLDER keeps
+# pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"

@@ -15,8 +15,7 @@ photos="tests/test_photo_bytes.c src/base/*.c src/camera/[!fgswy]*.c src/image/i
     src/core/view.c src/scene/read/ply_*.c src/fit/photo*.c port/posix/files.c port/posix/output.c port/posix/pool.c"
 files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"
 
-# Prints the compiler flags for float arithmetic without excess precision. Without such flags, level-of-detail trees
-# are refused.
+# Prints the compiler flags for float arithmetic without excess precision.
 singles() {
     for found in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do
         printf '#include <float.h>\n#if FLT_EVAL_METHOD != 0\n#error\n#endif\n' |

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Tests the Python package: results compared with the command's files, finding the library, and installation.
-# tests/python has the checks.
+# Tests the Python package: results, finding the library, and installation. tests/python has the checks.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 . tests/scripts/lib/command.sh

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests tests/run.sh with programs that pass, fail, skip, end early or never end. Checks the text output and junit.xml.
+# Tests tests/run.sh with programs that pass, fail, skip, end early or never end.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Runs fixsplat convert --block as a Slurm array, with one task killed and requeued. The result has the bytes of one
-# run. Only with FXS_PROCESSORS=all.
+# Runs fixsplat convert --block as a Slurm array, with one task killed and requeued. Only with FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/slurm.sh
 [ "$FXS_PROCESSORS" = all ] || { skip slurm_parts "only in make test-all"; finish; exit; }

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Tests the npm package (docs/web.md) in Node and in Chromium: the command's bytes, with and without simd128, with one
-# thread and two. Also checks error messages, memory and download sizes. FXS_PROCESSORS=all: a view of every captured
-# scene.
+# Tests the npm package in Node and in Chromium: the command's bytes, error messages, memory and download sizes.
+# FXS_PROCESSORS=all: a view of every captured scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web
@@ -29,8 +28,7 @@ products_are_found() {
     done
 }
 
-# same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: each WebAssembly module draws the picture of `fixsplat
-# render FXS... OPTION...`.
+# same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: each WebAssembly module draws the command's picture.
 same_picture() {
     camera=$1 options=$2 objects=$3 files=
     shift 3

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Tests a Screen of the npm package (docs/web.md) with WebGL 2 in headless Chromium: the command's pixels, lost
-# contexts, errors, freed resources, and Splats in three.js and PlayCanvas. FXS_PROCESSORS=all: every captured scene.
-# SPEED=1 measures too.
+# Tests the npm package with WebGL 2 in headless Chromium: the command's pixels, lost contexts, errors, and Gaussians
+# in three.js and PlayCanvas. FXS_PROCESSORS=all: every captured scene. SPEED=1 measures too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgl chromium -- playcanvas puppeteer-core three

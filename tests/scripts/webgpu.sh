@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests a Screen of the npm package (docs/web.md) with WebGPU in headless Chromium: the command's pixels, offscreen
-# targets, lost devices, errors and freed resources. FXS_PROCESSORS=all: captured scenes and other engines too.
+# Tests the npm package with WebGPU in headless Chromium: the command's pixels, offscreen targets, lost devices and
+# errors. FXS_PROCESSORS=all: captured scenes and other engines too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core

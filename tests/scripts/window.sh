@@ -1,6 +1,5 @@
 #!/bin/sh
-# Drives the window viewer on a virtual screen by keys and the pointer. Screenshots must equal the pictures of
-# `render`.
+# Drives the window viewer on a virtual screen by keys and the pointer. Screenshots must equal pictures of `render`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -266,8 +265,7 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
-# The viewer and the X server share one processor. A window closed while drawing must end with status 0, even if its
-# wake-up event is late.
+# The viewer and the X server share one processor. A window closed while drawing must end with status 0.
 if have taskset; then
     processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
     taskset -pc "$processor" $server >/dev/null

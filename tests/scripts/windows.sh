@@ -1,6 +1,6 @@
 #!/bin/sh
-# Runs the programs of `make windows` under wine: pictures, files and fits must equal those of Linux. Also tests the
-# server, the window, Windows names and errors, and the test programs. Only with FXS_PROCESSORS=all.
+# Runs the programs of `make windows` under wine: pictures, files and fits must equal those of Linux. Only with
+# FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
 compiler=${WINDOWS_CC:-x86_64-w64-mingw32-gcc}
@@ -172,8 +172,7 @@ gone() {
     tries=0
     while get -o logs/body "$at/"; do [ $((tries += 1)) -lt 50 ] || return 1; sleep 0.1; done
 }
-# answers: prints the answer to each line of `requests` (address and curl options), without times. The operating system
-# byte of gzip is left out.
+# answers: prints the answer to each line of `requests` (address and curl options), without times.
 answers() {
     while read -r path options; do
         get $options -D logs/head -o logs/body "$at$path"
@@ -292,8 +291,6 @@ else
     wait $server
     check "fit --preview: the same file" cmp preview.fxs linux-fit.fxs
     if have script; then
-        # at_console PROGRAM'S ARGUMENTS: starts the server in a console. $at is its address; `logs/status` appears at
-        # its end.
         at_console() {
             rm -f logs/status logs/printed
             mkfifo keys

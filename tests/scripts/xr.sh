@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the viewer in a simulated headset (iwer) in headless Chromium: the command's pixels in both eyes, controllers,
-# adaptive sizes, errors. FXS_PROCESSORS=all: WebGPU too.
+# Tests the viewer in a simulated headset (iwer) in headless Chromium: pixels of both eyes, controllers, errors.
+# FXS_PROCESSORS=all: WebGPU too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs xr chromium -- puppeteer-core iwer

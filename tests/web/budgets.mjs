@@ -1,5 +1,5 @@
-// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
-// tools/scripts/bench.sh. FOLDER caches derived scenes. PART is:
+// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail. FOLDER caches
+// derived scenes. PART is:
 // cuts: budgets compared with equal numbers of Gaussians by other programs.
 // budgets: PSNR, time and bytes of frames with falling budgets.
 // steps: visible changes between FRAMES (240) on a slow path.

@@ -1,5 +1,5 @@
 // node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other web viewers.
-// MADE is the folder of landscape.ply.
+// MADE has landscape.ply.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'

@@ -1,5 +1,5 @@
-// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's glTF validator. Unknown names of the
-// Gaussian splatting extension are ignored.
+// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's glTF validator, except for names that
+// the validator does not know.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { resolve } from 'node:path';

@@ -3,8 +3,7 @@ import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
 
-// A yard for walking, with the floor at y = 0 and up as -y: a ramp and a platform at the right, a wall at the left, a
-// hole between.
+// A yard with the floor at y = 0 and up as -y: a ramp and a platform at the right, a wall at the left, a hole between.
 const RAMP = { left: 1, right: 3, from: 1, slope: 0.3, top: 4 }
 const WALL = { z: 3, right: -0.5, tall: 2 }
 const HOLE = { x: [-0.3, 0.4], z: [0.4, 1.1], deep: 6 }

@@ -1,5 +1,5 @@
 // node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: times WebGPU frames of fixsplat,
-// PlayCanvas and three.js, in turns. FXS_WEBGPU_FLAGS: flags of Chromium. FRAMES: frames for the median (7).
+// PlayCanvas and three.js, in turns. FRAMES: frames for the median (7).
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'

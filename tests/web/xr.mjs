@@ -233,8 +233,7 @@ function direction(left, up) {
 }
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
-/** Converts a vector of the room to the scene. When the scene was placed, the camera looked along z with y down, and
-   the person at `eye` looked at `foot`. */
+/** Converts a vector of the room to the scene. When the scene was placed, the person at `eye` looked at `foot`. */
 function inScene([x, y, z], eye, foot, turn, units) {
   const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
   const [c, s] = [Math.cos(turn), Math.sin(turn)]

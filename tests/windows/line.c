@@ -1,5 +1,5 @@
-/* line FILE: runs the first line of a file as a command line, with unchanged quotes, as cmd does. Exits with the
-   command's status. */
+/* line FILE: runs the first line of a file as a command line, with unchanged quotes. Exits with the command's
+   status. */
 #include <stdio.h>
 #include <string.h>
 #include <windows.h>

@@ -1,6 +1,5 @@
-/* wheel DLL SCENE CAMERAS DECLARATIONS: calls the library as the Python package does. Draws a scene by the first
-   camera of a file, and prints the called functions and the picture's hash. Writes fxs_declarations() to the file
-   DECLARATIONS. */
+/* wheel DLL SCENE CAMERAS DECLARATIONS: calls the library as the Python package does. Draws a scene, and prints the
+   called functions and the picture's hash. Writes fxs_declarations() to the file DECLARATIONS. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

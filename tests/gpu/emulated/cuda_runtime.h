@@ -1,6 +1,6 @@
-/* Emulates the CUDA features that kernels/cuda needs on a processor. The threads of a block are coroutines, the
- * lanes of a warp meet at collective operations, and blocks run one after another. Streams are queues that advance
- * in random order, to expose missing waits. Device memory starts with garbage. */
+/* Emulates CUDA on a processor, as far as kernels/cuda needs it. Threads of a block are coroutines, and blocks run
+ * one after another. Streams are queues that advance in random order, to expose missing waits. Device memory starts
+ * with garbage. */
 #ifndef EMULATED_CUDA_RUNTIME_H
 #define EMULATED_CUDA_RUNTIME_H
 
@@ -61,8 +61,7 @@ extern unsigned char shared[SHARED_BYTES];             /* shared memory of the r
 /* Waits until all lanes of the mask have called meet. Returns the value of each lane. */
 const uint64_t *meet(uint32_t lanes, uint64_t own);
 
-/* Waits for `threads` threads of the block at a barrier; 0: all running threads. Returns the sum of the threads'
-   values. */
+/* Waits for `threads` threads of the block; 0: all running threads. Returns the sum of their values. */
 uint32_t meet_block(uint32_t barrier, uint32_t threads, uint32_t own);
 
 inline uint32_t lane()

@@ -36,7 +36,7 @@ struct coroutine {
     bool has_begun, has_ended;
 };
 
-/* A meeting of lanes: the lanes that have arrived, their values, and the values of the last complete meeting. */
+/* The lanes that have arrived at a meeting point, their values, and the values of the last complete meeting. */
 struct lanes_meeting {
     uint32_t here;
     uint64_t times, coming[32], all[32];

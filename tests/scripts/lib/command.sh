@@ -1,5 +1,4 @@
-# Sourced after check.sh by scripts that run the command. Sets $fixsplat, $scenes, $helper and the working folder
-# $work.
+# Sourced after check.sh by scripts that run the command. Sets $fixsplat, $scenes, $helper and $work.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -24,8 +23,8 @@ succeeds() {
     if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
 }
 
-# fails NAME STATUS WORDS ARGUMENT...: exit status STATUS, empty stdout, and one line on stderr that matches the
-# regular expression WORDS.
+# fails NAME STATUS WORDS ARGUMENT...: exit status STATUS, and one line on stderr that matches the regular expression
+# WORDS.
 fails() {
     name=$1 wanted=$2 words=$3
     shift 3

@@ -1,7 +1,7 @@
-/* A library for LD_PRELOAD that simulates faults. FAULT_AT=N: allocation N since the start of main fails.
-   FAULT_EVER=1: all later allocations fail too. FAULT_KILL=N: the Nth call of rename kills the process.
-   FAULT_LOG=FILE: logs calls of fsync and rename, and the number of allocations. Allocations of libwebp never fail,
-   because libwebp 1.2.4 does not check all of them. */
+/* A library for LD_PRELOAD that simulates faults. FAULT_AT=N: allocation N fails. FAULT_EVER=1: all later
+   allocations fail too. FAULT_KILL=N: the Nth call of rename kills the process. FAULT_LOG=FILE: logs fsync and
+   rename, and the number of allocations. Allocations of libwebp 1.2.4 never fail, because their results are not all
+   checked. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,11 +1,11 @@
 # Runs a private Slurm cluster on the local machine, for tests started by root.
 #
 #     slurm_lacks             prints why Slurm cannot run; prints nothing if it can
-#     slurm_start FOLDER      starts munged, slurmctld and slurmd, exports SLURM_CONF, and waits until jobs can run
+#     slurm_start FOLDER      starts Slurm's daemons, exports SLURM_CONF, and waits until jobs can run
 #     slurm_running TASK      waits until a task (JOB_INDEX, or JOB) runs
-#     slurm_wait JOB          waits up to $slurm_limit seconds (300) until no task of a job is pending or running
+#     slurm_wait JOB          waits up to $slurm_limit seconds (300) for the end of a job
 #     slurm_states JOB        prints the states of the job's tasks, such as "0 COMPLETED"
-#     slurm_stop              ends all jobs and the daemons; may be called twice
+#     slurm_stop              ends all jobs and the daemons
 
 slurm_pids= slurm_folder=
 
