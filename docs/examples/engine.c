@@ -1,10 +1,9 @@
-/* A program with its own OpenGL ES window and mesh. The program draws a Gaussian splatting scene around the mesh. The
- * mesh hides the Gaussians behind it, and the Gaussians in front cover the mesh. A click prints the Gaussian under
- * the pointer.
+/* Draws a Gaussian splatting scene around a mesh, in a program with its own OpenGL ES window. The mesh hides the
+ * Gaussians behind it, and Gaussians in front cover the mesh.
  *
  *     cc engine.c -o engine $(pkg-config --cflags --libs fixsplat sdl2 glesv2)
- *     ./engine SCENE                    opens a window
- *     ./engine SCENE PICTURE X Y        writes one frame to a file and prints the Gaussian at pixel (X, Y) */
+ *     ./engine SCENE                    opens a window; a click prints the Gaussian under the pointer
+ *     ./engine SCENE PICTURE X Y        writes one frame to a file; prints the Gaussian at pixel (X, Y) */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,13 +17,13 @@
 #include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 640, HEIGHT = 360 };
-enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* COLOUR and DEPTH of the mesh; PICTURE, MEDIAN and ID of
-                                                              the frame with the scene */
+enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* COLOUR and DEPTH belong to the mesh, the others to the
+                                                              scene */
 enum { MESH, SCENE, FRAMEBUFFERS };
 #define NEAR 0.2
 #define FAR 100.0
 
-/* The mesh's camera, as column-major matrices. The camera looks along z from (0, 0, -12). The world's y points down. */
+/* The mesh's camera. It looks along z from (0, 0, -12); the world's y points down. */
 static const double view[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, -12, 1};
 static const double projection[16] = {1024.0 / WIDTH, 0, 0, 0, 0, 1024.0 / HEIGHT, 0, 0, 0, 0,
                                       (FAR + NEAR) / (NEAR - FAR), -1, 0, 0, 2 * FAR * NEAR / (NEAR - FAR), 0};
@@ -117,8 +116,8 @@ static fxs_gl_function load(void *unused, const char *name)
     return (fxs_gl_function)SDL_GL_GetProcAddress(name);
 }
 
-/* Two exact back ends. The compute back end draws all stages on the GPU with OpenGL ES 3.1. The other back end
-   projects and sorts on the processor, and blends in fragment shaders of OpenGL ES 3.0. */
+/* The compute back end draws all stages on the GPU, with OpenGL ES 3.1. The other back end projects and sorts on the
+   processor and blends in fragment shaders, with OpenGL ES 3.0. Both give the same bytes. */
 typedef struct drawer {
     fxs_compute *compute;                                  /* null: fragment shaders */
     fxs_compute_scene scene;
@@ -176,7 +175,7 @@ static void close_drawer(drawer *d)
     free(d->memory);
 }
 
-/* Prints the Gaussian at a pixel of the last frame. Pixels are counted from the upper left. */
+/* Prints the Gaussian at a pixel, counted from the upper left. */
 static void pick(int x, int y)
 {
     GLuint depth[4], id[4];
@@ -231,10 +230,10 @@ int main(int argc, char **argv)
         return fail(why.text);
     fxs_gles_target_init(&target);
     target.framebuffer = framebuffers[SCENE];
-    target.depth_buffer = textures[DEPTH];                 /* the mesh hides the Gaussians behind it */
+    target.depth_buffer = textures[DEPTH];
     target.plane_0 = (float)NEAR;
     target.plane_1 = (float)FAR;
-    target.backdrop = textures[COLOUR];                    /* Gaussians in front blend over the mesh */
+    target.backdrop = textures[COLOUR];
     target.depths_and_ids = 1;
     for (SDL_Event event = {0}; event.type != SDL_QUIT && SDL_WaitEvent(&event);) {
         draw_mesh(program);

@@ -6,14 +6,13 @@ import { load, Screen } from 'fixsplat'
 const FOV = 50
 const [NEAR, FAR] = [0.1, 100]
 
-/** Creates a render target with a colour texture and a depth texture. */
 function targetOf(graphicsDevice, width, height) {
   const textureOf = (format) => new pc.Texture(graphicsDevice, { width, height, format, mipmaps: false })
   const [colorBuffer, depthBuffer] = [graphicsDevice.backBufferFormat, pc.PIXELFORMAT_DEPTH].map(textureOf)
   return new pc.RenderTarget({ colorBuffer, depthBuffer })
 }
 
-/** Opens a scene on a canvas. Calling `draw` on the result shows one picture. */
+/** Opens a scene on a canvas. `draw` shows one picture. */
 export async function open(canvas, address) {
   const { width, height } = canvas
   const how = { deviceTypes: [pc.DEVICETYPE_WEBGPU], antialias: false }

@@ -1,10 +1,9 @@
-// Shows Gaussians in a three.js scene. A torus knot passes through the Gaussians, a second object floats above, and a
-// click marks a point. three-webgl.html and three-webgpu.html use the file.
+// Shows Gaussians in a three.js scene: a torus knot passes through them, and a click marks a point.
 import * as THREE from 'three'
 import { Splats } from 'fixsplat/three'
 
 /** Fills a scene for a WebGLRenderer or a WebGPURenderer. `draw` shows one picture; `click` marks the surface at a
-   pixel of the page. */
+   pixel. */
 export async function open(renderer, address) {
   const canvas = renderer.domElement
   const scene = new THREE.Scene()
@@ -33,8 +32,7 @@ export async function open(renderer, address) {
     return hit
   }
 
-  /** Draws the splats, then the meshes. WebGPU reports only later whether the splats are complete; WebGL does not
-     wait. */
+  /** WebGPU reports only later whether the splats are complete. WebGL does not wait. */
   async function draw() {
     await splats.update(camera)
     renderer.render(scene, camera)

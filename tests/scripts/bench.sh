@@ -161,7 +161,6 @@ Measured today, on a machine; not this.
 | b | small | 30 | 45.00 (30.00, close) | 1 | 1 |'
 printf '%s\n' "$sizes" >table.md
 draw sizes table.md >plot.svg
-# 70, 400 is 20 bytes and 40 dB; 700, 70 is 60 bytes and 60 dB.
 check "plot: default at 60 bytes, 50 dB" grep -q '<circle cx="700.0" cy="235.0"' plot.svg
 check "plot: small at 20 bytes, 40 dB" grep -q 'd="M70.0 400.0' plot.svg
 check "plot: compact at 40 bytes, 60 dB" grep -q 'd="M385.0 70.0' plot.svg
@@ -180,7 +179,6 @@ Measured today; not this.
 | b | 5 % | 5 | 500 | 30.0 | 2 |'
 printf '%s\n' "$levels" >table.md
 draw levels table.md >plot.svg
-# 70, 400 is 0 ms and 30 dB; 700, 70 is 10 ms and 50 dB.
 check "plot: a line from 50 % to 25 %" grep -q '<path d="M700.0 70.0L385.0 235.0" class="path l1"/>' plot.svg
 check "plot: 50 % of b" grep -q 'd="M196.0 400.0' plot.svg
 check "plot: what is left" equal "$(grep -o '>[0-9]* %<' plot.svg | tr '\n' ' ')" ">50 %< >25 %< >50 %< "

@@ -21,7 +21,6 @@ done
 succeeds "merged" convert part-1.ply part-2.ply all.ply
 count() { LC_ALL=C sed -n 's/^element vertex //p;/^end_header/q' "$1"; }
 check "merged: all of both" equal "$(count all.ply)" "$(($(count part-1.ply) + $(count part-2.ply)))"
-# measure SCENE VIEW PHOTOGRAPH: prints the PSNR in tenths of a dB.
 measure() {
     "$fixsplat" render "$1" --cameras set/sparse/0 --view "$2" -o seen.png >logs/out &&
         "$fixsplat" compare "set/images/$3" seen.png >logs/out

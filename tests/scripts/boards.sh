@@ -34,7 +34,6 @@ run() {
 
 hashes() { grep -o '^step [0-9]* hash [0-9a-f]*'; }
 
-# same_hashes BOARD WIDTH HEIGHT FRAMES WORD...: compares the frames with the host's hashes.
 same_hashes() {
     board=$1 width=$2 height=$3 frames=$4
     shift 4

@@ -21,7 +21,7 @@ offscreen\ m* | offscreen\ *.use_gpu\ 0\ *) ;;
 esac
 [ "$1" != "$KILLED" ] || kill -9 $$
 [ "$1" != "$FAILS" ] || { echo "ERROR: played"; exit 1; }
-if [ "$1" = "$WAITS" ]; then               # waits, after writing the file that helper signal looks for
+if [ "$1" = "$WAITS" ]; then               # creates the file that helper signal waits for, and waits
     sleep 60 &
     echo $$ $! >"$PLAY/waiting"
     : >"$PLAY/.fixsplat-waiting.tmp"
@@ -39,7 +39,7 @@ mapper)
     for model in 0 1; do
         mkdir -p "$2/$model"
         perl "$PLAY/model.pl" "$PLAY/set/sparse/0" "$2/$model" $((model ? 12 : 4))
-        for file in $CUT; do               # truncates the file, as a full disk does
+        for file in $CUT; do
             head -c 50 "$2/$model/$file" >"$PLAY/cut" && cp "$PLAY/cut" "$2/$model/$file"
         done
     done
@@ -115,7 +115,7 @@ mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
 check "they are the same" cmp below.fxs set.fxs
 
-# COLMAP gets masks under its own names, white where photographs count.
+# COLMAP gets masks under its own file names, white where photographs count.
 cp -r plain masked && mkdir masked/masks inverse
 for colour in ffffff 000000; do
     "$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 --bg $colour -o $colour.png

@@ -197,7 +197,6 @@ check "--stereo: the right half" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 
 check "--stereo: in bands" equal "$(hash_of knot.ply $small --stereo 0.5 --threads 1 --max-memory 100K)" \
     "$(hash_of knot.ply $small --stereo 0.5)"
 fails "--stereo: too little memory" 1 "$words" render knot.ply $small --stereo 0.5 --max-memory 1 --hash
-# The tangents of the right eye mirror those of the left eye.
 "$fixsplat" render knot.ply $small $eyes --stereo 0.5 --tangents -1.38,1.19,1.0,-1.2 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 --tangents -1.38,1.19,1.0,-1.2 -o left.raw
 "$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 --tangents -1.19,1.38,1.0,-1.2 -o right.raw
@@ -339,7 +338,6 @@ done
 
 near="$small --eye 1,-2,-6 --look 0,0,0"
 good='0 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' other='1 .5 1 -1 .5 1 1 -2 -1 -1 .7 .7 0 .1'
-# 2 * 10^9 Gaussians do not fit in memory. Sanitizers need a higher limit.
 room=2000000
 (ulimit -v $room && "$fixsplat" --version) >/dev/null 2>&1 || room=unlimited
 for count in 2000000000 4000000000 99999999999999999999 -1 x; do
@@ -622,7 +620,6 @@ loses more of .*: a view $(worst_of $profile.fxs) dB from the floats, where $(us
     check "$profile: one hash with --cpu c" equal "$(hash_of $profile.fxs $small --cpu c)" \
         "$(hash_of $profile.fxs $small --cpu all)"
 done
-# 300 Gaussians with random SH, placed beyond 2^27 units on two axes.
 {
     ply_header 300 | sed '$d'
     printf 'property float f_rest_%s\n' 0 1 2 3 4 5 6 7 8
@@ -675,7 +672,6 @@ check "convert .splat to .spz: PSNR" at_least "$(psnr_of plain.spz plain.ply)" 4
 "$fixsplat" convert plain.ply plain.fxs
 head -c 9000 plain.fxs >cut.fxs
 { head -c 20000 plain.fxs && printf '\377\001\377\001' && tail -c +20005 plain.fxs; } >damaged.fxs
-# Five rows with x = 0 to 4 and logits of the opacity from -3.5 to 1.5.
 { ply_header 5 && for i in 0 1 2 3 4; do echo "$i 0 0 1 .5 .2 $((i - 3)).5 -1 -1.5 -2 1 0 0 0"; done; } >rows.ply
 for out in ply splat spz fxs; do
     run convert rows.ply left.$out --crop 1,-1,-1,3,1,1
@@ -1140,7 +1136,7 @@ if [ $status = 0 ]; then
 else
     skip "a .glb with an .spz" "$(cat logs/err)"
 fi
-# One Gaussian: position and SH, rotation, scales of -1, opacity of 1.5.
+# A glTF file with one Gaussian.
 accessor='"componentType":5126,"count":1,"type"'
 cat >draft.gltf <<END
 {"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"mode":0,

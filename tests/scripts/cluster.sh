@@ -156,7 +156,6 @@ if ! slurm_start "$work/slurm" >logs/slurm; then
     finish
     exit
 fi
-# Each block waits once for a file, so that one can be killed.
 printf '#!/bin/sh\ncase "$*" in *"--block 2/"*) [ -e %s/go ] || sleep 60 ;; esac\nexec %s "$@"\n' "$work" "$fixsplat" \
     >slow && chmod +x slow
 FIXSPLAT="$work/slow" cluster two.fxs --engine slurm --submit-only

@@ -8,7 +8,7 @@ case ${NODE_MODULES:-${B:-build}/page/node_modules} in
 *) modules=$root/${NODE_MODULES:-${B:-build}/page/node_modules} ;;
 esac
 endings='ply compressed.ply splat spz rad sog glb csv fxs'
-read_back='ply compressed.ply spz rad sog glb'       # formats with SH that the command also reads
+read_back='ply compressed.ply spz rad sog glb'
 
 # ---- Test scenes -----------------------------------------------------------------------------------------------------
 
@@ -87,7 +87,6 @@ check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 
 
 # ---- The up direction ------------------------------------------------------------------------------------------------
 
-# The ground is x = 0 and the knot stands at x > 0, so up is along x.
 "$fixsplat" convert knot.ply beside.ply --translate 20,0,0
 "$fixsplat" convert beside.ply stands.ply --up 1,0,0
 for points in 0,0,0,0,1,0,0,0,1 0,0,5,0,0,1,0,7,0; do
@@ -240,7 +239,7 @@ check "--decimate to .fxs: half" gaussians half.fxs 1500 3
 check "--decimate: two become their mean" kept rows.ply "0.5 2 3 4" --decimate 4
 ply pair.ply 'two, side by side' '0 0 0 1 0 0 -1 -1 -1 -1 1 0 0 0' '1 0 0 3 0 0 -1 -1 -1 -1 1 0 0 0'
 "$fixsplat" convert pair.ply one.csv --decimate 1
-# Expected variance along x: e^-2 + 1/4. Opacity: doubled, over the root of the growth of the variance.
+# The merged Gaussian has the variance e^-2 + 1/4 along x.
 check "--decimate: mean, colour, covariance, opacity" equal "$(awk -F, 'NR == 2 {
         most = $8 > $9 ? $8 > $10 ? $8 : $10 : $9 > $10 ? $9 : $10
         printf "%.3f %.3f %.3f %.3f", $1, $4, exp(2 * most), 1 / (1 + exp(-$7)) }' one.csv)" "0.500 2.000 0.385 0.319"
@@ -428,7 +427,7 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
         ratio = $(wc -c <theirs.spz) / $(wc -c <knot2.spz); exit !(ratio > 0.95 && ratio < 1.05) }"
     check "splat-transform writes .glb" transform knot.ply theirs.glb
     check "splat-transform writes .glb: as we do" looks_as knot2.glb theirs.glb 75
-    # splat-transform places with x and y negated.
+    # splat-transform has x and y negated.
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60

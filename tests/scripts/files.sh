@@ -156,7 +156,6 @@ for arguments in "info knot.ply" "info --backends" "bench knot.ply --size 64x48"
     { sleep 0.1; "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
     check "a pipe that nobody reads: $arguments" equal "$(cat logs/status logs/err)" 141
 done
-# The shell's message about a signal goes to logs/shell.
 for arguments in "render knot.ply --size 640x480 -o -" "make-scene knot --count 100000 -o -"; do
     { "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | head -c 100 >logs/out
     check "a pipe that is closed after 100 bytes: ${arguments%% *}" equal "$(cat logs/status logs/err)" 141

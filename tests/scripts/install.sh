@@ -111,7 +111,7 @@ fi
 # ---- Programs --------------------------------------------------------------------------------------------------------
 
 outside=$work/outside
-cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # the checkout may be read-only
+cp -r tests/outside "$outside" && chmod -R u+w "$outside"
 "$prefix/bin/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
 
 mkdir "$work/static"

@@ -28,11 +28,10 @@ wrong() {
         if [ "$1" != fit ]; then ls "$written"; elif [ -e "$written" ]; then cmp "$written" logs/right; fi 2>/dev/null ;;
     *) echo "status $status: $(cat logs/err)" ;;
     esac
-    grep -E 'damaged|bad JSON|ot a zip' logs/err           # wrong messages, since the files are undamaged
+    grep -E 'damaged|bad JSON|ot a zip' logs/err
     ls .fixsplat-* 2>/dev/null
 }
 
-# survives OUTPUT ARGUMENT...: OUTPUT is the file that the command writes, or -.
 survives() {
     written=$1
     shift

@@ -32,17 +32,17 @@ make_scenes() {
 }
 
 check "builds" builds
-of_parts="$package/paged.js $package/store.js"      # loaded with the first paged scene
+of_parts="$package/paged.js $package/store.js"      # files loaded with the first paged scene
 of_webgpu="$package/webgpu.js $package/stages.js"
-of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # not loaded by pages
+of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # files that pages never load
 of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
-of_hands="walk.js gamepad.js joystick.js"        # loaded for walking, gamepads and touchscreens
+of_hands="walk.js gamepad.js joystick.js"        # files loaded for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
-of_headsets='xr.js eyes.js'      # loaded with a headset
-of_rooms=ar.js                   # loaded with AR
-of_drops=drop.js                 # loaded with dropped files
-of_errors=words.js               # loaded with the first error
+of_headsets='xr.js eyes.js'      # files loaded with a headset
+of_rooms=ar.js                   # files loaded with AR
+of_drops=drop.js                 # files loaded with dropped scenes
+of_errors=words.js               # files loaded with the first error
 others=$(printf '/%s$|' $of_pages $of_tour_pages $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js \
     $of_bundlers)

@@ -19,7 +19,6 @@ for profile in default compact small; do
     done
 done
 
-# Seven parts of profile small with levels are left from the last loop.
 rm -f all.fxs
 refused() {
     fails "$@"

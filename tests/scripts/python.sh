@@ -97,7 +97,7 @@ echo 'int other;' >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "another library" "is not libfixsplat.so" "$work/other.so"
 
-cp -r "$root/port/python" source && chmod -R u+w source        # the checkout may be read-only
+cp -r "$root/port/python" source && chmod -R u+w source
 mkdir -p checkout/port checkout/src/include/fixsplat checkout/build system
 cp -r source checkout/port/python
 cp "$root/src/include/fixsplat/fixsplat.h" checkout/src/include/fixsplat

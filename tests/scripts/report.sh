@@ -62,7 +62,6 @@ fi
 
 # ---- Endless tests and signals ---------------------------------------------------------------------------------------
 
-# The last child ignores the signal that ends the other processes.
 program endless <<'END'
 sleep 60 &
 (trap '' TERM; sleep 60; sleep 60) &

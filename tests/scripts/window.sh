@@ -77,7 +77,6 @@ close() {
     viewer=
 }
 
-# shot NAME: takes the screenshot $work/NAME.png and waits for the printed line.
 shot() {
     shots=$((shots + 1))
     xdotool key p
@@ -143,7 +142,7 @@ if open "$B/fixsplat"; then
     xdotool mousemove --window "$window" 215 160 click 1
     check "a distance" until_ 50 titled ' [0-9.]* units$'
     xdotool key m z
-    xdotool key p                                  # views of depths print no command
+    xdotool key p                                  # depth pictures print no command
     check "a picture of depths" until_ 50 titled 'written: '
     mv "$work/shot.png" "$work/depths.png"
     check "depths show" differ focused depths
@@ -167,7 +166,6 @@ others=
 
 # ---- The crop box ----------------------------------------------------------------------------------------------------
 
-# Drags the handle of the right side of the crop box.
 drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
 
 crops() {
@@ -289,7 +287,7 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
-    xdotool key g h n x v z z m t      # without b, since Mesa leaks some hundred bytes
+    xdotool key g h n x v z z m t      # key b is left out: Mesa leaks some hundred bytes
     shot checked
     xdotool key c
     sleep 1

@@ -280,7 +280,7 @@ const steps = () => {
 }
 
 const [STEPS, KNOT] = [8, 100000]
-// instructions per second of each board, from docs/boards.md
+// instructions per second of each board (docs/boards.md)
 const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]
 
 const boards = () => {

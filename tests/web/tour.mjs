@@ -83,7 +83,7 @@ put('film.json', { ...TOUR, tracks: [{ name: 'Around', keys: ends }] })
 
 const tests = {
   async 'annotations: markers, their captions and links, by buttons and keys'() {
-    policy.text = POLICY // the Content-Security-Policy of docs/web.md
+    policy.text = POLICY
     await open(WITH('tour.json'))
     policy.text = ''
     near(await numbersOf(), [0, 0, -9, 0, 0, 0, 0, -1, 0, 40])

@@ -11,7 +11,7 @@ const rise = (x, z) =>
   x < RAMP.left || x > RAMP.right ? 0 : RAMP.slope * Math.max(0, Math.min(z, RAMP.top) - RAMP.from)
 
 function yard() {
-  const points = [] // position and ln(scale) of each Gaussian
+  const points = []
   const [flat, thin] = [Math.log(0.05), Math.log(0.004)]
   const isHole = (x, z) => x > HOLE.x[0] && x < HOLE.x[1] && z > HOLE.z[0] && z < HOLE.z[1]
   for (let i = 0; i < 80; i++)

@@ -11,7 +11,7 @@ const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 
 const [width, height] = [320, 160]
-const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a view with one scene unit per metre
+const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50'
 
 /** Simulates a headset with diverging eyes and a controlled clock, before the page's script runs. */
 function prepare() {
@@ -446,7 +446,7 @@ const tests = {
     const most = far.reduce((a, b) => Math.max(a, b))
     const same = (100 * far.filter((one) => one <= 0.5).length) / far.length
     console.log(`  over a colour ${same.toFixed(2)} % are the page's bytes, the others at most ${most.toFixed(2)} away`)
-    assert.ok(most <= 1.5, `${most}`) // three roundings: of colour, coverage and page
+    assert.ok(most <= 1.5, `${most}`)
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
@@ -520,7 +520,7 @@ const tests = {
     await check(EYE, LOOKS, 0)
     await settle()
     assert.ok(Buffer.compare(await pixels(), packaged(await cameras(), { alpha: true })) === 0)
-    await pose(EYE, 0, 0) // the next reference space of iwer starts at the device's pose
+    await pose(EYE, 0, 0) // iwer starts its next reference space at the device's pose
     await drawn()
     await leave()
     await inside('test.hasFloor = false')

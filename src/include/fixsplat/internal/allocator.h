@@ -1,7 +1,5 @@
-/* Allocates memory for reading and packing scenes, by the caller's functions or by the C library.
- *
- * A null allocator stands for malloc and free. fxs_pack may call an allocator from any thread of the pool, but never
- * from two threads at once.
+/* Memory for reading and packing scenes. A null allocator stands for malloc and free. fxs_pack may call an allocator
+ * from any thread of the pool, one call at a time.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_ALLOCATOR_H
@@ -21,8 +19,8 @@ FXS_API void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t 
 /* Like fxs_allocate, with all bytes 0. */
 FXS_API void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
 
-/* Moves the first `old_count` items of a block to a new block with room for `count` items, and frees the old block.
-   `block` may be null if old_count is 0. Returns null if memory ran out; the old block then stays unchanged. */
+/* Moves `old_count` items of a block to a new block for `count` items, and frees the old block. `block` may be null
+   if old_count is 0. Returns null if memory ran out; the old block then stays unchanged. */
 FXS_API void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
 
 /* Frees a block. A null block is allowed. */

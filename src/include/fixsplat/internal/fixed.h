@@ -1,6 +1,5 @@
-/* Integer arithmetic for projection, sorting and binning of splats. m * 2^-32 is a mantissa: m is in [2^31, 2^32), or
- * in [2^30, 2^32) where the exponent must be even. docs/numbers.md derives the error bounds; tests/test_fixed.c
- * checks them. */
+/* Integer arithmetic of the stages before blending. m * 2^-32 is a mantissa: m is in [2^31, 2^32), or in [2^30,
+ * 2^32) where the exponent must be even. docs/numbers.md derives the error bounds. */
 #ifndef FXS_FIXED_H
 #define FXS_FIXED_H
 
@@ -12,7 +11,7 @@
 #define FXS_PREFETCH(address) ((void)0)
 #endif
 
-/* Relaxed atomic access to a flag that several jobs share. Other memory accesses are not ordered. */
+/* Relaxed atomic access to a flag that several threads share. */
 #if defined(__GNUC__)
 #define FXS_SHARED_READ(x) __atomic_load_n(&(x), __ATOMIC_RELAXED)
 #define FXS_SHARED_WRITE(x, to) __atomic_store_n(&(x), to, __ATOMIC_RELAXED)
@@ -68,7 +67,7 @@ static inline fxs_scale fxs_scale_of(int64_t scale_q32)
     return scale;
 }
 
-/* Returns the high 32 bits of the product. */
+/* Returns the high half of the 64-bit product. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {
 #if defined(__CUDA_ARCH__)         /* saves an instruction with nvcc */

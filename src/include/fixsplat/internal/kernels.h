@@ -30,8 +30,8 @@ FXS_API unsigned fxs_cpu_detect(void);
 /* Returns the name of one flag, such as "avx2", or null for any other value. */
 FXS_API const char *fxs_cpu_name(unsigned flag);
 
-/* Fills in *kernels: for each stage the fastest version for the instruction sets in `cpu` (flags of enum fxs_cpu),
-   else plain C. Instruction sets that the running processor lacks are ignored. */
+/* Fills in *kernels with the fastest version of each stage, for the instruction sets in `cpu` that the running
+   processor has. The default is plain C. */
 FXS_API void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus

@@ -57,17 +57,17 @@ extern "C" {
 
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 5u             /* version without a level-of-detail tree */
+#define FXS_PACKED_VERSION 5u             /* version without a tree */
 #define FXS_PACKED_VERSION_TREE 6u        /* version with a level-of-detail tree */
 #define FXS_PACKED_ANTIALIASED 1u
-#define FXS_PACKED_UP 0x80000000u       /* the lower bits of `flags` store the up vector: docs/format.md */
+#define FXS_PACKED_UP 0x80000000u       /* the lower bits store the up vector: docs/format.md */
 
 typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t magic, version;
     uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, including holes */
     uint32_t chunk_bytes;            /* bytes of a chunk's rows */
     uint32_t sh_degree;
-    uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP with the up vector */
+    uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP */
     uint32_t checksum;               /* in a file: CRC-32 of the header with checksum 0; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the Gaussians' centres; unused by the renderer */
     int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part: docs/format.md */
@@ -76,9 +76,9 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t palette_step_q19;       /* palette coefficient = number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
     uint32_t holes;                  /* empty slots before the last Gaussian */
-    uint32_t start_tangent_q24;      /* start view: tangent of half the vertical field of view; 0: no start view */
+    uint32_t start_tangent_q24;      /* start view: tangent of half the vertical field of view; 0: none */
     int64_t start_q32[3];            /* start view: camera centre */
-    int32_t start_rotation_q30[4];   /* start view: rotation from world to camera, unit quaternion w, x, y, z */
+    int32_t start_rotation_q30[4];   /* start view: unit quaternion w, x, y, z, world to camera */
 } fxs_packed_header;
 
 #define FXS_COLOUR_MOST 511        /* largest code of a base colour */
@@ -94,13 +94,11 @@ typedef struct fxs_chunk {           /* 128 bytes */
     int32_t colour_q16[3];
     uint32_t colour_step_q20[3];     /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t checksum;               /* in a file: CRC-32 of the chunk header with checksum 0, and of its rows */
-    uint16_t sh_step_q19[3];         /* profile default: SH coefficient of degree d = code * sh_step[d - 1]; at most
-                                        32767 */
-    uint16_t step_shift;             /* 0 to 12 */
-    uint16_t scale_step_q24;         /* at most 1026 */
-    uint16_t opacity_law;            /* 0 to 3 */
-    int8_t sh_mean[48];              /* compact, small: mean SH, stored like a palette entry; added to each
-                                        Gaussian's SH */
+    uint16_t sh_step_q19[3];         /* profile default: SH coefficient of degree d = code * sh_step[d - 1] */
+    uint16_t step_shift;             /* range 0 to 12 */
+    uint16_t scale_step_q24;         /* maximum 1026 */
+    uint16_t opacity_law;            /* range 0 to 3 */
+    int8_t sh_mean[48];              /* compact, small: mean SH, added to each Gaussian's SH */
 } fxs_chunk;
 
 #define FXS_TREE_MAGIC 0x54535846u        /* "FXST" */
@@ -109,20 +107,17 @@ typedef struct fxs_tree_header {     /* 64 bytes */
     uint32_t magic;
     uint32_t node_count;             /* chunk_count - 1 */
     uint32_t checksum;               /* in a file: CRC-32 of the tree header with checksum 0, nodes and padding */
-    uint32_t reserved[13];           /* 0 */
+    uint32_t reserved[13];           /* must be 0 */
 } fxs_tree_header;
 
-/* A node of the level-of-detail tree. The node's chunk of coarse Gaussians replaces the chunks of both children.
-   Leaves have the chunk numbers from 0 on; node i has chunk number chunk_count + i. A node comes before its
-   children. */
+/* A node of the level-of-detail tree. The node's chunk of coarse Gaussians replaces both children's chunks. Leaves
+   have the chunk numbers from 0 on; node i has number chunk_count + i. A node comes before its children. */
 typedef struct fxs_node {            /* 16 bytes */
     uint32_t children[2];            /* chunk numbers */
     int16_t gain_q8;                 /* log2 of the squared error that the children remove, colours^2 units^2 */
-    int16_t size_q8;                 /* log2 of the sigma of the differences between the node's chunk and its
-                                        children, units */
+    int16_t size_q8;                 /* log2 of the sigma of the differences to the children, units */
     int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of the node's Gaussians, units^2 */
-    uint16_t swell_q8;               /* log2 of the ratio of opacity sums, leaves below the node (each 1/255.5 or
-                                        more) over the node's Gaussians */
+    uint16_t swell_q8;               /* log2 of the opacity sum of all leaves below over that of the node */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)
@@ -133,8 +128,8 @@ typedef struct fxs_node {            /* 16 bytes */
 #define FXS_BIG_ENDIAN 0
 #endif
 
-/* Converts `count` numbers of `size` bytes, from byte `offset` on, between little-endian and the processor's byte
-   order. Both directions are the same operation. */
+/* Converts `count` numbers of `size` bytes between little-endian and the processor's byte order, from byte `offset`
+   on. */
 static inline void fxs_little_endian(void *start, size_t offset, size_t count, size_t size)
 {
     unsigned char *bytes = (unsigned char *)start + offset;
@@ -242,14 +237,13 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 /* SH coefficients per colour channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-#define FXS_ROW_POSITION 0u                              /* byte offsets of a chunk's rows, profiles default and
-                                                            compact */
+#define FXS_ROW_POSITION 0u                              /* row offsets in bytes, profiles default and compact */
 #define FXS_ROW_ROTATION (6u * FXS_CHUNK)
 #define FXS_ROW_SCALE (10u * FXS_CHUNK)
 #define FXS_ROW_COLOUR (14u * FXS_CHUNK)
 #define FXS_ROW_SH (18u * FXS_CHUNK)
 
-#define FXS_SMALL_A 0u                                   /* byte offsets of a chunk's rows, profile small */
+#define FXS_SMALL_A 0u                                   /* row offsets in bytes, profile small */
 #define FXS_SMALL_B (4u * FXS_CHUNK)
 #define FXS_SMALL_C (8u * FXS_CHUNK)
 #define FXS_SMALL_D (12u * FXS_CHUNK)
@@ -259,22 +253,21 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 #define FXS_AXIS_BITS_LEAST(profile) ((profile) == FXS_PROFILE_SMALL ? 8 : 11)
 #define FXS_AXIS_BITS_MOST(profile) ((profile) == FXS_PROFILE_SMALL ? 10 : 14)
 
-/* Returns the scale code of axis i, 0 to 1023, from a word of scale codes. The third axis has only even codes. */
+/* Returns the scale code of axis i, 0 to 1023. The third axis has only even codes. */
 static inline uint32_t fxs_scale_code(uint32_t word, int i)
 {
     return i < 2 ? word >> 10 * i & 1023 : word >> 19 & 1022;
 }
 
-/* Returns the fall of a scale code: the chunk's scale_q16 minus log2(sigma). Below 2^22. */
+/* Returns the fall of a scale code: the chunk's scale_q16 - log2(sigma), below 2^22. */
 static inline int32_t fxs_fall_q16(uint32_t code, uint32_t scale_step_q24)
 {
     return (int32_t)((code * code * scale_step_q24 + 128) >> 8);
 }
 
-/* Returns n, the number of bits of X and of Y in a rotation word. A rotation word has 32 bits (23 in profile small):
-   the direction X, Y of the first axis, then the roll of the second axis about the first. n grows by 5/16 for each
-   octave between the lengths of the first axis and of the other axis nearest in length. fall_q16 has the falls of the
-   three scale codes. */
+/* Returns n, the number of bits of X and of Y in a rotation word. The word has the direction X, Y of the first axis,
+   then the roll about the first axis. n grows by 5/16 for each octave between the lengths of the first axis and of
+   the other axis nearest in length. */
 static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall_q16[3])
 {
     const int32_t most = FXS_AXIS_BITS_MOST(profile);
@@ -284,8 +277,8 @@ static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall
     return bits < most ? bits : most;
 }
 
-/* Returns the number of stages of the SH palette. A Gaussian's SH are the chunk's mean SH plus or minus one entry of
-   each stage. Profile compact adds a residual. */
+/* Returns the number of palette stages. A Gaussian's SH are the chunk's mean SH plus or minus one entry of each
+   stage, plus a residual in profile compact. */
 static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
 {
     return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0
@@ -294,14 +287,13 @@ static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
                                                          : 6;
 }
 
-#define FXS_PALETTE_STAGES 6u                            /* largest number of palette stages */
-#define FXS_PALETTE_ENTRIES 128u                         /* largest number of entries in a palette stage */
+#define FXS_PALETTE_STAGES 6u                            /* maximum of palette stages */
+#define FXS_PALETTE_ENTRIES 128u                         /* maximum of entries per stage */
 #define FXS_PALETTE_STRIDE 48u                           /* bytes per palette entry */
-#define FXS_PALETTE_NEGATIVE 128u                        /* bit of a palette index: the entry is subtracted */
-#define FXS_GAIN_BYTE 3u                                 /* byte offset of the gain in an SH record of profile
+#define FXS_PALETTE_NEGATIVE 128u                        /* bit of a palette index: subtract the entry */
+#define FXS_GAIN_BYTE 3u                                 /* byte of the gain in an SH record, profile compact */
+#define FXS_RESIDUAL_BIT 32u                             /* first bit of the residual in an SH record, profile
                                                             compact */
-#define FXS_RESIDUAL_BIT 32u                             /* bit offset of the residual codes in an SH record of
-                                                            profile compact */
 
 static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
 {
@@ -316,12 +308,12 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
     return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
 
-/* Returns the bytes of a packed scene with `count` Gaussians and `palette_entries` (0 to 128) in each palette stage,
-   without a tree. Returns 0 if an argument is out of range. */
+/* Returns the bytes of a packed scene without a tree. palette_entries is 0 to 128 per stage. Returns 0 if an
+   argument is out of range. */
 FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 
-/* Returns the bytes of the tree over `chunks` chunks, which follows the chunks in the packed scene. Returns 0 for
-   fewer than two chunks, or if the size exceeds a size_t. */
+/* Returns the bytes of the tree that follows `chunks` chunks. Returns 0 for fewer than two chunks, or if the size
+   exceeds a size_t. */
 FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Opens scenes that are only partly in memory, for ports with their own pager. The library's pager is pager.h. A
-   packed scene has headers, and rows with the codes of the Gaussians. */
+/* Opens scenes that are only partly in memory, for ports with their own pager. A packed scene has headers, and rows
+   with the Gaussians' codes. */
 #ifndef FXS_PARTS_H
 #define FXS_PARTS_H
 
@@ -10,23 +10,21 @@ extern "C" {
 #endif
 
 /* Byte offsets of the parts of a packed scene. `rows` ends the head: scene header, chunk headers, palette. The head
-   of the level-of-detail tree runs from `tree` to `node_rows`, where the rows of its nodes begin. Without a tree, all
-   offsets from `tree` on are equal. */
+   of the level-of-detail tree runs from `tree` to `node_rows`. Without a tree, all offsets from `tree` on are equal. */
 typedef struct fxs_scene_parts {
     uint64_t palette, rows, tree, node_chunks, node_rows, bytes;
 } fxs_scene_parts;
 
-/* Computes the offsets from the scene's header, which is the first 192 bytes of a packed scene. Errors as
-   fxs_scene_open. */
+/* Computes the offsets from the scene's header of 192 bytes. Errors as fxs_scene_open. */
 FXS_API int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header);
 
-/* Opens a scene without its rows, from its head and the head of its tree, each aligned to 64. `tree` may be null for
-   a scene without a tree. The caller must set `places` and `rows` before rendering. Errors as fxs_scene_open. */
+/* Opens a scene from its head and the head of its tree, each aligned to 64. `tree` may be null for a scene without a
+   tree. The caller must set `places` and `rows` before rendering. Errors as fxs_scene_open. */
 FXS_API int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree);
 
-/* Prefetch: calls options.want for the chunks that a frame of the request would draw, but draws nothing. Called with
-   the camera of a later frame, fxs_foresee lets the pager load chunks early. `memory` as for fxs_render; targets are
-   not read. Returns 0, or an error as fxs_render. Does nothing if budget, detail and places do not limit the chunks. */
+/* Prefetch: calls options.want for the chunks that a frame would draw, but draws nothing. `memory` as for
+   fxs_render; targets are not read. Returns 0, or an error as fxs_render. Does nothing if budget, detail and places
+   do not limit the chunks. */
 FXS_API int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes);
 
 #ifdef __cplusplus

@@ -1,10 +1,10 @@
-/* Computes the contribution of one Gaussian to one pixel, in integers. The file is compiled as C99, CUDA C and GLSL
- * ES 3.00: one integer type of 32 bits, no division, no pointers, intermediates below 2^31. FXS_FN precedes each
- * function: `static inline` by default, empty in GLSL.
+/* Computes the contribution of one Gaussian to one pixel. The file is compiled as C99, CUDA C and GLSL ES 3.00: one
+ * integer type of 32 bits, no division, no pointers, intermediates below 2^31. FXS_FN precedes each function:
+ * `static inline` by default, empty in GLSL.
  *
- * A splat has whitened coordinates (u, v): distance^2 = u^2 + v^2, with v constant on a row of pixels. Its opacity is
- * added as offset = -2 ln(opacity), which gives level = distance^2 + offset = -2 ln(alpha). The limit min(9 + offset,
- * 2 ln 255) of the level combines the Mahalanobis cut-off and the 1/255 cut-off. */
+ * A splat has whitened coordinates (u, v): distance^2 = u^2 + v^2, with v constant on a row of pixels. offset = -2
+ * ln(opacity) and level = distance^2 + offset = -2 ln(alpha). The limit min(9 + offset, 2 ln 255) of the level
+ * combines the Mahalanobis cut-off and the 1/255 cut-off. */
 #ifndef FXS_PIXEL_H
 #define FXS_PIXEL_H
 
@@ -17,7 +17,7 @@
 #define FXS_LEVEL_MAX_Q11 32767
 #define FXS_ALPHA_MAX_Q15 32440    /* largest alpha: 0.99 */
 #define FXS_CLEAR_Q15 32767        /* transmittance of an untouched pixel */
-#define FXS_CLOSED_Q15 33          /* 0.001: a pixel with less transmittance accepts no more Gaussians */
+#define FXS_CLOSED_Q15 33          /* 0.001: a pixel below accepts no more Gaussians */
 
 /* a b, rounded to nearest, as pmulhrsw, vqrdmulh and i16x8.q15mulr_sat compute it. |a|, |b| <= 32768, not both
    -32768. */
@@ -38,7 +38,7 @@ FXS_FN int fxs_coordinate_q13(int coordinate_q24)
     return c < -32767 ? -32767 : fxs_min(c, 32767);
 }
 
-/* v^2 + offset: the part of the level that is constant on a row of pixels. offset_q11 in 0..22697. */
+/* v^2 + offset, constant on a row of pixels. offset_q11 in 0..22697. */
 FXS_FN int fxs_row_level_q11(int v_q13, int offset_q11)
 {
     return fxs_min(fxs_mul_q15(v_q13, v_q13) + offset_q11, FXS_LEVEL_MAX_Q11);
@@ -63,7 +63,7 @@ FXS_FN int fxs_mul_add_q15(int a, int b, int c)
 }
 
 /* min(0.99, exp(-level / 2)) = min(0.99, exp(-x)^8), x = level / 16: Q11 read as Q15. level_q11 in 0..22697. exp(-x)
-   is a cubic fitted to the whole integer chain: error at most 3.6e-4, rms 4.5e-5. */
+   is a fitted cubic: error at most 3.6e-4, rms 4.5e-5. */
 FXS_FN int fxs_alpha_q15(int level_q11)
 {
     int p = fxs_mul_add_q15(-4236, level_q11, 16016);
@@ -75,8 +75,8 @@ FXS_FN int fxs_alpha_q15(int level_q11)
     return fxs_min(p, FXS_ALPHA_MAX_Q15);
 }
 
-/* The blend step: weight = alpha T; T' = T - weight; C' = C + weight colour. The weights of a pixel add up to exactly
-   the loss of its transmittance T. T stays in 0..32767. A pixel with T < FXS_CLOSED_Q15 accepts no more Gaussians. */
+/* The blend step: weight = alpha T; T' = T - weight; C' = C + weight colour. T stays in 0..32767. The weights add up
+   to exactly the loss of T. A pixel with T < FXS_CLOSED_Q15 accepts no more Gaussians. */
 FXS_FN int fxs_weight_q15(int alpha_q15, int transmittance_q15)
 {
     return fxs_mul_q15(alpha_q15, transmittance_q15);

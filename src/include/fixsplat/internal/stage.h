@@ -16,8 +16,7 @@
 extern "C" {
 #endif
 
-/* Prefix of stage functions that other files call. The CUDA back end defines FXS_STAGE to compile them for the device
-   too. */
+/* Prefix of stage functions that other files call. The CUDA back end also compiles them for the device. */
 #ifndef FXS_STAGE
 #define FXS_STAGE
 #endif
@@ -25,19 +24,18 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* Flag of a list entry: the splat adds nothing to the tile, and its u and v are ignored. Used only with
-   FXS_CUTOFF_SQUARE, which also lists a splat in tiles that its ellipse misses. There u and v could wrap modulo 2^32
-   to small values. */
+/* Flag of a list entry: the splat adds nothing to the tile. FXS_CUTOFF_SQUARE also lists a splat in tiles that its
+   ellipse misses. There u and v could wrap modulo 2^32, and must be ignored. */
 #define FXS_ENTRY_CUT_OFF 0x80000000u
-/* Value of u and v at a tile's corner for entries with FXS_ENTRY_CUT_OFF. Over a tile, u and v change by at most 40.3
-   each. They stay above 4, where nothing is drawn, and below 128, the range of Q24. */
+/* u and v at a tile's corner for entries with FXS_ENTRY_CUT_OFF. Over a tile, u and v change by at most 40.3 each.
+   They stay above 4, where nothing is drawn, and below 128, the range of Q24. */
 #define FXS_CUT_OFF_Q24 (70 << 24)
 
 /* A camera prepared for the stages, in world space or in an object's space. */
 typedef struct fxs_view {
     int32_t width, height, tiles_x, tiles_y;
     int64_t position_q32[3], near_q32;
-    int64_t eye_q32[3];            /* the point from which SH colours are seen; within +-2^29 units */
+    int64_t eye_q32[3];            /* the point that SH colours are seen from; within +-2^29 units */
     int32_t rotation_q30[9];
     int64_t fx_q12, fy_q12, cx_q12, cy_q12;
     uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
@@ -52,10 +50,10 @@ typedef struct fxs_view {
     int32_t row_q15[2][3];         /* rows 1 and 2 of f'/f * rotation * 2^-jacobian_exponent */
     int32_t forward_q15[2][3];     /* f'/f * row 3 of the rotation */
     int32_t cut_q11;
-    int32_t offset_q11;            /* -2 ln(opacity factor of the object), at most FXS_FAINT_Q11 + 1 */
+    int32_t offset_q11;            /* -2 ln(the object's opacity factor), at most FXS_FAINT_Q11 + 1 */
     uint32_t share_q8;             /* drawn share of a chunk's optical depth; 256: all; 1 to 4096 */
     int32_t grow_q16;              /* log2 of the growth of a chunk's sigmas, 0 to 1 */
-    int sh_degree, antialiased;    /* of the object's scene */
+    int sh_degree, antialiased;    /* copied from the object's scene */
     enum fxs_cutoff cutoff;
     int orthographic;              /* 1: projects all Gaussians as if z were 2^plane_exponent */
     int32_t plane_exponent;
@@ -67,29 +65,29 @@ typedef struct fxs_splat {
     uint32_t u0_q24, v0_q24;       /* plus 2^10, to round a shift by 11 */
     int32_t ux_q24, uy_q24, vy_q24;
     uint16_t offset_q11;           /* -2 ln(opacity), 0 to 22697 */
-    int16_t colour_q13[3];         /* 0 to 4 */
+    int16_t colour_q13[3];         /* range 0 to 4 */
     uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
 } fxs_splat;
 
-/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse at v. A, B
-   and C are the variance of x, the covariance of x and y, and the variance of y, in pixels^2. */
+/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse. A, B, C:
+   variance of x, covariance, variance of y, pixels^2. */
 typedef struct fxs_bounds {
-    int32_t cx_q14, cy_q14;        /* centre of the Gaussian, pixels; 0 is the centre of the first pixel */
-    uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
-    int32_t shear_q8;              /* B / sqrt(C), pixels */
+    int32_t cx_q14, cy_q14;        /* centre, pixels; 0 is the centre of the first pixel */
+    uint32_t breadth_q8;           /* breadth = sqrt(A - B^2 / C), pixels */
+    int32_t shear_q8;              /* shear = B / sqrt(C), pixels */
     uint32_t half_width_q8;        /* r sqrt(A) + (r sqrt(A)) / 256 + 1/8, pixels */
-    uint32_t square_radius;        /* FXS_CUTOFF_SQUARE: half a side of the square, ceil(3 sigma_max) pixels; else 0 */
+    uint32_t square_radius;        /* FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
 } fxs_bounds;
 
-#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
+#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* = 65536 pixels */
 #define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil, a Gaussian listed in every tile */
 
-/* Range of tile columns or tile rows, first to last. Empty if first > last. */
+/* Tile columns or rows, first to last. Empty if first > last. */
 typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-/* Number of elements that `spans` and `note` may write beyond the requested ones. Both store whole vectors. */
+/* Elements that `spans` and `note` may write beyond the requested ones. */
 #define FXS_SPANS_MORE 15
 #define FXS_NOTES_MORE 15
 
@@ -101,8 +99,8 @@ static inline uint32_t fxs_macros(int32_t tiles)
     return (uint32_t)(tiles + FXS_MACRO - 1) / FXS_MACRO;
 }
 
-/* The tiles that a splat touches, if all lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3 are the mask
-   of the macro tile in row r and column c. The bits from 36 on number the upper left macro tile in the picture. */
+/* The tiles that a splat touches, if they lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3 are the
+   mask of the macro tile in row r and column c. The bits from 36 on number the upper left macro tile. */
 typedef struct fxs_box {
     uint64_t bits;
 } fxs_box;
@@ -118,7 +116,7 @@ typedef uint64_t fxs_key;
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
 #define FXS_KEY_SLOT(key) ((uint32_t)(key))
 
-/* Low half of a sort key in a macro tile's list: slot << 4 | mask of the macro tile's tiles. */
+/* Low half of a key in a macro tile's list: slot << 4 | mask of tiles. */
 #define FXS_MAX_SLOTS (1u << 28)
 #define FXS_LISTED(slot, mask) ((uint32_t)(slot) << 4 | (uint32_t)(mask))
 #define FXS_LISTED_SLOT(key) ((uint32_t)(key) >> 4)
@@ -128,15 +126,15 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* Auxiliary outputs of `trace` for each pixel of a tile: the source of depths and ids. `which` selects the arrays. An
-   entry is numbered by its index in the list passed to `trace`. */
+/* Auxiliary outputs of `trace` for each pixel of a tile. `which` selects the arrays. Entries are numbered by their
+   index in the list passed to `trace`. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
 typedef struct fxs_trace {
     unsigned which;
     int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depth code, at most 32767 */
     int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last entry blended at transmittance 1/2 or more */
-    int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight of an entry so far */
+    int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight so far */
     int16_t largest[FXS_TILE_PIXELS];       /* ID: first entry with the largest weight */
     int16_t end[FXS_TILE_PIXELS];           /* END, input: entries from `end` on do not contribute */
 } fxs_trace;
@@ -145,23 +143,23 @@ typedef struct fxs_trace {
 
 struct fxs_object_view;            /* defined in src/core/object.h */
 
-/* Tiles for a back end to draw: first_tile to last_tile, numbered row by row. A run may begin and end within a row.
-   The list of tile t is the counts[t] entries before entries[ends[t]]. Without lists (draw_unlisted), entries, ends
-   and counts are null, and `keys` has every splat that touches the tiles. */
+/* Tiles for a back end to draw: first_tile to last_tile, numbered row by row. The list of tile t is the counts[t]
+   entries before entries[ends[t]]. Without lists (draw_unlisted), entries, ends and counts are null, and `keys` has
+   every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
-    const fxs_view *view;          /* in world space */
+    const fxs_view *view;          /* camera in world space */
     const fxs_options *options;
     const fxs_splat *splats;       /* indexed by slot */
     const fxs_bounds *bounds;
-    const uint32_t *depths;        /* depth keys (fxs_depth_key), indexed by slot */
-    const fxs_key *keys;           /* sort keys, near to far; null with lists */
+    const uint32_t *depths;        /* fxs_depth_key, indexed by slot */
+    const fxs_key *keys;           /* near to far; null with lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
-    const fxs_tile *blended;       /* with draw_blended: tiles that the kernels have blended, or null */
+    const fxs_tile *blended;       /* with draw_blended: tiles blended by the kernels, or null */
     const fxs_targets *targets;    /* targets of the whole picture */
-    const uint32_t *indices;       /* indexed by slot: the Gaussian's index in the chunks of all objects */
+    const uint32_t *indices;       /* indexed by slot: index of the Gaussian in the chunks of all objects */
     const struct fxs_object_view *objects;
     uint32_t object_count;
 } fxs_tile_run;
@@ -177,7 +175,7 @@ static inline int fxs_is_premultiplied(enum fxs_format format)
     return format == FXS_FORMAT_RGBA8_COVERAGE || format == FXS_FORMAT_RGBA16_COVERAGE;
 }
 
-/* Converts an 8-bit background colour to the format that resolve adds. */
+/* Converts an 8-bit background to the format of resolve. */
 static inline int fxs_background_q13(int background)
 {
     return (background * 8192 + 127) / 255;
@@ -188,9 +186,9 @@ static inline uint16_t fxs_rgb565(int r, int g, int b)
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
-/* Converts a depth of a target to a depth key; `bits` is the number of fraction bits of the depth. Keys sort like
-   depths z: 6 bits of floor(log2 z) + 32, from -32 to 31, then the 26 bits after the leading one. Depths below 2^-32
-   have the key 0. Depths above 2^32 and FXS_NOTHING have the largest key. */
+/* Converts a target's depth, with `bits` fraction bits, to a depth key. Keys sort like depths z: 6 bits of
+   floor(log2 z) + 32, from -32 to 31, then the 26 bits after the leading one. Depths below 2^-32 have the key 0.
+   Depths above 2^32 and FXS_NOTHING have the largest key. */
 static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
 {
     const int zeros = fxs_clz32(depth | 1);
@@ -198,7 +196,7 @@ static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
            : !depth ? 0 : (uint32_t)(63 - zeros - bits) << 26 | ((depth << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Converts a depth key to a depth of a target, rounded down. */
+/* Converts a depth key to a target's depth, rounded down. */
 static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
 {
     const int shift = (int)(key >> 26) - 32 + bits - 26;
@@ -206,11 +204,11 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
-/* Fraction bits of a pixel's sum of weighted depths, in units of the target. A Gaussian at depth 2^octave (1 + code)
-   with weight w adds w + fxs_mul_q15(w, code), times 2^shift. Integer sums do not depend on the order. */
+/* Fraction bits of a pixel's sum of weighted depths. A Gaussian at depth 2^octave (1 + code) with weight w adds w +
+   fxs_mul_q15(w, code), times 2^shift. */
 #define FXS_DEPTH_GUARD 8
 
-/* Returns the code of a depth key, which is the depth's position within its octave, 0 to 1. */
+/* Returns the depth's position within its octave, 0 to 1. */
 static inline int fxs_depth_code_q15(uint32_t key)
 {
     return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
@@ -224,8 +222,8 @@ static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
     return shift < 0 ? 0 : (uint64_t)sum_q15 << shift;
 }
 
-/* Returns the mean depth of a pixel, rounded to nearest. `sum` is the pixel's sum of weight * depth (fxs_depth_sum).
-   The weights add up to 1 - transmittance. */
+/* Returns a pixel's mean depth, rounded to nearest. `sum` is its sum of weight * depth; the weights add up to 1 -
+   transmittance. */
 static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
 {
     const uint64_t weight = (uint64_t)(FXS_CLEAR_Q15 - transmittance_q15) << FXS_DEPTH_GUARD;
@@ -233,55 +231,54 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
     return !weight || mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
 }
 
-/* The function of each rendering stage, for one chunk of 256 Gaussians or one tile per call. */
+/* The rendering stages. A call works on one chunk of 256 Gaussians or one tile. */
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
 
     /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat without its colour,
-       bounds, index in the scene (ascending) and depth key. Returns the number of appended Gaussians, at most 256.
-       Returns FXS_ERR_SCENE if the chunk's header is out of range, which means that the opened scene was changed. */
+       bounds, index in the scene (ascending) and depth key. Returns the number of appended Gaussians, at most 256,
+       or FXS_ERR_SCENE if the chunk's header is out of range. */
     int32_t (*project)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
-    /* Fills in the colours of `count` splats of one chunk. indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
+    /* Fills in the colours of `count` splats of one chunk, indices ascending. Returns 0, or FXS_ERR_SCENE like
+       project. */
     int (*shade)(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
                  uint32_t count, fxs_splat *splats);
 
     void (*bin)(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                 uint32_t count, fxs_box *boxes);
 
-    /* Finds the tile columns of a splat on the tile rows `row` to row + rows - 1, all within its bounding box. May
-       write up to 15 spans more. */
+    /* Finds the tile columns of a splat on `rows` tile rows from `row` on, all within its bounding box. May write up
+       to 15 spans more. */
     void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
                   int32_t row, int32_t rows, fxs_span *spans);
 
-    /* Lists the macro tiles of the slots `first` to first + count - 1. Each pair has the macro tile in `macros` and
-       slot << 4 | mask in `listed`. A slot has at most 9 pairs, in any order. May write up to 15 pairs more. Returns
-       the number of pairs. */
+    /* Lists the macro tiles of `count` slots from `first` on. Each pair has the macro tile in `macros` and slot << 4
+       | mask in `listed`. A slot has at most 9 pairs, in any order. May write up to 15 pairs more. Returns the
+       number of pairs. */
     uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
-    /* Sorts `count` keys. `spare` has the capacity of `keys`. Sorting is fast if keys of equal depth arrive almost in
-       the order of their slots. */
+    /* Sorts `count` keys. `spare` has the same capacity. Fast if keys of equal depth arrive almost in ascending
+       order of slots. */
     void (*sort)(fxs_key *keys, fxs_key *spare, uint32_t count);
 
-    /* Extracts the list of one tile, 0 to 3, from the `count` keys of its macro tile: the slots with the bit `tile`
-       in their masks. `entries` has room for `count`. Returns the length of the list. */
+    /* Extracts the list of one tile, 0 to 3, from the `count` keys of its macro tile. `entries` has room for
+       `count`. Returns the length of the list. */
     uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
     /* Blends a list of splats, near to far, into the tile at pixel (x, y). */
     void (*blend)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, fxs_tile *tile);
 
-    /* Like blend, but also fills *trace, the source of depths and ids. Blends the entries `first` to before `end` (at
-       most 32767) of a list, and continues from the state of *tile and *trace. depths_q15 has a depth code for each
-       of these entries; null if no mean depth is wanted. */
+    /* Like blend, but also fills *trace. Blends the entries `first` to before `end` (at most 32767) of a list, and
+       continues from *tile and *trace. depths_q15 has a depth code for each entry; null: no mean depth. */
     void (*trace)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   fxs_tile *tile, fxs_trace *trace);
 
-    /* Writes `columns` x `rows` pixels of a tile over the options' background. `format` is one of the first four
-       formats; fxs_resolve_colour derives the other formats. */
+    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. */
     void (*resolve)(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
@@ -325,7 +322,7 @@ static inline void fxs_run(const fxs_config *config, void (*job)(void *argument,
             job(argument, i);
 }
 
-/* Returns the first item of part `i`, with `count` items divided into `parts` parts. */
+/* Returns the first item of part `i` of `parts` parts of `count` items. */
 static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 {
     return (uint32_t)((uint64_t)count * i / parts);
