@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/fuzz.sh SECONDS: fuzzes each target for SECONDS. TARGETS names some targets. JOBS targets run at once. Failing
-# inputs are kept in the build's folder fuzz.
+# tests/fuzz.sh SECONDS: fuzzes each target, or those in TARGETS, for SECONDS. Failing inputs are kept in the build's
+# folder fuzz.
 . tests/scripts/lib/check.sh
 seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
@@ -90,13 +90,11 @@ seeds_of_scene() {
     done
 }
 
-# zstd SIZE: prints a zstd frame with SIZE zeros as a raw block.
 zstd() {
     printf '\50\265\57\375\40'"\\$(printf %o "$1")\\$(printf %o $(($1 * 8 + 1)))\\0\\0"
     head -c "$1" /dev/zero
 }
 
-# The first byte of an input controls tests/fuzz_spz.c.
 seeds_of_spz() {
     int='\0\0\0' long='\0\0\0\0\0\0\0' zeros='\0\0\0\0'
     for version in 1 2 3; do
@@ -280,7 +278,6 @@ seeds_of_fxs() {
 
 seeds_of_scribble() { seeds_of_fxs; }
 
-# An undamaged scene, and damage with right checksums, for each kind of source.
 seeds_of_pager() {
     for kind in 0 1 2 3 4; do
         for profile in 0 1 2; do
@@ -366,7 +363,7 @@ seeds_of_photos() {
         )\"file_path\": \"a\", $frame" '' '' >lists
 }
 
-# A fit of a few Gaussians. tests/fuzz_checkpoint.c adapts the fit to its own photograph.
+# A fit of a few Gaussians.
 seeds_of_checkpoint() {
     (
         . "$root/tests/scripts/lib/photos.sh"
@@ -380,7 +377,7 @@ seeds_of_checkpoint() {
 sanitizers=address,undefined,float-cast-overflow
 # -O0 compiles four times faster.
 [ "$seconds" -gt 1 ] && optimised=-O1 || optimised=-O0
-# Unwritten strings have no final 0, to be noticed.
+# The fill pattern leaves unwritten strings without a final 0.
 compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -Isrc/include -I. \
     -ftrivial-auto-var-init=pattern -gline-tables-only $optimised -fsanitize=fuzzer-no-link,$sanitizers \
     -fno-sanitize-recover=all"

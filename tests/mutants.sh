@@ -64,7 +64,8 @@ by_words() {
           print shared, $0 }'
 }
 
-# candidates FILE: prints "WORDS NAME" for each test that may detect a change of FILE.
+# candidates FILE: prints "WORDS NAME" for each test NAME that may detect a change of FILE. WORDS is the number of
+# words that NAME shares with FILE.
 candidates() {
     by_words "$1" $programs
     by_words "$1" $long | grep -v '^0'

@@ -1,7 +1,7 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once; those in $ALONE run alone. Prints totals
-# and writes junit.xml. A program or script ends with "N passed, N failed, N skipped". A gate prints "ok", "FAIL" or
-# "skip". LIMIT: seconds per test (600); names in $LONG have six times as long.
+# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once; those in $ALONE run alone. A program or
+# script ends with "N passed, N failed, N skipped". A gate prints "ok", "FAIL" or "skip". Writes junit.xml. LIMIT:
+# seconds per test (600); names in $LONG have six times as long.
 B=${B:-build}
 results=$B/tests/results
 
@@ -48,7 +48,7 @@ if [ "$1" = --one ]; then
     exit 0
 fi
 
-# make's job server is closed for scripts that call make.
+# Scripts that call make must not use the job server of the outer make.
 MAKEFLAGS=$(printf '%s\n' "$MAKEFLAGS" | sed -e 's/ *-j[0-9]*//' -e 's/ *--jobserver-[a-z]*=[0-9a-zA-Z:,/_-]*//g')
 export MAKEFLAGS
 unset MAKELEVEL

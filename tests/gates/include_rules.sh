@@ -48,7 +48,6 @@ files() {
     find "$@" -type f \( -name '*.[ch]' -o -name '*.inc' -o -name '*.cu' -o -name '*.cuh' \) 2>/dev/null
 }
 
-# Prints a line "FILE KIND NAME" for every include.
 files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
     sed -E 's/^([^:]*):[^"<]*(["<])([^">]*).*/\1 \2 \3/' |
     ROOMS=$rooms PUBLIC=$public awk '

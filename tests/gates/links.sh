@@ -24,7 +24,6 @@ faults=$(awk -v examples=" $examples " '
         gsub(/ /, "-", text)
         return text
     }
-    # Returns whether a path exists. A * matches any characters except /.
     function there(path,    pattern, p) {
         if (path !~ /\*/)
             return path in exists

@@ -5,7 +5,6 @@ cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
 most=1536
-# Exempt: depths and ids, picking, counting pairs. sort_by_top is never called.
 larger='fxs_trace_tile|pick_tile|count_tile|fxs_draw_tile'
 
 if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then

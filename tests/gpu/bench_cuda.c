@@ -15,7 +15,8 @@
 #include "peek.h"
 
 enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };
-enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes per pixel */
+enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes per pixel of
+                                                                                           depths and ids */
 
 static fxs_message failure;
 static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
@@ -25,7 +26,7 @@ static uint32_t object_count, budget;
 typedef struct kind {
     enum fxs_cutoff cutoff;
     int ids, means;                /* ids: median depth and id; means: mean depth too */
-    int eyes;                      /* 2: a stereo pair; 0: one frame */
+    int eyes;                      /* eyes: 2 for a stereo pair, 0 for one frame */
 } kind;
 
 static int compare_floats(const void *a, const void *b)
@@ -52,7 +53,7 @@ static fxs_options options_of(const kind *k)
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
-    for (int a = 0; a < 3 && k->eyes; a++)     /* distance between the eyes: 0.0625 */
+    for (int a = 0; a < 3 && k->eyes; a++)     /* the eyes are 0.0625 apart */
         frame.camera.position_q32[a] += (int64_t)camera->rotation_q30[a] * (i ? 1 : -1) >> 3;
     const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
     if (k->ids) {

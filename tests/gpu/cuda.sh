@@ -77,7 +77,7 @@ for options in "--stereo 0.063" "--stereo 0.063 --foveate" "--foveate" \
                "--stereo 0.063 --budget 30000" "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
     options="$options --size 960x1024 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
-    for limit in "" "--max-memory 240M"; do    # with the limit, the device holds only part of the scene
+    for limit in "" "--max-memory 240M"; do    # below the limit, only part of the scene is on the device
         cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda $limit 2>&1)
         echo "$options $limit: $cpu $cuda"
         [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"

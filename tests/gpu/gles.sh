@@ -1,9 +1,9 @@
 #!/bin/sh
 # tests/gpu/gles.sh [FOLDER [SIZE]]: compares pictures of the OpenGL ES back end with the processor's, for each .fxs
-# scene in FOLDER (default: procedural scenes). Prints milliseconds:
+# scene in FOLDER. Prints milliseconds:
 #   frame         a whole frame, including upload and reading back
-#   blend         the blend and resolve stages, by the processor's clock
-#   device        the blend and resolve stages, by the GPU's timer; 0: no timer
+#   blend         blend and resolve, by the processor's clock
+#   device        blend and resolve, by the GPU's timer; 0: no timer
 cd "$(dirname "$0")/../.." || exit 1
 folder=$1 size=${2:-1280x720} B=${B:-build}
 fixsplat=$B/fixsplat

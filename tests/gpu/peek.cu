@@ -1,4 +1,4 @@
-/* Gives tests access to internal buffers of the CUDA back end. The file includes the back end's source. */
+/* Gives tests access to buffers of the CUDA back end, by including its source. */
 #include <stdlib.h>
 
 #include "kernels/cuda/cuda.cu"
@@ -72,7 +72,6 @@ __global__ void compare_levels(unsigned long long *wrong)
         return;
     const uint32_t u_q24 = (uint32_t)u << 11 | (uint32_t)(offset * 37 & 2047);
     for (int swap = 0; swap < 2; swap++) {
-        /* The first half has v = 0 and any u, the second half u = 0 and any v. */
         const float row = row_level(swap ? u_q24 : 0, offset), coordinate = coordinate_q6(swap ? 0 : u_q24);
         const int level = __float_as_int(__fmaf_rd(coordinate, coordinate, row));
         const int limit = LEVEL_ONE + 2 * fxs_limit_q11(offset, FXS_CUT_Q11) + 1;

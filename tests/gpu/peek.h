@@ -1,4 +1,4 @@
-/* Gives tests access to internal buffers of the CUDA back end. */
+/* Gives tests access to buffers of the CUDA back end. */
 #ifndef PEEK_H
 #define PEEK_H
 
@@ -8,9 +8,9 @@
 extern "C" {
 #endif
 
-/* Host copies of the device buffers after the last frame in slot 0. Free with peek_free. */
+/* Host copies of the buffers after the last frame in slot 0. Free with peek_free. */
 typedef struct peeked {
-    void *splats;                  /* array of fxs_splat, indexed by splat */
+    void *splats;                  /* array of fxs_splat */
     uint32_t *counts, *ends;
     uint64_t *entries;             /* the list of tile t has counts[t] entries and ends at ends[t] */
 } peeked;
@@ -18,8 +18,8 @@ typedef struct peeked {
 int peek(fxs_cuda *cuda, peeked *out);
 void peek_free(peeked *p);
 
-/* Copies the level-of-detail cut of the last frame, the chosen tree nodes, to *drawn (fxs_drawn; release with free).
-   *by_device: 1 if the device computed the cut. Returns 0 on success. */
+/* Copies the level-of-detail cut of the last frame, which is the list of drawn tree nodes. Free *drawn with free.
+ * *by_device: 1 if the device chose the nodes. Returns 0 on success. */
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
 
 /* Returns 1 if a tile list of `count` entries is sorted in place, into 32-bit entries without depths. */

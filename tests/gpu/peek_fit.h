@@ -1,4 +1,4 @@
-/* Gives tests access to internal buffers of fits on CUDA. */
+/* Gives tests access to buffers of fits on CUDA. */
 #ifndef PEEK_FIT_H
 #define PEEK_FIT_H
 
@@ -10,7 +10,7 @@ extern "C" {
 
 /* Host copies of the first device's buffers after the last photograph. Free with peek_fit_free. */
 typedef struct peeked_fit {
-    fxs_fit_splat *splats;         /* indexed by Gaussian */
+    fxs_fit_splat *splats;
     uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
@@ -22,10 +22,10 @@ void peek_fit_free(peeked_fit *p);
 
 int peek_fit_narrow(void *engine, uint32_t capacity);
 
-/* Returns the bytes of device memory taken from the first device's budget. */
+/* Returns the bytes of device memory in use. */
 uint64_t peek_fit_bytes(const void *engine);
 
-/* Returns for how many alpha from 2^-9 to 0.99 the function odds_of differs from the exact quotient; -1 on failure. */
+/* Returns for how many alpha the kernels' 1 / (1 - alpha) differs from the quotient; -1 on failure. */
 long peek_fit_odds(void);
 
 /* Runs a kernel that traps. Afterwards all CUDA calls of the process fail, as after a lost device. */

@@ -1,6 +1,6 @@
 /* Compares the CUDA back end with the processor: splats, tile lists and every target.
  *   test_cuda [--quick] [FILE.fxs...]
- * --quick: few random frames, for the sanitizers. */
+ * --quick: few random frames. */
 #include <inttypes.h>
 
 #include <fixsplat/backend.h>
@@ -104,7 +104,6 @@ static void random_options(fxs_options *options)
         options->background[c] = (uint8_t)between(0, 255);
 }
 
-/* Enlarges the picture, so that splats cover more than 8x8 tiles. */
 static void enlarge(fxs_camera *camera, int32_t times)
 {
     camera->width *= times;
@@ -174,7 +173,7 @@ static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum 
     }
 }
 
-/* Some occluder depths are FXS_NOTHING or 0. */
+/* Some occluder depths are 0 or FXS_NOTHING, which means no depth. */
 static void fill_in(pictures *p, const fxs_camera *camera)
 {
     for (size_t i = 0; i < p->bytes; i++)
@@ -611,7 +610,8 @@ static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_
     return equal;
 }
 
-/* Random trees must give the processor's cut and picture. Every tenth tree is too deep for the device. */
+/* Random level-of-detail trees must give the processor's nodes and picture. Every tenth tree is too deep for the
+   device. */
 static void test_cut(void)
 {
     int of_device = 0, of_host = 0;
@@ -636,7 +636,7 @@ static void test_cut(void)
     CHECK(of_device > of_host || quick);
 }
 
-/* Trees with more equal keys than shared memory sorts, and a damaged tree. */
+/* Level-of-detail trees with more equal keys than shared memory sorts, and a damaged tree. */
 static void test_equal_keys(void)
 {
     fxs_camera camera;
@@ -701,7 +701,7 @@ static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats
     return error;
 }
 
-/* Scenes larger than the memory limit, starting with an empty pool. */
+/* Scenes larger than the memory limit. */
 static void test_pool(void)
 {
     state = 57;
@@ -823,7 +823,7 @@ static void check_long_lists(int count)
         CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
         CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
                           FXS_FORMAT_RGBA8, 0));
-        /* With little capacity for bins, lists have fewer parts and blend in rounds. */
+        /* With little capacity for bins, long lists are split into fewer parts and blended in rounds. */
         for (uint64_t split = 0; split < stats.entries; split = 3 * split + stats.entries / 20) {
             peek_limit_room(cuda, stats.entries, split);
             CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));
@@ -843,7 +843,7 @@ static void test_long_lists(void)
     check_long_lists(cases(12));
 }
 
-/* GPUs with 99 KiB of shared memory per block process fewer tiles at once, without blend_dense. */
+/* GPUs with 99 KiB of shared memory per block process fewer tiles at once. */
 static void test_small_blocks(void)
 {
     fxs_cuda *const whole = cuda;

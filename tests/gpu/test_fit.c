@@ -1,6 +1,6 @@
-/* Compares fit steps on CUDA with the processor: every buffer, bit by bit, for random models and pictures.
+/* Compares fit steps on CUDA with the processor: every buffer, bit by bit.
  *   test_fit [--quick]
- * --quick: a few small models, for the sanitizers. */
+ * --quick: a few small models. */
 #include "src/fit/stepper.c"
 
 #include <fixsplat/system.h>
@@ -43,7 +43,7 @@ static void fill_model(fxs_fit_model *m, const what *w)
     }
 }
 
-/* Sets values that a fit should never meet: zero rotations, NaN, infinity, huge and tiny numbers. */
+/* Sets zero rotations, NaN, infinity, and huge and tiny numbers. */
 static void spoil_model(fxs_fit_model *m)
 {
     static const float bad[] = {0, NAN, INFINITY, 1e30f, -1e30f, 1e-30f};
@@ -313,7 +313,7 @@ static void test_steps(void)
     }
 }
 
-/* Entries of equal depth keep their order, even if a list has more than one sort takes. */
+/* Entries of equal depth keep their order in lists longer than a sort takes. */
 static void test_one_depth(void)
 {
     const what w = {.width = 37, .height = 27, .count = quick ? 2500 : 20000, .degree = 1, .batch = 1,
@@ -339,7 +339,7 @@ static void test_batches(void)
     }
 }
 
-/* Exposures of one photograph, of five, and of more photographs than a sum has parts. */
+/* Exposures of one photograph, of five, and of very many. */
 static void test_exposures(void)
 {
     static const uint32_t gains[] = {MOST_GAINS, 5, 1};

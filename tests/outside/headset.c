@@ -16,7 +16,7 @@
 #include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
-#define NEAR_PLANE 0.1f            /* the depth images' planes are 0.1 and 100 */
+#define NEAR_PLANE 0.1f            /* planes of the depth images: 0.1 and 100 */
 
 /* ---- Imitations of XrPosef, XrFovf, XrView and a swapchain ------------------------------------------------------- */
 
@@ -99,7 +99,7 @@ static void attach(GLuint framebuffer, GLenum attachment, GLuint texture)
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 }
 
-/* Makes the colour and depth textures of a swapchain, as xrCreateSwapchain does. */
+/* Makes the colour and depth textures of a swapchain. */
 static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
 {
     static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -170,7 +170,7 @@ typedef struct program {
     fxs_gles *gles;
     fxs_compute *compute;
     fxs_compute_scene copy;
-    GLuint medians, ids, copies, copying;          /* copies: a copied texture; copying: its framebuffer */
+    GLuint medians, ids, copies, copying;
     GLuint to_depth, to_words;
     void *allocation, *memory;
     size_t bytes;
@@ -380,8 +380,7 @@ static int open_graphics(program *p, int by_compute, void **egl)
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     p->context.config.kernels = &fastest;
     fxs_options_init(&p->options);
-    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);      /* more memory than compute
-                                                                                      shaders need */
+    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);
     p->allocation = malloc(p->bytes + 63);
     p->memory = (void *)(((uintptr_t)p->allocation + 63) / 64 * 64);
     return p->allocation == 0;

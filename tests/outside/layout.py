@@ -29,7 +29,7 @@ def lines():
     for name in dir(library):
         try:
             value = getattr(library, name)
-        except NotImplementedError:                                # a variable
+        except NotImplementedError:                                # a variable; its struct is listed already
             continue
         if not name.startswith("FXS_VERSION"):
             yield f"{name} {value if isinstance(value, int) else ffi.typeof(value).cname}"

@@ -21,7 +21,6 @@ static inline void picture_camera(fxs_camera *camera)
     camera->position_q32[2] = -((int64_t)10 << 32);
 }
 
-/* Prints the hash of the picture's bytes. Returns 0, or 1 if the picture is empty. */
 static inline int picture_print(const unsigned char *pixels)
 {
     uint32_t sum = 2166136261u, lit = 0;
@@ -33,7 +32,7 @@ static inline int picture_print(const unsigned char *pixels)
     return fxs_version() != FXS_VERSION_NUMBER || lit < 1000;
 }
 
-/* Draws the scene with the core alone. Returns 0, or 1 if the picture is empty. */
+/* Draws the scene with the core alone and prints the picture's hash. Returns 0, or 1 if the picture is empty. */
 static inline int picture(const fxs_scene *scene)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];

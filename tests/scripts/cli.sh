@@ -561,8 +561,6 @@ check "bench --json: keys" keys logs/out gaussians width height threads cpu cuto
 check "bench --json: values" grep -q '^{"gaussians": 2000, "width": 64, "height": 48, "threads": 2, "cpu": "c", '\
 '"cutoff": "square", "backend": "cpu", ' logs/out
 
-# ---- compare ---------------------------------------------------------------------------------------------------------
-
 "$fixsplat" render knot.ply $small --bg 010101 -o near.png
 succeeds "compare" compare knot.png near.png --diff difference.png
 check "compare: says how far" grep -Eq '^PSNR [0-9.]+ dB, SSIM [0-9.]+, largest difference 1$' logs/out

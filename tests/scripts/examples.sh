@@ -1,6 +1,5 @@
 #!/bin/sh
-# Builds docs/examples/engine.c against the installed library. The picture around the mesh must equal the command's,
-# and picks must equal `render --pick`.
+# Builds docs/examples/engine.c against the installed library. Picture and picks must equal the command's.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

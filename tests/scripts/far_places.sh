@@ -164,7 +164,6 @@ check "--block: nothing is written" [ ! -e part.fxs ]
 
 mkdir tiles
 "$fixsplat" convert plain.ply tiles/tile.glb
-# A tile's transform has z up. The Gaussians get a .ply's axes: -x, -z, -y.
 cat >tiles/tileset.json <<'END'
 {"asset": {"version": "1.1"}, "geometricError": 1, "root": {"refine": "ADD", "geometricError": 0,
  "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, -500000,0,-450000,1], "content": {"uri": "tile.glb"}}}

@@ -50,7 +50,7 @@ through() {
     ln pipe.$ending held.$ending
     cat held.$ending >got &
     run "$@" pipe.$ending
-    : <>held.$ending   # ends cat if nothing was written
+    : <>held.$ending
     wait
     check "a FIFO as .$ending: stays" [ -p pipe.$ending ]
     check "a FIFO as .$ending: the bytes" cmp got plain.$ending
@@ -65,7 +65,7 @@ through rad $convert
 through glb $convert
 through csv $convert
 through png render knot.ply --size 64x48 -o
-# Links protect the devices: a faulty command would replace the link.
+# A faulty command replaces the links, not the devices.
 ln -s /dev/stdout out.ply
 check "standard output, to a pipe" equal "$("$fixsplat" $write out.ply | cksum)" "$(cksum <knot.ply)"
 { echo before && "$fixsplat" $write out.ply && echo after; } >mixed

@@ -7,7 +7,6 @@ differ() { [ "$1" != "$2" ] || { echo "both are $1"; return 1; }; }
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 lines_of() { wc -l <"$1" | tr -d ' '; }
 
-# ply FILE LINE...: each LINE has x y z r g b opacity, three ln(sigma), quaternion.
 ply() {
     file=$1
     shift

@@ -22,7 +22,6 @@ for command in $commands; do
     check "$command -V: the version" equal "$(cat logs/out)" "$("$fixsplat" --version)"
 done
 
-# Each command has --help all. A command with more than 25 options has a short --help too.
 "$fixsplat" help --table >logs/table
 for command in $commands; do
     count=$(cut -f 1 logs/table | grep -cx -- "$command")

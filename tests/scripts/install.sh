@@ -65,7 +65,7 @@ each clang c c99
 each clang c c11
 each clang++ c++ c++17
 
-# The core may need only four functions of the C library, and functions that compilers call.
+# The core needs only four functions of the C library, and functions that compilers call.
 needs() {
     nm "$1" | awk 'NF == 2 && $1 == "U" { need[$2] } NF == 3 { has[$3] }
         END { for (name in need) if (!(name in has)) print name }' |
@@ -81,7 +81,7 @@ if [ "$shared" ]; then
     nm -D --defined-only "$library/libfixsplat.so" | awk '$2 != "A" { print $3 }' | sort >"$work/versions"
     check "it shows names with fxs_ alone" equal "$(grep -v '^fxs_' "$work/versions")" ""
     check "each has the version that brought it" equal "$(grep -Ev '@@FIXSPLAT_1\.[0-9]+$' "$work/versions")" ""
-    # Programs built with 1.0 need the listed symbols. Until 1.0 is released, the list may grow.
+    # Programs built with 1.0 need these symbols. The list may grow until 1.0 is released.
     sed 's/$/@@FIXSPLAT_1.0/' tests/outside/names-1.0 >"$work/names-1.0"
     check "a program that was built with 1.0 finds its names" equal "$(comm -23 "$work/names-1.0" "$work/versions")" ""
     case $version in 1.0.0-*) ;; *)

@@ -60,7 +60,6 @@ done
 
 # ---- Camera files of other programs ----------------------------------------------------------------------------------
 
-# Camera 0 of `barrel` looks along z with y down, which is a pitch of 180 degrees.
 mkdir exports
 echo '#name,x,y,alt,heading,pitch,roll,f,px,py,k1
 a.jpg,0,0,-6,0,180,0,33.75,0,0,-0.3' >exports/a.csv

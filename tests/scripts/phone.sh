@@ -18,7 +18,6 @@ int main(int argc, char **argv) { (void)argc, (void)argv; return SDL_Init(0) + !
     $arm -I/usr/include/SDL2 -x c - -lSDL2 -lEGL -o "$work/links" 2>/dev/null; then
     skip phone "no libraries of arm64 here: docs/porting.md says how to get them"
 else
-    # Wraps the arm64 command as a program of the host.
     mkdir "$work/by_qemu"
     cat >"$work/by_qemu/fixsplat" <<END
 #!/bin/sh

@@ -54,7 +54,6 @@ aarch64() {
         variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_PNG $golden $libraries -o %" qemu-aarch64
 }
 
-# Runs the x86 kernels without /usr/include, which has the host's headers.
 i686() {
     alone="$i686 -nostdinc -isystem $($i686 -print-file-name=include) -isystem /usr/i686-linux-gnu/include"
     variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS='-O1 -Werror' LDFLAGS=-static NVCC=none \

@@ -3,7 +3,7 @@
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
-XDG_STATE_HOME=$work/state                         # folder of the list of recent scenes
+XDG_STATE_HOME=$work/state
 export XDG_STATE_HOME
 server= viewer=
 trap 'kill $viewer $server 2>/dev/null; rm -rf "$work"' EXIT

@@ -510,7 +510,6 @@ knot.ply"
     (cd 'only this' && exec "$wine" start /wait fixsplat-view.exe "$whole\\short.ply") >logs/out 2>&1 &
     says_why() { titled '^fixsplat - short.ply: '; }
     check "a damaged scene that is dropped on the program: the window says why" until_ says_why
-    # The console opens later and takes the keyboard focus.
     ends() { ! says_why || { timeout 5 xdotool windowfocus --sync "$window" key Escape; false; }; }
     check "and Escape closes it" until_ ends
     end_wine

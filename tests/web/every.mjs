@@ -7,7 +7,7 @@ import { run, scenes, viewOf } from './chromium.mjs'
 
 const SIZE = [1280, 720]
 const LOADS = 50
-const FIRST = 50 // number of scenes that fill the browser's caches
+const FIRST = 50
 const MORE = 1.05 // limit: memory at the end over memory after FIRST scenes
 
 const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)

@@ -71,7 +71,7 @@ const words = {
       const bytes = new Uint8Array(readFileSync(path))
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
-        if (path.endsWith('.splat') && end % 32 === 0) continue       // a .splat file of whole records is valid
+        if (path.endsWith('.splat') && end % 32 === 0) continue
         // an .spz file is valid without the extension data at its end
         if (path.endsWith('.spz') && end >= bytes.length - 12) continue
         await refused(bytes.slice(0, end), /./)
@@ -182,7 +182,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // Arguments PLY FXS. Endless answers, and answers that claim 2 GB, are refused after their first bytes.
+  // Arguments PLY FXS. Answers that are endless or claim 2 GB are refused at once.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),

@@ -72,8 +72,7 @@ const row = (i, opacity) => {
         Math.log(alpha / (1 - alpha)), ...scale, w, x, y, z]
 }
 
-// A node with opacity A above 1 is drawn as A opaque Gaussians at one place, 1 - (1 - e^(-z^2 / 2))^A. Here A is at
-// most 64.
+// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place.
 const rows = i => {
     const code = half(first[4 * i + 3] & 65535), d = Math.min(4 * code - 3, 5)
     if (!tree || code <= 1) return [row(i, code)]

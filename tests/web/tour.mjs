@@ -160,7 +160,7 @@ const tests = {
     assert.deepEqual(await outside(), [[], false])
     const arrows = () => inside(`return ['earlier', 'later', 'linkTo'].map((id) => $(id).checkVisibility())`)
     assert.deepEqual(await arrows(), [true, true, true])
-    await inside(`v.settings = '/scenes/one.json'`) // React sets properties, not attributes
+    await inside(`v.settings = '/scenes/one.json'`)
     await until('v.annotations.length === 1')
     await inside('await v.goTo(0)')
     assert.deepEqual(await arrows(), [false, false, true])

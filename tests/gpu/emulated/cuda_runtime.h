@@ -16,7 +16,7 @@
 #define __host__
 #define __device__
 #define __global__
-#define __shared__ static          /* one copy is enough, as blocks run one after another */
+#define __shared__ static          /* blocks run one after another, so one copy is enough */
 #define __grid_constant__
 #define __noinline__ __attribute__((noinline))
 #define __launch_bounds__(...)
@@ -237,7 +237,6 @@ inline float __int_as_float(int x)
     return emulated::from_bits<float>(emulated::to_bits(x));
 }
 
-/* Multiply-add and add, rounded down. */
 float __fmaf_rd(float a, float b, float c);
 float __fadd_rd(float a, float b);
 

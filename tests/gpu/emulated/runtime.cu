@@ -36,7 +36,6 @@ struct coroutine {
     bool has_begun, has_ended;
 };
 
-/* The lanes that have arrived at a meeting point, their values, and the values of the last complete meeting. */
 struct lanes_meeting {
     uint32_t here;
     uint64_t times, coming[32], all[32];
@@ -50,7 +49,7 @@ struct block_meeting {
 coroutine threads[THREADS_MOST];
 jmp_buf scheduler;
 uint32_t now, alive;
-bool has_moved;                            /* whether a thread has moved in the current round */
+bool has_moved;                            /* 1: a thread has moved in the current round */
 lanes_meeting warps[THREADS_MOST / 32];     /* one meeting per warp */
 std::map<uint32_t, lanes_meeting> parts_of_warps[THREADS_MOST / 32];
 block_meeting barriers[BARRIERS];
@@ -183,11 +182,10 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 struct event {
-    uint64_t recorded, done, time;         /* number of queued records, of executed records, and time of the last
-                                              record */
+    uint64_t recorded, done, time;         /* records queued, records executed, time of the last record */
 };
 
-/* A queued operation of a stream: work, or a wait for the n-th record of an event. */
+/* Work of a stream, or a wait for the n-th record of an event. */
 struct operation {
     std::function<void()> work;
     event *awaited;
@@ -204,7 +202,7 @@ stream default_stream;
 std::vector<stream *> streams = {&default_stream};
 uint64_t chance = 1, steps;
 
-/* Runs the next operation of a randomly chosen stream. Returns false if every stream is blocked. */
+/* Runs the next operation of a random stream. Returns false if every stream is blocked. */
 bool take_step()
 {
     std::vector<stream *> ready;

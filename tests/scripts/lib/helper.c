@@ -82,7 +82,7 @@ static int hang(int port, int count, char **command)
         const int s = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
         setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
         if (connect(s, (const struct sockaddr *)&to, sizeof to))
-            break;   /* the server accepts no more connections */
+            break;
         send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);
     }
     const pid_t child = fork();

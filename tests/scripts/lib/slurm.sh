@@ -75,7 +75,6 @@ slurm_start() {
     slurm_daemon munged -F --force --key-file="$slurm_folder/munge.key" --socket="$slurm_folder/munge.socket" \
         --pid-file="$slurm_folder/munge.pid" --seed-file="$slurm_folder/munge.seed"
     munged=$!
-    # Ports differ between parallel tests, but may still be taken.
     for port in $((20000 + $$ % 5000 * 2)) $((40000 + $$ % 5000 * 2)); do
         slurm_write $port
         slurm_until 20 test -S "$slurm_folder/munge.socket" || break
