@@ -85,7 +85,6 @@ sums() { find build/src build/kernels build/port build/tools -name '*.o' -exec c
 
 symbols() { nm --defined-only -f posix "$@" | awk 'NF > 2 { print $1 }' | sort -u; }
 
-# The time limit is ten seconds plus four times the test's time without a change.
 run_test() {
     limit=$(awk -v name="$1" '$2 == name { print int($1 * 4 + 10) }' "$folder/times")
     case $1 in

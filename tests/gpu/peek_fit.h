@@ -25,7 +25,7 @@ int peek_fit_narrow(void *engine, uint32_t capacity);
 /* Returns the bytes of device memory in use. */
 uint64_t peek_fit_bytes(const void *engine);
 
-/* Returns for how many alpha the kernels' 1 / (1 - alpha) differs from the quotient; -1 on failure. */
+/* Returns for how many alpha the kernels' alpha / (1 - alpha) differs from the exact quotient; -1 on failure. */
 long peek_fit_odds(void);
 
 /* Runs a kernel that traps. Afterwards all CUDA calls of the process fail, as after a lost device. */

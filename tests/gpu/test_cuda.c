@@ -701,7 +701,6 @@ static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats
     return error;
 }
 
-/* Scenes larger than the memory limit. */
 static void test_pool(void)
 {
     state = 57;
@@ -823,7 +822,6 @@ static void check_long_lists(int count)
         CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
         CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
                           FXS_FORMAT_RGBA8, 0));
-        /* With little capacity for bins, long lists are split into fewer parts and blended in rounds. */
         for (uint64_t split = 0; split < stats.entries; split = 3 * split + stats.entries / 20) {
             peek_limit_room(cuda, stats.entries, split);
             CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));

@@ -313,7 +313,6 @@ static void test_steps(void)
     }
 }
 
-/* Entries of equal depth keep their order in lists longer than a sort takes. */
 static void test_one_depth(void)
 {
     const what w = {.width = 37, .height = 27, .count = quick ? 2500 : 20000, .degree = 1, .batch = 1,
@@ -339,7 +338,6 @@ static void test_batches(void)
     }
 }
 
-/* Exposures of one photograph, of five, and of very many. */
 static void test_exposures(void)
 {
     static const uint32_t gains[] = {MOST_GAINS, 5, 1};

@@ -99,7 +99,6 @@ static void attach(GLuint framebuffer, GLenum attachment, GLuint texture)
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 }
 
-/* Makes the colour and depth textures of a swapchain. */
 static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
 {
     static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -340,7 +339,7 @@ static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
         return puts(message.text), 1;
     fxs_scene_file_close(file);
     fxs_object_init(&p->object, &p->scene);
-    p->object.scale_q32 = (int64_t)1 << 30;        /* scale 1/4, which makes the scene two metres wide */
+    p->object.scale_q32 = (int64_t)1 << 30;
     return fxs_scene_open(&p->scene, packed->data, packed->bytes) != 0;
 }
 

@@ -65,7 +65,6 @@ exec "$COMMAND" "$@"
 END
 chmod +x programs/fixsplat
 
-# measure COMMAND... PART: measures one part of the document. Sets $status and writes document.md.
 measure() {
     cat "$root/docs/measured.md" >document.md
     (cd "$root" && SCENES=$work/${SCENES_HERE:-none} B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err

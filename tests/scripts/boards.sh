@@ -139,7 +139,6 @@ fi
 
 # ---- A scene with levels of detail ------------------------------------------------------------------------------------
 
-# draws_at_most BOARD: each frame draws nearly as many slots as the budget, and never more.
 draws_at_most() {
     grep -o '^step .* drawn [0-9]*' "$work/log" | awk -v budget="$budget" '
         { frames++; if ($NF > budget || $NF < 0.9 * budget) wrong = 1 }

@@ -228,7 +228,6 @@ for said in "-1 0.511px" "99999999999999999999 0.511px" "400 nan" "400 -1px" "40
 done
 POINTS= ERROR=
 
-# On a full disk the mapper leaves truncated files, with any exit status.
 for file in images.bin cameras.bin points3D.bin; do
     CUT=$file
     [ $file != cameras.bin ] || CUT="images.bin points3D.bin"
@@ -337,7 +336,6 @@ rm -rf film.fxs.cameras calls
 check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet
 check "60 of few" equal "$(grep -o 'eq(n' calls | wc -l | tr -d ' ')" 60
 
-# full NAME WORDS: fills the disk while frames are written, and then runs again with space.
 full() {
     rm -rf full.fxs.cameras
     fails "$1" 1 "$2.*: ffmpeg did not write all frames whole, .*: see full.fxs.cameras/log.txt; the same command goes on" \

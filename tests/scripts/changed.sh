@@ -11,7 +11,6 @@ if ! "$fixsplat" convert "$work/knot.ply" "$work/whole.fxs" 2>"$work/err"; then
     exit
 fi
 
-# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE, bench ends with status 1 and WORDS.
 ends() {
     name=$1 words=$2 change=$3 fxs=$work/scene.fxs
     shift 3

@@ -166,7 +166,6 @@ away='--eye 0,0,-100 --look 0,0,-200'
 succeeds "everything behind the camera" render knot.ply $small $away -o black.ppm
 tail -c $((64 * 48 * 3)) black.ppm >black.rgb
 check "everything behind the camera: black" all_zero black.rgb
-# A frame fits in the size named by the message, but not in one byte less.
 words='a frame of 64x48 does not fit in --max-memory [0-9]*: it needs at least [0-9]* bytes$'
 fails "--max-memory 1: too little" 1 "$words" render knot.ply $small --threads 1 --max-memory 1 --hash
 needed() { sed -n 's/.*at least \([0-9]*\) bytes$/\1/p' logs/err; }

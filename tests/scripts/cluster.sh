@@ -115,7 +115,6 @@ refused "steps" "more than the coarse fit's 3000" set -o x.fxs --blocks 2 --step
 refused "an engine" "expected parallel or slurm" set -o x.fxs --blocks 2 --engine lsf
 refused "an option" "no such option" set -o x.fxs --blocks 2 --recipe fast
 
-# A name with characters special to echo, a shell, GNU parallel and Slurm.
 odd='a\tb\c "$(exit)" %a {} '"'"
 mkdir "$odd"
 cp -r set "$odd/set"

@@ -314,7 +314,6 @@ for name in x x.gltf x.ksplat x.html x.ply.gz meta.json .sog .compressed.sog/x; 
     fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
 done
 
-# With IN as OUT, all of IN is read before the file is replaced.
 for ending in $endings; do
     case $ending in csv | fxs) continue ;; esac
     "$fixsplat" convert knot.ply in.$ending 2>logs/err

@@ -124,7 +124,6 @@ fi
 
 # ---- Wheels ----------------------------------------------------------------------------------------------------------
 
-# Dependencies come from PyPI, or without a network from the system.
 python=${PYTHON:-python3}
 "$python" -c 'import numpy, cffi' 2>/dev/null || python=/usr/bin/python3
 begin

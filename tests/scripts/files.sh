@@ -78,7 +78,6 @@ check "a device: stays" [ -c /dev/null ]
 
 # ---- Inputs ----------------------------------------------------------------------------------------------------------
 
-# Inputs are recognised by device and inode, under any name.
 taken='is read and cannot be written too$'
 render='render knot.ply --size 64x48'
 succeeds "a scene for its folder" convert knot.ply set.sog

@@ -119,7 +119,6 @@ rm -f it.* "it's.ply"
 
 # ---- The subject -----------------------------------------------------------------------------------------------------
 
-# The cameras look at the middle, and see 13 * 24 / 60 units up and down there.
 cp -r set around
 awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * sin(i), 90, 90, 90, 0 }' \
     >>around/sparse/0/points3D.txt

@@ -107,7 +107,6 @@ refused "render --pool: cut short" 1 'short.fxs: damaged or cut short' render sh
 { head -c 300000 knot.fxs; printf damaged; tail -c +300008 knot.fxs; } >damaged.fxs
 refused "render --pool: damaged" 1 'damaged.fxs: chunk .* is damaged' render damaged.fxs --pool 9M --hash
 
-# An .fxs of 64 MiB or more is paged without --pool if the budget is small.
 "$fixsplat" make-scene landscape --count 600000 -o large.ply
 "$fixsplat" convert large.ply large.fxs --levels
 camera='--eye 4.6,-1.9,-12.7 --look 0,-2.2,0'

@@ -8,7 +8,6 @@ have perl || { skip "masks" "no perl here"; finish; exit; }
 
 # ---- Photographs and masks -------------------------------------------------------------------------------------------
 
-# The names end in .png, but the files are .ppm.
 make_photographs 12
 "$fixsplat" render knot.ply --cameras set/sparse/0 --view all -o set/images/%02d.ppm
 for i in 00 01 02 03 04 05 06 07 08 09 10 11; do mv set/images/$i.ppm set/images/$i.png; done

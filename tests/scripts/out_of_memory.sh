@@ -99,7 +99,6 @@ survives o.png compare a.png b.png --diff o.png
 survives o.png compare a.jpg b.png --diff o.png
 survives - bench knot.ply --size 64x48 --threads 2
 
-# The server skips an answer and runs on, or ends with one line at its start.
 serves() {
     rm -f logs/served
     FAULT_AT=$1 FAULT_EVER=$2 LD_PRELOAD=$faults "$fixsplat-web" --web --port 0 knot.ply >logs/served 2>logs/err &

@@ -85,7 +85,6 @@ done
 echo '1 passed, 0 failed, 0 skipped'
 END
 
-# No process of `endless` runs after five seconds. Zombies (Z) are ignored.
 none_left() {
     tries=50
     while cut -d ' ' -f 3 $(sed 's|[0-9]*|/proc/&/stat|g' "$work/processes") 2>/dev/null | grep -v Z; do

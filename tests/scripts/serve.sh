@@ -15,7 +15,6 @@ case $(cat logs/err) in
 esac
 have curl || { skip serve "no curl here"; finish; exit; }
 
-# A page with known bytes, and files beside it that must not be served.
 mkdir -p page/viewer page/.hidden
 echo '<!doctype html>' >page/viewer/index.html
 echo secret | tee page/.hidden/x page/.x beside.txt >page/viewer/.x

@@ -20,7 +20,6 @@ kernels_are_exact() {
     done
 }
 
-# fixsplat.js replaces only bytes of product instructions.
 products_are_found() {
     for name in simd threads; do
         is=$(wasm-dis --all-features "$package/$name.wasm" 2>/dev/null | grep -c i16x8.q15mulr_sat_s)
@@ -28,7 +27,6 @@ products_are_found() {
     done
 }
 
-# same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: each WebAssembly module draws the command's picture.
 same_picture() {
     camera=$1 options=$2 objects=$3 files=
     shift 3

@@ -28,7 +28,6 @@ in_turns() {
     done >>"$work/times"
 }
 
-# table SIZE: summarises `times`. Two threads must take at most twice the native time.
 table() {
     awk -v size="$1" '
         !($2 > 0) { failed = 1 }

@@ -229,7 +229,6 @@ reopen() {
 click_first() { xdotool mousemove --window "$window" $((WIDTH / 2)) $((HEIGHT / 2 + 6)) click 1; }
 
 check "recent scenes" equal "$(cat "$work/state/fixsplat/recent")" "$work/knot.ply"
-# A damaged scene is reported in the window, which stays open.
 head -c 200 "$work/knot.ply" >"$work/cut.ply"
 echo "$work/cut.ply" >>"$work/state/fixsplat/recent"
 after_damaged() {

@@ -172,7 +172,6 @@ gone() {
     tries=0
     while get -o logs/body "$at/"; do [ $((tries += 1)) -lt 50 ] || return 1; sleep 0.1; done
 }
-# answers: prints the answer to each line of `requests` (address and curl options), without times.
 answers() {
     while read -r path options; do
         get $options -D logs/head -o logs/body "$at$path"

@@ -124,7 +124,6 @@ const against = (whole, frames) => summary(frames.map((frame, i) => psnr(frame, 
 const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.ply`, to =>
     run('node', `${modules}/splat-transform-3/bin/cli.mjs`, '-q', '-w', '-g', 'cpu', scene.source, mode, count, to))
 
-// Keeps the Gaussians with the largest opacity * mean projected area.
 const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to => {
     const bytes = readFileSync(scene.source), end = bytes.indexOf('end_header\n') + 11
     const text = bytes.toString('latin1', 0, end)

@@ -20,7 +20,7 @@ const KINDS = {
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** functions that change the text of a served package file, by file name */
+/** functions that change a served file, by file name */
 export const changes = {}
 /** state of the scene server: bytes sent, delay in seconds, ETag, changes of answers */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }

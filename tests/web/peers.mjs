@@ -176,7 +176,7 @@ function processorTime(root) {
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/** Records the time of each picture. Reading back a pixel completes a WebGL frame. */
+/** Reading back a pixel completes a WebGL frame. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {

@@ -56,7 +56,6 @@ function prepare() {
   }
 }
 
-/** Simulates a phone with one view, and AR sessions that find a wall and level surfaces at given heights. */
 function prepareRoom() {
   const { test } = window
   Object.assign(test, { isPhone: false, heights: [0], finds: true, hasFloor: true, hasPage: true, asked: [] })
@@ -577,7 +576,7 @@ const tests = {
     await page.setUserAgent('Mozilla/5.0 (X11; Linux x86_64; Quest 3) OculusBrowser/35.0 Chrome/126.0')
     await page.goto(`${base.replace('127.0.0.1', 'far.test')}/viewer/index.html?scene=/scenes/scene.ply`)
     await still()
-    faults.length = 0 // the browser warns that the page is not isolated
+    faults.length = 0
     assert.equal(await inside('return isSecureContext'), false)
     await inside(`$('headset').click()`)
     await until(`/https/.test($('words').textContent)`)

@@ -185,7 +185,6 @@ struct event {
     uint64_t recorded, done, time;         /* records queued, records executed, time of the last record */
 };
 
-/* Work of a stream, or a wait for the n-th record of an event. */
 struct operation {
     std::function<void()> work;
     event *awaited;

@@ -10,7 +10,7 @@ mkdir logs
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
-# Runs the command. Sets $status, and writes logs/out and logs/err.
+# Sets $status, and writes logs/out and logs/err.
 run() {
     "$fixsplat" "$@" >logs/out 2>logs/err
     status=$?
@@ -43,7 +43,6 @@ psnr_of() {
     "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
 }
 at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
-# looks_as FILE ORIGINAL FLOOR OPTION...: the mean PSNR must reach FLOOR.
 looks_as() {
     file=$1 like=$2 floor=$3
     shift 3

@@ -12,7 +12,6 @@ variant() {
     variants="$variants $1"
 }
 
-# Two variants run at once. All variants must print the random frames of the first variant.
 run_variants() {
     printf '%s\n' $variants | xargs -P 2 -I NAME sh -c "
         sh '$work/NAME.build' >'$work/NAME.log' 2>&1 && sh '$work/NAME.run' >'$work/NAME.log' 2>&1

@@ -33,7 +33,6 @@ builds() {
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
-# at_most BYTES FILE...: limits the sum of the gzipped file sizes.
 at_most() {
     limit=$1 bytes=0 names=
     shift
