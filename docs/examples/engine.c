@@ -119,7 +119,7 @@ static fxs_gl_function load(void *unused, const char *name)
 /* The compute back end draws all stages on the GPU, with OpenGL ES 3.1. The other back end projects and sorts on the
    processor and blends in fragment shaders, with OpenGL ES 3.0. Both give the same bytes. */
 typedef struct drawer {
-    fxs_compute *compute;                                  /* null: fragment shaders */
+    fxs_compute *compute;                                  /* null: the fragment shader back end draws */
     fxs_compute_scene scene;
     fxs_gles *gles;
     fxs_context context;
@@ -141,7 +141,7 @@ static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
         d->memory = malloc(fxs_compute_memory(request));
         return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
     }
-    fxs_init(&d->context, NULL);                           /* fixsplat/pool.h adds threads */
+    fxs_init(&d->context, NULL);                           /* one thread; fixsplat/pool.h adds more */
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     d->context.config.kernels = &fastest;

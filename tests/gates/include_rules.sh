@@ -1,10 +1,9 @@
 #!/bin/sh
-# Checks the include rules. Each source folder may include only its own headers and those of the folders listed after
-# it in the table.
+# Checks that each source folder includes only its own headers and the headers that the tables below allow.
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# Each line has a folder, then the folders that its files may include. The first matching line counts.
+# Each line has a folder, then the folders that its files may include headers of. The first matching line counts.
 rooms='
 src/core
 src/base        src/core

@@ -16,7 +16,7 @@
 #include <fixsplat/internal/packed.h>
 #include "kernels/compute/gl31.h"
 
-#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constant of EXT_disjoint_timer_query */
 
 enum { WARM_UP = 5, REPEATS = 31, SIZE_MOST = 8192 };
 

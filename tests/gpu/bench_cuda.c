@@ -25,7 +25,7 @@ static uint32_t object_count, budget;
 
 typedef struct kind {
     enum fxs_cutoff cutoff;
-    int ids, means;                /* ids: median depth and id; means: mean depth too */
+    int ids, means;                /* 1: median depth and id targets (ids), mean depth target (means) */
     int eyes;                      /* eyes: 2 for a stereo pair, 0 for one frame */
 } kind;
 

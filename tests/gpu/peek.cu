@@ -64,7 +64,7 @@ const uint32_t STEPS_OF_COORDINATES = 80001;
 
 __global__ void compare_levels(unsigned long long *wrong)
 {
-    /* Coordinates advance by 1 up to +-33000, then by 144 up to +-128, where they wrap. */
+    /* Steps of 1 to +-33000, then of 144 to +-128 in u, where coordinates wrap. */
     const int step = (int)(blockIdx.x % STEPS_OF_COORDINATES) - 40000, beyond = max(abs(step) - 33000, 0);
     const int u = step + (step < 0 ? -beyond : beyond) * 144;
     const int offset = (int)(threadIdx.x + blockIdx.x / STEPS_OF_COORDINATES * blockDim.x);

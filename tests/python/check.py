@@ -285,7 +285,7 @@ with fixsplat.Renderer() as renderer, fixsplat.load("knot.ply") as first:
     ok("a device drops what it keeps of a closed scene, once", calls == wanted, calls)
 
 
-# A true value or an exception stops a picture. Otherwise the picture is unchanged.
+# A stop function that returns true or raises ends the frame. Otherwise the picture is unchanged.
 asked = []
 whole_picture = scene.render(large, threads=2).colour
 same_picture = scene.render(large, threads=2, stop=lambda: asked.append(0)).colour

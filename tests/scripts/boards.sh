@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests board firmware under qemu: frames in strips have the host's bytes, and damaged flash gives a message.
-# FXS_PROCESSORS=all: every board, and a screen.
+# FXS_PROCESSORS=all adds all boards and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

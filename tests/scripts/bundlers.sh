@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests the npm package in programs: installed, bundled, opened in Chromium, and checked by TypeScript.
-# FXS_PROCESSORS=all: every bundler. ONLY=PATTERN: matching cases. PICTURES=FOLDER: pictures of failures.
+# FXS_PROCESSORS=all tests every bundler. ONLY=PATTERN selects cases. PICTURES=FOLDER keeps pictures of failures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs bundlers chromium esbuild npm -- puppeteer-core playcanvas

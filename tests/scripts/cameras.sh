@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
-# failures. FXS_PROCESSORS=all: the real programs place a film.
+# failures. FXS_PROCESSORS=all adds the real programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -115,7 +115,7 @@ mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
 check "they are the same" cmp below.fxs set.fxs
 
-# COLMAP gets masks under its own file names, white where photographs count.
+# COLMAP gets masks under COLMAP's file names, white where photographs count.
 cp -r plain masked && mkdir masked/masks inverse
 for colour in ffffff 000000; do
     "$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 --bg $colour -o $colour.png
@@ -405,7 +405,7 @@ else
         n=$((n + 1))
         ffmpeg -v error -y -i "$photo" -vf scale=$((n % 2 ? 1000 : 800)):-2 -q:v 2 small.jpg
         perl -e 'local $/; open A, "<:raw", $ARGV[0]; $a = <A>; open B, "<:raw", $ARGV[1]; $b = <B>;
-            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF; ffmpeg writes none
+            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF data; ffmpeg writes none
             print substr($b, 0, 2), substr($a, $i, $n), substr($b, 2)' "$photo" small.jpg >"two/$(basename "$photo")"
     done
     "$fixsplat" fit two --steps 20 --resolution 200 -o two.fxs >logs/out 2>logs/err

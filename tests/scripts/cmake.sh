@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests CMakeLists.txt: files and flags are make's, and outside programs draw the same picture. FXS_PROCESSORS=all:
-# also AArch64 and WebAssembly.
+# Tests CMakeLists.txt: files and flags are make's, and outside programs draw the same picture. FXS_PROCESSORS=all adds
+# AArch64 and WebAssembly.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 case $B in /*) ;; *) B=$PWD/$B ;; esac

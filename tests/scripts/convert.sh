@@ -360,7 +360,7 @@ succeeds "of a folder with a tileset" convert tiles tiles2.ply
 check "of a folder with a tileset: the same" cmp tiles.ply tiles2.ply
 "$fixsplat" convert tiles.ply tiles.csv
 "$fixsplat" convert knot.ply knot.csv
-# The axes of a tileset (z up) differ from those of a .ply, but distances agree.
+# The axes of a tileset differ from a .ply's, so only distances are compared.
 radii() { awk -F, 'NR > 1 { printf "%.3f\n", sqrt($1 * $1 + $2 * $2 + $3 * $3) }' $1 | sort -n; }
 cp tiles/0.glb 0.glb
 for force in '' --force; do

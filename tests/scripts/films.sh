@@ -64,7 +64,7 @@ check "--view all as .y4m: the same frames" cmp frames.one frames.two
 succeeds "--stereo as .y4m" render $three --view all --stereo 0.1 -o eyes.y4m
 check "--stereo as .y4m: both eyes" equal "$(head -n 1 eyes.y4m | cut -d ' ' -f 2,3)" "W128 H48"
 
-# The camera sees only the background. Y, Cb and Cr follow BT.709.
+# Y, Cb and Cr by BT.709 of a picture that shows only the background colour.
 away='--eye 0,0,-9 --look 0,0,-20'
 for colour in 'ffffff 235 128 128' '000000 16 128 128' 'ff0000 63 102 240' '00ff00 173 42 26' '0000ff 32 240 118'; do
     "$fixsplat" render knot.ply --size 1x1 $away --bg ${colour%% *} -o colour.y4m

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Checks that the random frames of tests/test_random.c are equal with each compiler and under sanitizers.
-# FXS_PROCESSORS=all: every optimisation level too.
+# FXS_PROCESSORS=all adds every optimisation level.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

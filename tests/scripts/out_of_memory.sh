@@ -1,7 +1,7 @@
 #!/bin/sh
 # Runs each command with one failing allocation, or with all later allocations failing too. The command must succeed,
-# or end with one line, status 1 and no leftovers. Tests 40 allocations of each command; FXS_PROCESSORS=all: 80;
-# EVERY=1: all.
+# or end with one line, status 1 and no leftovers. Tests 40 allocations of each command, 80 with FXS_PROCESSORS=all,
+# all with EVERY=1.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"

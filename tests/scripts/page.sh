@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests the viewer's page in headless Chromium: pixels, controls, error messages and download sizes. PICTURES=FOLDER
-# keeps pictures. FXS_PROCESSORS=all: every captured scene too.
+# keeps pictures. FXS_PROCESSORS=all adds every captured scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs page chromium -- puppeteer-core

@@ -15,7 +15,7 @@ cat >job.sh <<JOB
 [ "\$SLURM_ARRAY_TASK_ID" != 2 ] || [ -n "\$SLURM_RESTART_COUNT" ] || sleep 600
 exec $fixsplat convert scene.ply part-\$SLURM_ARRAY_TASK_ID.fxs --quiet --levels --block \$SLURM_ARRAY_TASK_ID/4
 JOB
-# Started in the main shell, which must own the daemons.
+# Slurm's daemons must be children of the main shell.
 if slurm_start "$work/slurm" >logs/slurm; then ok "Slurm starts"; else fail "Slurm starts" "$(cat logs/slurm)"; finish; exit; fi
 job=$(sbatch --parsable --requeue --array=1-4 --output=logs/task-%a job.sh)
 check "task 2 runs" slurm_running "${job}_2"

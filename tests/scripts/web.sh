@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests the npm package in Node and in Chromium: the command's bytes, error messages, memory and download sizes.
-# FXS_PROCESSORS=all: a view of every captured scene.
+# FXS_PROCESSORS=all adds a view of every captured scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web
@@ -10,7 +10,7 @@ relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# The kernels are exact with precise products, and with the relaxed products that fixsplat.js inserts.
+# test_kernels passes with precise SIMD products, and with the relaxed products that fixsplat.js inserts.
 kernels_are_exact() {
     for relaxed in '' $([ "$(RELAX=$relax web relaxed)" = true ] && echo yes); do
         RELAXED=$relaxed node --no-warnings $relax tests/web/wasi.mjs "$B/web/test_kernels.wasm" >"$work/log" 2>&1

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests the npm package with WebGPU in headless Chromium: the command's pixels, offscreen targets, lost devices and
-# errors. FXS_PROCESSORS=all: captured scenes and other engines too.
+# errors. FXS_PROCESSORS=all adds captured scenes and other engines.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core

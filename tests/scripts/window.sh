@@ -151,7 +151,7 @@ if open "$B/fixsplat"; then
     check "escape: status 0" [ $status = 0 ]
     check "not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
 fi
-"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a name that the printed command must quote
+"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a file name that must be quoted
 others="$work/cube's.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
 if open "$B/fixsplat"; then
     shot objects

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests the viewer in a simulated headset (iwer) in headless Chromium: pixels of both eyes, controllers, errors.
-# FXS_PROCESSORS=all: WebGPU too.
+# FXS_PROCESSORS=all adds WebGPU.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs xr chromium -- puppeteer-core iwer

@@ -95,7 +95,7 @@ static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 /* x * 2^-shift, rounded down. shift is 0 or more, also above 31. */
 static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 {
-#if defined(__CUDA_ARCH__)         /* device shifts accept any shift */
+#if defined(__CUDA_ARCH__)         /* CUDA's shift instruction accepts any count */
     uint32_t left;
     asm("shr.u32 %0, %1, %2;" : "=r"(left) : "r"(x), "r"(shift));
     return left;

@@ -56,15 +56,15 @@ extern "C" {
 #endif
 
 #define FXS_CHUNK 256
-#define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 5u             /* version without a tree */
-#define FXS_PACKED_VERSION_TREE 6u        /* version with a level-of-detail tree */
+#define FXS_PACKED_MAGIC 0x31535846u      /* the bytes "FXS1" */
+#define FXS_PACKED_VERSION 5u             /* version of files without a level-of-detail tree */
+#define FXS_PACKED_VERSION_TREE 6u        /* version of files with a level-of-detail tree */
 #define FXS_PACKED_ANTIALIASED 1u
-#define FXS_PACKED_UP 0x80000000u       /* the lower bits store the up vector: docs/format.md */
+#define FXS_PACKED_UP 0x80000000u       /* flag: the lower bits store the up vector (docs/format.md) */
 
-typedef struct fxs_packed_header {   /* 192 bytes */
+typedef struct fxs_packed_header {   /* size: 192 bytes */
     uint32_t magic, version;
-    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, including holes */
+    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, including empty slots */
     uint32_t chunk_bytes;            /* bytes of a chunk's rows */
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP */
@@ -75,7 +75,7 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t palette_entries;        /* palette entries per stage, 1 to 128; 0: no palette */
     uint32_t palette_step_q19;       /* palette coefficient = number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
-    uint32_t holes;                  /* empty slots before the last Gaussian */
+    uint32_t holes;                  /* number of empty slots before the last Gaussian */
     uint32_t start_tangent_q24;      /* start view: tangent of half the vertical field of view; 0: none */
     int64_t start_q32[3];            /* start view: camera centre */
     int32_t start_rotation_q30[4];   /* start view: unit quaternion w, x, y, z, world to camera */
@@ -87,7 +87,7 @@ typedef struct fxs_packed_header {   /* 192 bytes */
    for c = 0. Higher laws give finer steps for chunks of faint Gaussians. */
 #define FXS_OPACITY_LAWS 4u
 
-typedef struct fxs_chunk {           /* 128 bytes */
+typedef struct fxs_chunk {           /* size: 128 bytes */
     int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
     int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32 */
@@ -95,29 +95,30 @@ typedef struct fxs_chunk {           /* 128 bytes */
     uint32_t colour_step_q20[3];     /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t checksum;               /* in a file: CRC-32 of the chunk header with checksum 0, and of its rows */
     uint16_t sh_step_q19[3];         /* profile default: SH coefficient of degree d = code * sh_step[d - 1] */
-    uint16_t step_shift;             /* range 0 to 12 */
-    uint16_t scale_step_q24;         /* maximum 1026 */
-    uint16_t opacity_law;            /* range 0 to 3 */
+    uint16_t step_shift;             /* step_shift is 0 to 12 */
+    uint16_t scale_step_q24;         /* scale_step_q24 is at most 1026 */
+    uint16_t opacity_law;            /* opacity_law is 0 to 3 */
     int8_t sh_mean[48];              /* compact, small: mean SH, added to each Gaussian's SH */
 } fxs_chunk;
 
-#define FXS_TREE_MAGIC 0x54535846u        /* "FXST" */
+#define FXS_TREE_MAGIC 0x54535846u        /* the bytes "FXST" */
 
-typedef struct fxs_tree_header {     /* 64 bytes */
+typedef struct fxs_tree_header {     /* size: 64 bytes */
     uint32_t magic;
-    uint32_t node_count;             /* chunk_count - 1 */
+    uint32_t node_count;             /* equals chunk_count - 1 */
     uint32_t checksum;               /* in a file: CRC-32 of the tree header with checksum 0, nodes and padding */
     uint32_t reserved[13];           /* must be 0 */
 } fxs_tree_header;
 
 /* A node of the level-of-detail tree. The node's chunk of coarse Gaussians replaces both children's chunks. Leaves
    have the chunk numbers from 0 on; node i has number chunk_count + i. A node comes before its children. */
-typedef struct fxs_node {            /* 16 bytes */
-    uint32_t children[2];            /* chunk numbers */
+typedef struct fxs_node {            /* size: 16 bytes */
+    uint32_t children[2];            /* chunk numbers of both children */
     int16_t gain_q8;                 /* log2 of the squared error that the children remove, colours^2 units^2 */
     int16_t size_q8;                 /* log2 of the sigma of the differences to the children, units */
     int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of the node's Gaussians, units^2 */
-    uint16_t swell_q8;               /* log2 of the opacity sum of all leaves below over that of the node */
+    uint16_t swell_q8;               /* log2(opacity sum of all leaves below, each 1/255.5 or more, over the node's
+                                        own sum) */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)

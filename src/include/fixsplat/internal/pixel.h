@@ -17,7 +17,7 @@
 #define FXS_LEVEL_MAX_Q11 32767
 #define FXS_ALPHA_MAX_Q15 32440    /* largest alpha: 0.99 */
 #define FXS_CLEAR_Q15 32767        /* transmittance of an untouched pixel */
-#define FXS_CLOSED_Q15 33          /* 0.001: a pixel below accepts no more Gaussians */
+#define FXS_CLOSED_Q15 33          /* transmittance 0.001; a pixel below accepts no more Gaussians */
 
 /* a b, rounded to nearest, as pmulhrsw, vqrdmulh and i16x8.q15mulr_sat compute it. |a|, |b| <= 32768, not both
    -32768. */

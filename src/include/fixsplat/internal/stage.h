@@ -47,13 +47,13 @@ typedef struct fxs_view {
     int32_t hidden[2], hidden_end[2];              /* hidden part: first pixel and end (exclusive), x and y */
     int32_t veil_exponent;         /* smallest visible size exponent of a Gaussian with its centre out of range */
     int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of the row (1, 0, -x/z) */
-    int32_t row_q15[2][3];         /* rows 1 and 2 of f'/f * rotation * 2^-jacobian_exponent */
-    int32_t forward_q15[2][3];     /* f'/f * row 3 of the rotation */
+    int32_t row_q15[2][3];         /* rotation rows 1 and 2, times (fx, fy) / max(fx, fy) * 2^-jacobian_exponent */
+    int32_t forward_q15[2][3];     /* rotation row 3, times (fx, fy) / max(fx, fy) */
     int32_t cut_q11;
     int32_t offset_q11;            /* -2 ln(the object's opacity factor), at most FXS_FAINT_Q11 + 1 */
     uint32_t share_q8;             /* drawn share of a chunk's optical depth; 256: all; 1 to 4096 */
     int32_t grow_q16;              /* log2 of the growth of a chunk's sigmas, 0 to 1 */
-    int sh_degree, antialiased;    /* copied from the object's scene */
+    int sh_degree, antialiased;    /* properties of the object's scene */
     enum fxs_cutoff cutoff;
     int orthographic;              /* 1: projects all Gaussians as if z were 2^plane_exponent */
     int32_t plane_exponent;
@@ -62,20 +62,20 @@ typedef struct fxs_view {
 /* A projected Gaussian for the blend stage, 32 bytes. u = u0 + X ux + Y uy and v = v0 + Y vy for the pixel (X, Y),
    modulo 2^32. Both are right where |u|, |v| < 128, which holds in every tile that the ellipse touches. */
 typedef struct fxs_splat {
-    uint32_t u0_q24, v0_q24;       /* plus 2^10, to round a shift by 11 */
+    uint32_t u0_q24, v0_q24;       /* plus 2^10, which rounds a later shift by 11 */
     int32_t ux_q24, uy_q24, vy_q24;
     uint16_t offset_q11;           /* -2 ln(opacity), 0 to 22697 */
-    int16_t colour_q13[3];         /* range 0 to 4 */
+    int16_t colour_q13[3];         /* colour is 0 to 4 */
     uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
 } fxs_splat;
 
-/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse. A, B, C:
-   variance of x, covariance, variance of y, pixels^2. */
+/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse. (A B; B C)
+   is the covariance, pixels^2. */
 typedef struct fxs_bounds {
     int32_t cx_q14, cy_q14;        /* centre, pixels; 0 is the centre of the first pixel */
-    uint32_t breadth_q8;           /* breadth = sqrt(A - B^2 / C), pixels */
-    int32_t shear_q8;              /* shear = B / sqrt(C), pixels */
-    uint32_t half_width_q8;        /* r sqrt(A) + (r sqrt(A)) / 256 + 1/8, pixels */
+    uint32_t breadth_q8;           /* covariance (A B; B C): breadth = sqrt(A - B^2 / C), pixels */
+    int32_t shear_q8;              /* covariance (A B; B C): shear = B / sqrt(C), pixels */
+    uint32_t half_width_q8;        /* half the ellipse's width r sqrt(A), plus 1/256 of it and 1/8 pixel */
     uint32_t square_radius;        /* FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
 } fxs_bounds;
 
@@ -87,7 +87,7 @@ typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-/* Elements that `spans` and `note` may write beyond the requested ones. */
+/* Number of array elements that the stages `spans` and `note` may write beyond the requested ones. */
 #define FXS_SPANS_MORE 15
 #define FXS_NOTES_MORE 15
 
@@ -148,12 +148,12 @@ struct fxs_object_view;            /* defined in src/core/object.h */
    every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
-    const fxs_view *view;          /* camera in world space */
+    const fxs_view *view;          /* the camera in world space */
     const fxs_options *options;
-    const fxs_splat *splats;       /* indexed by slot */
+    const fxs_splat *splats;       /* splats, indexed by slot */
     const fxs_bounds *bounds;
-    const uint32_t *depths;        /* fxs_depth_key, indexed by slot */
-    const fxs_key *keys;           /* near to far; null with lists */
+    const uint32_t *depths;        /* depth keys, indexed by slot */
+    const fxs_key *keys;           /* sort keys, near to far; null with lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
