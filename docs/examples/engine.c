@@ -35,7 +35,7 @@ static int fail(const char *why)
     return 1;
 }
 
-/* ---- The engine -------------------------------------------------------------------------------------------------- */
+/* ---- The mesh and the textures ----------------------------------------------------------------------------------- */
 
 static void attach(int framebuffer, GLenum attachment, int texture, GLenum format)
 {

@@ -14,7 +14,7 @@ typedef struct peeked_fit {
     uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
-    float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes of floats */
+    float *picture, *derivatives, *gradient;   /* float planes: 3 for picture, 9 for derivatives, 3 for gradient */
 } peeked_fit;
 
 int peek_fit(void *engine, const fxs_fit_camera *camera, peeked_fit *out);

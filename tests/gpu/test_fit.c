@@ -17,7 +17,7 @@ typedef struct what {
     size_t count;
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: ln of a typical sigma */
-    uint32_t gains, poses;         /* number of exposures and of poses; 0: none */
+    uint32_t gains, poses;         /* number of fitted exposures and of fitted poses; 0: none */
     int is_affine;
     int is_antialiased;            /* 1: antialiased, with scales limited by the cameras */
     int has_far;                   /* 1: about half of the Gaussians have angular sizes */

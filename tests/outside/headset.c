@@ -128,7 +128,7 @@ static void locate_views(int frame, view views[2])
     }
 }
 
-/* ---- The program ------------------------------------------------------------------------------------------------- */
+/* ---- The OpenXR program ------------------------------------------------------------------------------------------ */
 
 /* Fills in the rotation from world to camera, with y down and z forward. OpenXR's orientation is camera to world,
    with y up and z back. */
@@ -248,7 +248,7 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
     return error ? printf("eye %d: %s\n", eye, fxs_strerror(error)), 1 : 0;
 }
 
-/* ---- The runtime's checks ---------------------------------------------------------------------------------------- */
+/* ---- Checks of the eyes' pictures -------------------------------------------------------------------------------- */
 
 static int compare_colours(const program *p, int eye, const swapchain *s)
 {

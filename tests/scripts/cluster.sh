@@ -91,7 +91,7 @@ fails "block 0 without a coarse fit" 2 "0 is for --coarse" $fit --block 0/3 -o x
 fails "coarse without block" 2 "coarse needs --block" $fit --coarse coarse.fit -o x.ply
 check "nothing was written" test ! -e x.ply
 
-# ---- The jobs --------------------------------------------------------------------------------------------------------
+# ---- Jobs of GNU parallel and Slurm ----------------------------------------------------------------------------------
 
 cluster() {
     to=$1

@@ -426,7 +426,7 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
         ratio = $(wc -c <theirs.spz) / $(wc -c <knot2.spz); exit !(ratio > 0.95 && ratio < 1.05) }"
     check "splat-transform writes .glb" transform knot.ply theirs.glb
     check "splat-transform writes .glb: as we do" looks_as knot2.glb theirs.glb 75
-    # splat-transform has x and y negated.
+    # splat-transform's coordinates have x and y negated.
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60

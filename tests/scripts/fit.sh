@@ -117,7 +117,7 @@ else
 fi
 rm -f it.* "it's.ply"
 
-# ---- The subject -----------------------------------------------------------------------------------------------------
+# ---- Crop to the subject ---------------------------------------------------------------------------------------------
 
 cp -r set around
 awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * sin(i), 90, 90, 90, 0 }' \
@@ -170,7 +170,7 @@ kill $! && wait $! 2>logs/shell
 check "into a file: two lines in the first seconds" [ $waited -lt 25 ]
 rm -f long.fxs.fit
 
-# ---- On a terminal ---------------------------------------------------------------------------------------------------
+# ---- Progress on a terminal ------------------------------------------------------------------------------------------
 
 if have script; then
     line="'$fixsplat' fit set --steps 1200 --threads 1 -o few.fxs"
@@ -262,7 +262,7 @@ fails "--log and --cameras-only" 2 "leave out --write-cameras and --log" fit set
 fails "--log of block 0" 2 "--block 0: nothing is fitted" fit set -o x.ply --block 0/2 --coarse set.fit --log fit.log
 rm -f part.fxs.fit set.fit fit.log new.log
 
-# ---- Quality ---------------------------------------------------------------------------------------------------------
+# ---- Measured quality ------------------------------------------------------------------------------------------------
 
 mkdir -p large/sparse/0 large/images
 sed 's/64 48 60 60 32 24/1700 1275 1594 1594 850 637/' set/sparse/0/cameras.txt >large/sparse/0/cameras.txt

@@ -72,7 +72,7 @@ fails "a value too many" 2 "info: --json=3: it takes no value" info x.ply --json
 fails "a scene in place of a command" 2 "no command before knot.ply: render it" knot.ply
 fails "a film that ffmpeg writes" 2 "-o - [|] ffmpeg -i - x.mp4" render knot.ply -o x.mp4
 
-# ---- Quiet -----------------------------------------------------------------------------------------------------------
+# ---- --quiet ---------------------------------------------------------------------------------------------------------
 
 run convert knot.ply knot.splat
 check "a note" says logs/err "cannot hold the SH"

@@ -93,7 +93,7 @@ FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not t
 check "nothing is made then" [ ! -e new3 ]
 unset FIXSPLAT_WEB
 
-# ---- Killed ----------------------------------------------------------------------------------------------------------
+# ---- Killed runs -----------------------------------------------------------------------------------------------------
 
 export FIXSPLAT_WEB="$work/page"
 faults=$work/logs/faults.so

@@ -308,7 +308,7 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    let [low, high] = [1, 200]                      // bisection for ten frames per second, in chunks of 256 Gaussians
+    let [low, high] = [1, 200]                      // bisects the number of chunks of 256 Gaussians
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

@@ -8,7 +8,7 @@ import { run, scenes, viewOf } from './chromium.mjs'
 const SIZE = [1280, 720]
 const LOADS = 50
 const FIRST = 50
-const MORE = 1.05 // limit: memory at the end over memory after FIRST scenes
+const MORE = 1.05 // largest ratio of memory at the end to memory after FIRST scenes
 
 const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)
 const files = readdirSync(`${scenes}/real`, { recursive: true }).filter(isScene)

@@ -5,7 +5,7 @@ export const VIEWS = {
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// JavaScript text of each viewer: returns a function that draws from an eye and waits for the GPU.
+// JavaScript source for each viewer. The code returns a function that draws from an eye and waits for the GPU.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]

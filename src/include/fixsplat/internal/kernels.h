@@ -20,7 +20,7 @@ enum fxs_cpu {
     FXS_CPU_AVX512 = 4,            /* AVX-512 F, BW, DQ, VL, CD and VBMI */
     FXS_CPU_NEON = 8,
     FXS_CPU_MVE = 16,              /* Helium, on Cortex-M */
-    FXS_CPU_CORTEX_M = 32,         /* DSP instructions of Cortex-M without Helium */
+    FXS_CPU_CORTEX_M = 32,         /* Cortex-M without Helium */
     FXS_CPU_SIMD128 = 64           /* WebAssembly */
 };
 
