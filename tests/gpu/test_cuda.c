@@ -841,7 +841,6 @@ static void test_long_lists(void)
     check_long_lists(cases(12));
 }
 
-/* GPUs with 99 KiB of shared memory per block process fewer tiles at once. */
 static void test_small_blocks(void)
 {
     fxs_cuda *const whole = cuda;

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Simulates a phone (AArch64, OpenGL ES 3.0) with qemu-user and Mesa's software driver, and compares pictures. Needs
-# Debian's arm64 libraries, installed as in docs/porting.md.
+# Simulates a phone (AArch64, OpenGL ES 3.0) with qemu-user and Mesa's software driver, and compares pictures.
+# docs/porting.md lists the arm64 libraries that Debian needs.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
