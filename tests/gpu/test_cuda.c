@@ -636,7 +636,6 @@ static void test_cut(void)
     CHECK(of_device > of_host || quick);
 }
 
-/* Level-of-detail trees with more equal keys than shared memory sorts, and a damaged tree. */
 static void test_equal_keys(void)
 {
     fxs_camera camera;

@@ -500,7 +500,7 @@ fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|b
     --backend gles-compute
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
 unset __EGL_VENDOR_LIBRARY_FILENAMES
-MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # hides a part of OpenGL ES 3.1
+MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # Mesa then lacks a part of OpenGL ES 3.1
 if "$fixsplat" info --backends | grep -q '^gles  *here: llvmpipe'; then
     fails "--backend gles-compute of OpenGL ES 3.0" 1 \
         "--backend gles-compute: OpenGL ES 3.1 is needed, this is OpenGL ES 3.0" render knot.ply $small --hash \
@@ -762,7 +762,6 @@ check "info --compare: nearly as compare says of the packed scenes" awk "BEGIN {
     d = $(sed 's/.*"worst_psnr": \([0-9.]*\).*/\1/' logs/out) - \
         $("$fixsplat" compare knot4.png knot1.png --json | sed 's/.*"psnr": \([0-9.]*\).*/\1/')
     exit d * d > 0.25 }"
-# In the scene layers.ply, two Gaussians of different colours share every position.
 run info layers.fxs --compare layers.ply --views 2 --size 320x240
 check "info --compare: what nudging coincident Gaussians changes" grep -Eq \
     '^nudged +[0-9.]+ +view [01] of the original, each Gaussian moved by 1e-6 of the distance$' logs/out

@@ -181,7 +181,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // Arguments PLY FXS. Answers that are endless or claim 2 GB are refused at once.
+  // Arguments PLY FXS. Server answers that are endless or claim 2 GB are refused at once.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),

@@ -1,4 +1,4 @@
-/* Implements the emulated CUDA of cuda_runtime.h. */
+/* Implements the emulated CUDA of cuda_runtime.h: coroutines, streams and memory. */
 #include <fenv.h>
 #include <setjmp.h>
 #include <ucontext.h>

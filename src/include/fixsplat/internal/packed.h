@@ -70,7 +70,7 @@ typedef struct fxs_packed_header {   /* size: 192 bytes */
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP */
     uint32_t checksum;               /* in a file: CRC-32 of the header with checksum 0; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the Gaussians' centres; unused by the renderer */
-    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part: docs/format.md */
+    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part of the scene: docs/format.md */
     uint32_t profile;
     uint32_t palette_entries;        /* palette entries per stage, 1 to 128; 0: no palette */
     uint32_t palette_step_q19;       /* palette coefficient = number * step; at most 32767 */

@@ -109,7 +109,7 @@ typedef struct fxs_box {
 #define FXS_BOX_TILES 6
 #define FXS_NARROW 4               /* a splat on 1 x 4 tiles or fewer is listed in its bounding box */
 #define FXS_NOWHERE ((fxs_box){0})
-#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* a splat too large for a box; list making finds its tiles */
+#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* marks a splat with too many tiles for a box */
 
 /* A sort key: depth in the high 32 bits, slot in the low 32 bits. */
 typedef uint64_t fxs_key;
@@ -132,11 +132,11 @@ enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END
 
 typedef struct fxs_trace {
     unsigned which;
-    int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depth code, at most 32767 */
-    int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last entry blended at transmittance 1/2 or more */
-    int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight so far */
-    int16_t largest[FXS_TILE_PIXELS];       /* ID: first entry with the largest weight */
-    int16_t end[FXS_TILE_PIXELS];           /* END, input: entries from `end` on do not contribute */
+    int16_t depth_q15[FXS_TILE_PIXELS];     /* FXS_TRACE_MEAN: sum of weight * depth code, at most 32767 */
+    int16_t median[FXS_TILE_PIXELS];        /* FXS_TRACE_MEDIAN: last entry blended at transmittance 1/2 or more */
+    int16_t weight_q15[FXS_TILE_PIXELS];    /* FXS_TRACE_ID: largest weight so far */
+    int16_t largest[FXS_TILE_PIXELS];       /* FXS_TRACE_ID: first entry with the largest weight */
+    int16_t end[FXS_TILE_PIXELS];           /* FXS_TRACE_END, input: entries from `end` on do not contribute */
 } fxs_trace;
 
 #define FXS_HALF_Q15 16384
